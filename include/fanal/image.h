@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/** Pictures in memory: reading, writing and comparing them. */
+#ifndef FANAL_IMAGE_H
+#define FANAL_IMAGE_H
+
+#include "fanal/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum fnl_pixel_format {
+    FNL_PIXEL_FORMAT_RGBA8 = 0, /**< 4 x uint8_t, 0..255 */
+    FNL_PIXEL_FORMAT_RGBA16,    /**< 4 x uint16_t in host byte order, 0..65535 */
+    FNL_PIXEL_FORMAT_RGBA32F,   /**< 4 x float */
+} fnl_pixel_format;
+
+/** A picture; rows from top to bottom, tightly packed. `pixels` is owned by whoever made the image. */
+typedef struct fnl_image {
+    uint32_t width, height;
+    fnl_pixel_format format;
+    void *pixels;
+} fnl_image;
+
+/** Bytes of one pixel of a format. */
+FNL_API size_t fnl_pixel_size(fnl_pixel_format format);
+
+/**
+ * Reads a PNG (8 or 16 bits), JPEG, WebP, Radiance HDR or OpenEXR file, recognised by its contents. PNG of more than 8
+ * bits gives RGBA16; HDR and EXR give RGBA32F (of an EXR the channels R, G, B, A; a lone Y is spread; missing alpha is 1).
+ * The pixels come from the host's allocator; free them with fnl_image_free.
+ */
+FNL_API fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out);
+FNL_API void fnl_image_free(const fnl_host *host, fnl_image *image);
+
+/**
+ * Writes a picture; the extension picks the format: .png (RGBA8 or RGBA16), .exr (RGBA32F, 32-bit channels, ZIP) or
+ * .hdr (RGBA32F). The file appears complete or not at all.
+ */
+FNL_API fnl_result fnl_image_save(const fnl_host *host, const char *path, const fnl_image *image);
+
+/** One named plane of a multi-channel EXR file; `stride` is the distance in floats between neighbouring pixels. */
+typedef struct fnl_exr_channel {
+    const char *name; /**< such as "R" or "normal.X" */
+    const float *values;
+    uint32_t stride;
+} fnl_exr_channel;
+
+/** Writes an OpenEXR file of 32-bit float channels, all of width x height pixels. The names must differ. */
+FNL_API fnl_result fnl_exr_save(const fnl_host *host, const char *path, uint32_t width, uint32_t height,
+                                const fnl_exr_channel *channels, uint32_t channel_count);
+
+/**
+ * How far two pictures of equal size are apart, over R, G, B and A. Integer formats are compared as value / maximum in
+ * [0, 1]; floats as they are. A NaN on one side only counts as an infinite difference; equal infinities and NaN on
+ * both sides count as equal.
+ */
+typedef struct fnl_image_difference {
+    double max;           /**< largest absolute difference of one channel */
+    double mean;          /**< mean absolute difference */
+    double rmse;          /**< root of the mean squared difference */
+    double psnr;          /**< 20 log10(peak / rmse) in dB, infinite for equal pictures; peak is 1, for floats the larger of 1 and the greatest finite value of the two */
+    double ssim;          /**< mean structural similarity of luma, 11x11 Gaussian window, sigma 1.5 (Wang et al. 2004); 1 is equal */
+    uint32_t max_x, max_y; /**< where `max` is found first, in reading order */
+    uint64_t differing_pixels;
+} fnl_image_difference;
+
+/** FNL_ERROR_INVALID when the sizes differ. Different pixel formats are compared in [0, 1]. */
+FNL_API fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, const fnl_image *b, fnl_image_difference *out);
+
+/**
+ * A picture of the differences: absolute difference per channel times `gain` (0: scaled so that the greatest is white),
+ * opaque RGBA8, free with fnl_image_free.
+ */
+FNL_API fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain, fnl_image *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Scenes: loaded from glTF, made by built-in generators, or put together by calls. A scene lives in host memory and
+ * needs no device; one scene may be rendered by several renderers. Calls on one scene are not thread-safe.
+ *
+ * Units are glTF's: metres, radians, candela (point and spot), lux (directional). Right-handed, +Y up.
+ */
+#ifndef FANAL_SCENE_H
+#define FANAL_SCENE_H
+
+#include "fanal/base.h"
+#include "fanal/image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fnl_scene fnl_scene;
+
+/** Handles: an index and a generation, so that a handle of something removed is recognised. All-zero is "none". */
+typedef struct fnl_image_id { uint32_t index, generation; } fnl_image_id;
+typedef struct fnl_material_id { uint32_t index, generation; } fnl_material_id;
+typedef struct fnl_mesh_id { uint32_t index, generation; } fnl_mesh_id;
+typedef struct fnl_instance_id { uint32_t index, generation; } fnl_instance_id;
+typedef struct fnl_light_id { uint32_t index, generation; } fnl_light_id;
+
+/** An empty scene. `host` may be NULL. */
+FNL_API fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out);
+/**
+ * Loads `source`: the path of a .gltf or .glb file, or "builtin:NAME?key=value&key=value" (docs/cli.md lists them).
+ * On failure `*out` is NULL and the log says which file, where in it, and what is wrong.
+ */
+FNL_API fnl_result fnl_scene_load(const fnl_host *host, const char *source, fnl_scene **out);
+FNL_API void fnl_scene_destroy(fnl_scene **scene);
+
+/* ---- images and materials ---- */
+
+/** Adds a copy of an RGBA8 picture. `color`: its RGB is sRGB-encoded (base colour, emission), else linear data. */
+FNL_API fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out);
+
+typedef enum fnl_alpha_mode { FNL_ALPHA_OPAQUE = 0, FNL_ALPHA_MASK, FNL_ALPHA_BLEND } fnl_alpha_mode;
+
+/** A glTF 2.0 metallic-roughness material. Textures multiply their factors; an all-zero id is no texture. */
+typedef struct fnl_material_params {
+    float base_color[4];          /**< linear RGB and alpha, 0..1; default 1, 1, 1, 1 */
+    float metallic;               /**< 0..1; default 1 */
+    float roughness;              /**< perceptual roughness, 0..1; default 1 */
+    float emissive[3];            /**< cd/m^2 (strength included), >= 0; default 0 */
+    float normal_scale;           /**< scales the normal map's x and y; default 1 */
+    float occlusion_strength;     /**< 0..1; default 1 */
+    float ior;                    /**< index of refraction of the dielectric part, >= 1, or 0 for none; default 1.5 */
+    float specular;               /**< strength of the dielectric specular part, 0..1; default 1 */
+    float specular_color[3];      /**< linear F0 tint of the dielectric part, >= 0; default 1 */
+    fnl_alpha_mode alpha_mode;    /**< default opaque */
+    float alpha_cutoff;           /**< for FNL_ALPHA_MASK; default 0.5 */
+    bool double_sided;            /**< default false */
+    bool unlit;                   /**< base colour is shown as it is; default false */
+    fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
+} fnl_material_params;
+
+FNL_API fnl_material_params fnl_material_params_default(void);
+FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
+
+/* ---- meshes and instances ---- */
+
+/** Triangles with one material. Arrays are copied. Missing normals and tangents are generated. */
+typedef struct fnl_mesh_params {
+    uint32_t vertex_count;        /**< 1 .. 2^32 - 2 */
+    uint32_t index_count;         /**< a multiple of 3; 0: vertices are used in order */
+    const float *positions;       /**< 3 per vertex, metres, finite; required */
+    const float *normals;         /**< 3 per vertex, unit, or NULL: flat ones are made */
+    const float *tangents;        /**< 4 per vertex, unit xyz and handedness +1 or -1, or NULL */
+    const float *uv;              /**< 2 per vertex, or NULL */
+    const float *colors;          /**< 4 per vertex, linear, multiply the base colour, or NULL */
+    const uint32_t *indices;      /**< each below vertex_count, or NULL with index_count 0 */
+    fnl_material_id material;     /**< all-zero: glTF's default material */
+} fnl_mesh_params;
+
+FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, fnl_mesh_id *out);
+
+/** Places a mesh. `transform` is affine, finite, and may mirror. */
+FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform, fnl_instance_id *out);
+FNL_API fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform);
+FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
+
+/* ---- lights ---- */
+
+typedef enum fnl_light_kind { FNL_LIGHT_DIRECTIONAL = 0, FNL_LIGHT_POINT, FNL_LIGHT_SPOT } fnl_light_kind;
+
+typedef struct fnl_light_params {
+    fnl_light_kind kind;   /**< default point */
+    fnl_vec3 position;     /**< metres; not for directional lights */
+    fnl_vec3 direction;    /**< where the light shines to, normalised by the call; not for point lights; default 0, 0, -1 */
+    float color[3];        /**< linear RGB, >= 0; default 1 */
+    float intensity;       /**< candela, or lux for directional lights, >= 0; default 1 */
+    /**
+     * Distance from which on the light gives exactly nothing, metres, > 0; INFINITY (the default) derives it from the
+     * intensity: where the unwindowed illuminance falls to 0.05 lux. Not for directional lights.
+     */
+    float range;
+    float inner_cone_angle; /**< half angle of full intensity, radians, 0 .. outer; default 0 */
+    float outer_cone_angle; /**< half angle from which on there is no light, radians, up to pi/2; default pi/4 */
+} fnl_light_params;
+
+FNL_API fnl_light_params fnl_light_params_default(void);
+FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
+FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
+FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
+
+/**
+ * Scatters `count` seeded point and spot lights (three to one) through the scene's bounds. Their radius follows from
+ * the extent so that a point of the scene lies in about 8 of them on average, whatever the count; their intensity
+ * follows from the radius. Same scene, count and seed give the same lights.
+ */
+FNL_API fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed);
+
+/** Light from all around, cd/m^2: `sky` from +Y, `ground` from -Y, blended by the normal's height. Default 0. */
+FNL_API fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground);
+/** What is seen where nothing is, cd/m^2. Default 0. */
+FNL_API fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance);
+
+/* ---- time ---- */
+
+/**
+ * Poses the scene at `seconds` of animation `animation` (clamped to its ends). The index must be below the animation
+ * count; a scene without animations accepts index 0 and ignores it.
+ */
+FNL_API fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds);
+
+/* ---- cameras ---- */
+
+typedef struct fnl_camera {
+    fnl_vec3 position;       /**< metres */
+    fnl_vec3 target;         /**< a point it looks at; must differ from the position */
+    fnl_vec3 up;             /**< default 0, 1, 0 */
+    bool orthographic;       /**< default false */
+    float vertical_fov;      /**< radians, 0 .. pi; default 0.9 */
+    float vertical_extent;   /**< orthographic: height of the view in metres; default 10 */
+    float near_distance;     /**< metres, > 0; default 0.05 */
+    float far_distance;      /**< orthographic only, > near; perspective views reach to infinity; default 1000 */
+    fnl_vec2 shift;          /**< off-axis projection: moves the picture, in half widths and half heights; default 0 */
+} fnl_camera;
+
+FNL_API fnl_camera fnl_camera_default(void);
+/** Number of cameras of the scene; query by index (in file order). The pose follows fnl_scene_set_time. */
+FNL_API uint32_t fnl_scene_camera_count(const fnl_scene *scene);
+FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
+/** Index of the camera with this name; FNL_ERROR_INVALID (logged with the names there are) when there is none. */
+FNL_API fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint32_t *out_index);
+FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);
+/** A camera from which the whole scene fits a picture of the given aspect (width / height). */
+FNL_API fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out);
+
+/* ---- what is in it ---- */
+
+typedef struct fnl_scene_info {
+    uint64_t triangle_count;          /**< over all instances */
+    uint64_t unique_triangle_count;   /**< over all meshes once */
+    uint64_t unique_vertex_count;
+    uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
+    uint64_t instance_count;
+    uint32_t light_count;             /**< placed lights */
+    uint32_t directional_count, point_count, spot_count;
+    uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
+    fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
+} fnl_scene_info;
+
+FNL_API fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out);
+
+typedef struct fnl_image_info { const char *name; const char *file_kind; uint32_t width, height; } fnl_image_info;
+typedef struct fnl_animation_info { const char *name; double duration; uint32_t channel_count; } fnl_animation_info;
+typedef struct fnl_extension_info { const char *name; bool required; const char *treatment; /**< "full", "ignored", or what is done instead */ } fnl_extension_info;
+
+/** By index below the counts of fnl_scene_info; the strings live as long as the scene. */
+FNL_API fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_image_info *out);
+FNL_API fnl_result fnl_scene_query_animation(const fnl_scene *scene, uint32_t index, fnl_animation_info *out);
+FNL_API fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t index, fnl_extension_info *out);
+/** Warnings of the import, in order, each with its JSON pointer. NULL when the index is too high. */
+FNL_API const char *fnl_scene_message(const fnl_scene *scene, uint32_t index);
+FNL_API const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index);
+FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/base.h"
+
+#include <time.h>
+
+#define STRINGIFY_(x) #x
+#define STRINGIFY(x) STRINGIFY_(x)
+
+const char *fnl_result_name(fnl_result result) {
+    switch (result) {
+    case FNL_OK: return "success";
+    case FNL_ERROR_INVALID: return "invalid argument";
+    case FNL_ERROR_FILE: return "file error";
+    case FNL_ERROR_FORMAT: return "broken contents";
+    case FNL_ERROR_UNSUPPORTED: return "not supported";
+    case FNL_ERROR_MEMORY: return "out of memory";
+    case FNL_ERROR_DEVICE: return "device error";
+    case FNL_ERROR_DEVICE_LOST: return "device lost";
+    }
+    return "unknown result";
+}
+
+const char *fnl_version(void) {
+    return STRINGIFY(FNL_VERSION_MAJOR) "." STRINGIFY(FNL_VERSION_MINOR) "." STRINGIFY(FNL_VERSION_PATCH);
+}
+
+/* ---- host ---- */
+
+static void *default_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    UNUSED(user);
+    UNUSED(old_size);
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    return realloc(old, new_size);
+}
+
+static void default_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    if (level >= FNL_LOG_WARNING) fprintf(stderr, "fanal: %s%s\n", level == FNL_LOG_ERROR ? "error: " : "warning: ", line);
+}
+
+fnl_host fnl_host_default(void) {
+    return (fnl_host){.reallocate = default_reallocate, .log = default_log};
+}
+
+fnl_host host_resolve(const fnl_host *host) {
+    fnl_host resolved = host ? *host : (fnl_host){0};
+    if (!resolved.reallocate) resolved.reallocate = default_reallocate;
+    if (!resolved.log) resolved.log = default_log;
+    return resolved;
+}
+
+void *host_resize(const fnl_host *host, void *old, size_t old_size, size_t new_size) {
+    if (new_size == 0) {
+        host_free(host, old, old_size);
+        return NULL;
+    }
+    void *block = host->reallocate(host->user, old, old_size, new_size);
+    if (!block) log_error(host, "out of memory: %zu bytes were asked for", new_size);
+    return block;
+}
+
+void *host_allocate(const fnl_host *host, size_t size) { return host_resize(host, NULL, 0, size); }
+
+void *host_allocate_zero(const fnl_host *host, size_t size) {
+    void *block = host_allocate(host, size);
+    if (block) memset(block, 0, size);
+    return block;
+}
+
+void host_free(const fnl_host *host, void *block, size_t size) {
+    if (block) host->reallocate(host->user, block, size, 0);
+}
+
+void host_log_list(const fnl_host *host, fnl_log_level level, const char *format, va_list arguments) {
+    char line[2048];
+    vsnprintf(line, sizeof line, format, arguments);
+    host->log(host->user, level, line);
+}
+
+void host_log(const fnl_host *host, fnl_log_level level, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    host_log_list(host, level, format, arguments);
+    va_end(arguments);
+}
+
+/* ---- arena ---- */
+
+struct arena_block {
+    struct arena_block *next;
+    size_t size, used; /* bytes after the header */
+};
+
+enum { ARENA_HEADER = (sizeof(struct arena_block) + 15) / 16 * 16 };
+
+void arena_init(struct arena *arena, const fnl_host *host, size_t block_size) {
+    *arena = (struct arena){.host = host, .block_size = block_size};
+}
+
+void arena_finish(struct arena *arena) {
+    for (struct arena_block *block = arena->first; block;) {
+        struct arena_block *next = block->next;
+        host_free(arena->host, block, ARENA_HEADER + block->size);
+        block = next;
+    }
+    arena->first = arena->current = NULL;
+}
+
+void arena_reset(struct arena *arena) {
+    for (struct arena_block *block = arena->first; block; block = block->next) block->used = 0;
+    arena->current = arena->first;
+}
+
+void *arena_allocate(struct arena *arena, size_t size) {
+    if (size > SIZE_MAX - 64) return NULL;
+    size = (size_t)align_up(size, 16);
+    struct arena_block *block = arena->current;
+    while (block && block->size - block->used < size) block = block->next;
+    if (!block) {
+        size_t capacity = MAX(size, arena->block_size);
+        block = host_allocate(arena->host, ARENA_HEADER + capacity);
+        if (!block) return NULL;
+        *block = (struct arena_block){.size = capacity};
+        /* Appended at the end, so that a reset arena is filled again in the same order. */
+        struct arena_block **link = &arena->first;
+        while (*link) link = &(*link)->next;
+        *link = block;
+    }
+    arena->current = block;
+    void *memory = (char *)block + ARENA_HEADER + block->used;
+    block->used += size;
+    return memory;
+}
+
+void *arena_allocate_zero(struct arena *arena, size_t size) {
+    void *memory = arena_allocate(arena, size);
+    if (memory) memset(memory, 0, size);
+    return memory;
+}
+
+void *arena_copy(struct arena *arena, const void *data, size_t size) {
+    void *memory = arena_allocate(arena, size);
+    if (memory && size) memcpy(memory, data, size);
+    return memory;
+}
+
+char *arena_string(struct arena *arena, const char *text) { return arena_copy(arena, text, strlen(text) + 1); }
+
+char *arena_format(struct arena *arena, const char *format, ...) {
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    int length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    char *text = length < 0 ? NULL : arena_allocate(arena, (size_t)length + 1);
+    if (text) vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    return text;
+}
+
+/* ---- arrays ---- */
+
+bool array_reserve_raw(const fnl_host *host, void **data, uint32_t *capacity, uint64_t needed, size_t element_size) {
+    if (needed <= *capacity) return true;
+    uint64_t grown = MAX(needed, (uint64_t)*capacity + *capacity / 2 + 8);
+    if (grown > UINT32_MAX || grown > SIZE_MAX / element_size) {
+        log_error(host, "out of memory: an array of %llu elements was asked for", (unsigned long long)needed);
+        return false;
+    }
+    void *block = host_resize(host, *data, *capacity * element_size, (size_t)grown * element_size);
+    if (!block) return false;
+    *data = block;
+    *capacity = (uint32_t)grown;
+    return true;
+}
+
+/* ---- hashing: 8 bytes a step, multiply and fold (the wyhash construction, Wang Yi 2019) ---- */
+
+static uint64_t hash_mix(uint64_t a, uint64_t b) {
+    __extension__ unsigned __int128 product = (unsigned __int128)a * b;
+    return (uint64_t)product ^ (uint64_t)(product >> 64);
+}
+
+uint64_t hash_bytes(const void *data, size_t size, uint64_t seed) {
+    const unsigned char *bytes = data;
+    uint64_t hash = seed ^ (size * 0xa0761d6478bd642full);
+    for (; size >= 8; bytes += 8, size -= 8) {
+        uint64_t word;
+        memcpy(&word, bytes, 8);
+        hash = hash_mix(hash ^ 0xe7037ed1a0b428dbull, word ^ 0x8ebc6af09c88c6e3ull);
+    }
+    if (size) {
+        uint64_t word = 0;
+        memcpy(&word, bytes, size);
+        hash = hash_mix(hash ^ 0x589965cc75374cc3ull, word ^ 0x1d8e4e27c47d124full);
+    }
+    return hash_mix(hash ^ 0xeb44accab455d165ull, 0x9e3779b97f4a7c15ull);
+}
+
+/* ---- random ---- */
+
+uint64_t random_bits(struct random_state *random) {
+    uint64_t z = random->state += 0x9e3779b97f4a7c15ull;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+}
+
+float random_float(struct random_state *random) { return (float)(random_bits(random) >> 40) * 0x1p-24f; }
+
+float random_range(struct random_state *random, float low, float high) { return low + (high - low) * random_float(random); }
+
+/* ---- time ---- */
+
+double time_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}

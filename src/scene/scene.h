@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The scene in host memory. The importer, the built-in generators and the public calls all fill it through the same
+ * functions; the renderer reads it and follows its version counters.
+ */
+#ifndef FNL_SCENE_SCENE_H
+#define FNL_SCENE_SCENE_H
+
+#include "base/base.h"
+#include "base/file.h"
+#include "base/jobs.h"
+#include "base/maths.h"
+#include "fanal/scene.h"
+
+#define SCENE_NONE UINT32_MAX
+
+/** A picture: encoded bytes that are decoded when they are first needed, or RGBA8 pixels. */
+struct scene_image {
+    const char *name;            /* for messages, such as "car.glb: /images/2" */
+    const unsigned char *encoded; /* borrowed from a mapped file or the scene's memory; NULL when pixels are given */
+    size_t encoded_size;
+    const char *file_kind;       /* "png", "jpeg", "webp", or "generated" */
+    uint32_t width, height;      /* 0x0 for a missing or broken image, which renders as white */
+    uint8_t *pixels;             /* RGBA8, owned by the scene, or NULL */
+    bool color;                  /* used for colour: mips are averaged in linear light */
+};
+
+enum scene_filter { SCENE_FILTER_NEAREST, SCENE_FILTER_LINEAR };
+enum scene_wrap { SCENE_WRAP_REPEAT, SCENE_WRAP_MIRROR, SCENE_WRAP_CLAMP };
+
+struct scene_sampler {
+    enum scene_filter mag, min, mip;
+    bool mipmapped;
+    enum scene_wrap wrap_u, wrap_v;
+};
+
+enum scene_texture_slot {
+    SCENE_TEXTURE_BASE_COLOR,
+    SCENE_TEXTURE_METALLIC_ROUGHNESS,
+    SCENE_TEXTURE_NORMAL,
+    SCENE_TEXTURE_OCCLUSION,
+    SCENE_TEXTURE_EMISSIVE,
+    SCENE_TEXTURE_SPECULAR,
+    SCENE_TEXTURE_SPECULAR_COLOR,
+    SCENE_TEXTURE_SLOT_COUNT,
+};
+
+/** uv' = (u, v, 1) through the 2x3 matrix of KHR_texture_transform. */
+struct scene_texture {
+    uint32_t image;     /* SCENE_NONE: no texture */
+    uint32_t sampler;   /* index; sampler 0 is glTF's default (linear, mipmapped, repeat) */
+    uint32_t uv_set;    /* 0 or 1 */
+    float transform[6]; /* u' = t[0] u + t[1] v + t[2];  v' = t[3] u + t[4] v + t[5] */
+};
+
+struct scene_material {
+    const char *name;
+    vec4 base_color;
+    float metallic, roughness, normal_scale, occlusion_strength;
+    vec3 emissive; /* cd/m^2, strength included */
+    float ior, specular;
+    vec3 specular_color;
+    fnl_alpha_mode alpha_mode;
+    float alpha_cutoff;
+    bool double_sided, unlit;
+    struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
+};
+
+enum scene_topology { SCENE_TOPOLOGY_TRIANGLES, SCENE_TOPOLOGY_LINES, SCENE_TOPOLOGY_POINTS }; /* strips, fans and loops are expanded */
+
+/** Differences to the base vertices; NULL where the target leaves an attribute alone. */
+struct scene_morph_target {
+    const vec3 *positions, *normals, *tangents;
+};
+
+/** Arrays belong to the scene's arena. Only positions and indices are always there; importers generate missing normals and tangents (lines and points stay without, and are unlit). */
+struct scene_primitive {
+    uint32_t material; /* index; SCENE_NONE: glTF's default material */
+    enum scene_topology topology;
+    uint32_t vertex_count, index_count;
+    const uint32_t *indices;
+    const vec3 *positions, *normals;
+    const vec4 *tangents;
+    const vec2 *uv[2];
+    const vec4 *colors;
+    const uint16_t *joints; /* joint_count per vertex: indices into the skin's joints */
+    const float *weights;   /* joint_count per vertex, sum 1 */
+    uint32_t joint_count;   /* per vertex, a multiple of 4; 0: not skinned */
+    const struct scene_morph_target *morph_targets;
+    uint32_t morph_target_count;
+    struct box bounds; /* of the base vertices grown by all morph targets */
+};
+
+struct scene_mesh {
+    const char *name;
+    uint32_t first_primitive, primitive_count;
+    const float *morph_weights; /* default weights, one per target; NULL: zeros */
+    uint32_t morph_target_count;
+    struct box bounds;
+};
+
+struct scene_node {
+    const char *name;
+    uint32_t parent, first_child, next_sibling; /* SCENE_NONE ends */
+    bool has_matrix;  /* local is given as matrix, not as TRS */
+    bool active;      /* part of the shown scene and visible */
+    bool removed;
+    vec3 translation;
+    quat rotation;
+    vec3 scale;
+    mat4 local, world;
+    uint32_t mesh, skin, camera; /* SCENE_NONE: none */
+    float *morph_weights;        /* this node's weights, or NULL: the mesh's */
+    const mat4 *instances;       /* EXT_mesh_gpu_instancing: transforms in node space, or NULL */
+    uint32_t instance_count;     /* 1 without `instances` */
+    uint32_t generation;         /* for fnl_instance_id; 0: not made through the API */
+    uint64_t moved_version;      /* transform_version at which `world` last changed */
+};
+
+struct scene_skin {
+    const char *name;
+    const uint32_t *joints; /* node indices */
+    const mat4 *inverse_bind;
+    uint32_t joint_count;
+};
+
+enum scene_animation_path { SCENE_PATH_TRANSLATION, SCENE_PATH_ROTATION, SCENE_PATH_SCALE, SCENE_PATH_WEIGHTS };
+enum scene_interpolation { SCENE_INTERPOLATION_STEP, SCENE_INTERPOLATION_LINEAR, SCENE_INTERPOLATION_CUBIC };
+
+struct scene_channel {
+    uint32_t node;
+    enum scene_animation_path path;
+    enum scene_interpolation interpolation;
+    uint32_t key_count, width; /* width: floats per value (3, 4, or the weight count) */
+    const float *times;        /* strictly increasing */
+    const float *values;       /* key_count * width, for cubic 3 times that: in-tangent, value, out-tangent */
+};
+
+struct scene_animation {
+    const char *name;
+    const struct scene_channel *channels;
+    uint32_t channel_count;
+    float duration; /* last key of all channels */
+};
+
+struct scene_light {
+    fnl_light_params params; /* position and direction in world space */
+    uint32_t node;           /* the node that carries it, or SCENE_NONE */
+    uint32_t generation;
+    bool removed;
+};
+
+struct scene_camera {
+    const char *name;
+    uint32_t node;     /* pose comes from the node; SCENE_NONE: `camera` holds it */
+    fnl_camera camera; /* projection, and the pose of free cameras */
+};
+
+struct scene_extension {
+    const char *name, *treatment;
+    bool required;
+};
+
+struct fnl_scene {
+    fnl_host host;
+    struct arena arena;
+    char *source; /* path or builtin:… for messages */
+    ARRAY(struct file_view) files; /* stay mapped while images point into them */
+
+    ARRAY(struct scene_image) images;
+    ARRAY(struct scene_sampler) samplers;
+    ARRAY(struct scene_material) materials;
+    ARRAY(struct scene_primitive) primitives;
+    ARRAY(struct scene_mesh) meshes;
+    ARRAY(struct scene_node) nodes;
+    ARRAY(struct scene_skin) skins;
+    ARRAY(struct scene_animation) animations;
+    ARRAY(struct scene_light) lights; /* removed ones stay as holes and are reused */
+    ARRAY(struct scene_camera) cameras;
+    ARRAY(struct scene_extension) extensions;
+    ARRAY(const char *) messages;
+
+    vec3 ambient_sky, ambient_ground, background;
+    uint32_t next_generation;
+
+    /* A renderer remembers the versions it has seen. */
+    uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
+    uint64_t light_version;     /* lights, ambient */
+    uint64_t transform_version; /* node transforms or morph weights */
+    ARRAY(uint32_t) moved;      /* nodes that moved in the step to transform_version; a renderer that missed a step re-reads all */
+};
+
+/* ---- building: used by the importer, the generators and the public calls ---- */
+
+fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **out);
+struct scene_material scene_material_default(void);
+struct scene_texture scene_texture_none(void);
+/** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */
+uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image);
+uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler);
+uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *material);
+/** Adds a mesh of `count` primitives; computes their bounds. */
+uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
+/** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
+uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
+uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/** Recomputes world matrices, light poses and `moved` from the local transforms; call once after building. */
+void scene_update_transforms(fnl_scene *scene);
+/** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
+struct box scene_bounds(const fnl_scene *scene);
+/** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range). */
+float light_effective_range(const fnl_light_params *light);
+
+/* ---- the parts ---- */
+
+/** Loads a .gltf or .glb file (gltf.c). */
+fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out);
+/** Loads from memory; `folder` resolves relative URIs (NULL: none are allowed). For the fuzzer and embedded files. */
+fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder, fnl_scene **out);
+/** Makes "builtin:NAME?…" (builtin.c); the text after the colon is given. */
+fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out);
+
+/**
+ * Fills in what a triangle primitive lacks (mesh_build.c): indices, flat normals (vertices are split where faces meet),
+ * tangents by the MikkTSpace convention where there are uvs. The arrays may be replaced; new ones come from `arena`.
+ */
+fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive);
+struct box primitive_bounds(const struct scene_primitive *primitive);
+
+/** Poses nodes and morph weights at a time (animation.c); then scene_update_transforms. */
+void animation_apply(fnl_scene *scene, uint32_t animation, double seconds);
+/** joint matrices = inverse(world of mesh node) is NOT applied: world(joint) * inverse_bind, as glTF says. */
+void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out);
+
+#endif
