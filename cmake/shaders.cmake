@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: MIT
+# GLSL to SPIR-V that is embedded in the library, and the check of the structs that C and GLSL share.
+
+find_program(FANAL_GLSLANG NAMES glslang glslangValidator REQUIRED)
+find_program(FANAL_SPIRV_OPT spirv-opt REQUIRED)
+find_program(FANAL_SPIRV_VAL spirv-val REQUIRED)
+
+# Where shaders.h lies, which declares every embedded shader.
+set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
+target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED})
+
+# Programs of the build itself: never sanitised, no dependencies.
+add_executable(spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
+
+set_property(GLOBAL PROPERTY fanal_shader_names "")
+set_property(GLOBAL PROPERTY fanal_shader_modules "")
+
+# fanal_shaders(fanal_passes lights/tiled_count.comp.glsl …) compiles each file (STEM.vert.glsl, .frag.glsl or
+# .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
+# directory that makes the target. Includes are looked for beside the including file, in shaders/ and in src/.
+# Shaders with includes enable GL_GOOGLE_include_directive (Debian 12's glslang has no preamble option for it).
+function(fanal_shaders target)
+  foreach(file ${ARGN})
+    cmake_path(GET file FILENAME filename)
+    if(NOT filename MATCHES "^([a-z0-9_]+)\\.(vert|frag|comp)\\.glsl$")
+      message(FATAL_ERROR "${file}: shaders are called STEM.vert.glsl, STEM.frag.glsl or STEM.comp.glsl")
+    endif()
+    set(stage ${CMAKE_MATCH_2})
+    set(name ${CMAKE_MATCH_1}.${stage})
+    get_property(names GLOBAL PROPERTY fanal_shader_names)
+    if(name IN_LIST names)
+      message(FATAL_ERROR "${file}: there is another shader called ${name}")
+    endif()
+    set_property(GLOBAL APPEND PROPERTY fanal_shader_names ${name})
+
+    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE source)
+    set(module ${FANAL_GENERATED}/${name}.spv)
+    set(optimised ${FANAL_GENERATED}/${name}.opt.spv)
+    set(embedded ${FANAL_GENERATED}/${name}.c)
+    add_custom_command(OUTPUT ${module} DEPENDS ${source} DEPFILE ${module}.d VERBATIM COMMENT "Shader ${name}"
+      COMMAND ${FANAL_GLSLANG} --quiet -V --target-env vulkan1.3 -S ${stage} -I${PROJECT_SOURCE_DIR}/shaders
+        -I${PROJECT_SOURCE_DIR}/src --depfile ${module}.d
+        -o ${module} ${source}
+      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
+    add_custom_command(OUTPUT ${embedded} DEPENDS ${module} spirv_embed VERBATIM COMMENT "Embedding ${name}"
+      BYPRODUCTS ${optimised}
+      COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O ${module} -o ${optimised}
+      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
+      COMMAND spirv_embed ${name} ${optimised} ${embedded})
+    target_sources(${target} PRIVATE ${embedded})
+    set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
+  endforeach()
+endfunction()
+
+# Writes shaders.h; called once, when every shader is known.
+function(fanal_write_shaders_header)
+  get_property(names GLOBAL PROPERTY fanal_shader_names)
+  list(SORT names)
+  set(text "/* SPDX-License-Identifier: MIT */\n#ifndef FNL_SHADERS_H\n#define FNL_SHADERS_H\n\n")
+  string(APPEND text "#include \"gpu/shader.h\"\n\n")
+  foreach(name ${names})
+    string(REPLACE "." "_" identifier ${name})
+    string(APPEND text "extern const struct gpu_shader shader_${identifier};\n")
+  endforeach()
+  string(APPEND text "\n#endif\n")
+  file(CONFIGURE OUTPUT ${FANAL_GENERATED}/shaders.h CONTENT "${text}" @ONLY)
+endfunction()

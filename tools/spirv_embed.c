@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/* Build tool: spirv_embed STEM.STAGE IN.spv OUT.c writes a SPIR-V module as the C definition of shader_STEM_STAGE. */
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SPIRV_MAGIC 0x07230203u
+
+static uint32_t *read_words(const char *path, size_t *count) {
+    FILE *file = fopen(path, "rb");
+    uint32_t *words = NULL;
+    size_t capacity = 0;
+    if (!file) return NULL;
+    for (*count = 0;;) {
+        capacity = capacity ? capacity * 2 : 16384;
+        uint32_t *bigger = realloc(words, capacity * sizeof(*words));
+        if (!bigger) break;
+        words = bigger;
+        *count += fread(words + *count, sizeof(*words), capacity - *count, file);
+        if (*count < capacity) {
+            fclose(file);
+            return words;
+        }
+    }
+    free(words);
+    fclose(file);
+    return NULL;
+}
+
+int main(int argc, char **argv) {
+    if (argc != 4) {
+        fprintf(stderr, "usage: spirv_embed STEM.STAGE IN.spv OUT.c\n");
+        return 2;
+    }
+    size_t count = 0;
+    uint32_t *words = read_words(argv[2], &count);
+    if (!words || count < 5 || words[0] != SPIRV_MAGIC) {
+        fprintf(stderr, "%s: cannot be read, or is not SPIR-V\n", argv[2]);
+        free(words);
+        return 1;
+    }
+    FILE *out = fopen(argv[3], "w");
+    if (!out) {
+        perror(argv[3]);
+        free(words);
+        return 1;
+    }
+    fprintf(out, "/* SPDX-License-Identifier: MIT */\n#include \"shaders.h\"\n\nstatic const uint32_t code[%zu] = {", count);
+    for (size_t i = 0; i < count; i++) fprintf(out, "%s0x%x,", i % 8 ? " " : "\n    ", (unsigned)words[i]);
+    fprintf(out, "\n};\n\nconst struct gpu_shader shader_");
+    for (const char *c = argv[1]; *c; c++) fputc(*c == '.' ? '_' : *c, out);
+    fprintf(out, " = {\"%s\", code, sizeof(code)};\n", argv[1]);
+    free(words);
+    int failed = ferror(out);
+    failed |= fclose(out);
+    if (failed) {
+        fprintf(stderr, "%s: cannot be written\n", argv[3]);
+        remove(argv[3]);
+        return 1;
+    }
+    return 0;
+}
