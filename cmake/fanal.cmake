@@ -1,18 +1,28 @@
 # SPDX-License-Identifier: MIT
-# The three kinds of target: layers, tests, and shaders that are embedded in layers.
+# The kinds of target: layers, the library made of them, tests and fuzzers.
 
-add_library(fanal_options INTERFACE)
-target_compile_options(fanal_options INTERFACE
+# How all code is compiled …
+add_library(fanal_flags INTERFACE)
+target_compile_options(fanal_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -fno-math-errno -ffp-contract=off)
-target_compile_definitions(fanal_options INTERFACE _GNU_SOURCE)
+target_compile_definitions(fanal_flags INTERFACE _GNU_SOURCE)
+if(FANAL_SANITIZE)
+  target_compile_options(fanal_flags INTERFACE -fsanitize=${FANAL_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(fanal_flags INTERFACE -fsanitize=${FANAL_SANITIZE})
+endif()
+if(FANAL_FUZZ)
+  target_compile_options(fanal_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
+# … and what the inside of the library sees on top of that.
+add_library(fanal_options INTERFACE)
+target_link_libraries(fanal_options INTERFACE fanal_flags)
 target_include_directories(fanal_options INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
   ${PROJECT_SOURCE_DIR}/shaders)
-if(FANAL_SANITIZE)
-  target_compile_options(fanal_options INTERFACE -fsanitize=${FANAL_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all)
-  target_link_options(fanal_options INTERFACE -fsanitize=${FANAL_SANITIZE})
-endif()
+
 set_property(GLOBAL PROPERTY fanal_layers "")
+set_property(GLOBAL PROPERTY fanal_links "")
 
 # fanal_layer(base SOURCES a.c b.c LINKS m) makes the object library fanal_base: one layer of the design's diagram.
 function(fanal_layer name)
@@ -20,6 +30,28 @@ function(fanal_layer name)
   add_library(fanal_${name} OBJECT ${layer_SOURCES})
   target_link_libraries(fanal_${name} PUBLIC fanal_options ${layer_LINKS})
   set_property(GLOBAL APPEND PROPERTY fanal_layers fanal_${name})
+  list(FILTER layer_LINKS EXCLUDE REGEX "^fanal_")
+  set_property(GLOBAL APPEND PROPERTY fanal_links ${layer_LINKS})
+endfunction()
+
+# fanal_library() makes libfanal of all layers; BUILD_SHARED_LIBS picks the kind.
+function(fanal_library)
+  get_property(layers GLOBAL PROPERTY fanal_layers)
+  get_property(links GLOBAL PROPERTY fanal_links)
+  list(REMOVE_DUPLICATES links)
+  add_library(fanal)
+  add_library(fanal::fanal ALIAS fanal)
+  foreach(layer ${layers})
+    target_sources(fanal PRIVATE $<TARGET_OBJECTS:${layer}>)
+  endforeach()
+  target_link_libraries(fanal PRIVATE $<BUILD_INTERFACE:fanal_flags> ${links})
+  target_include_directories(fanal INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  set_target_properties(fanal PROPERTIES LINKER_LANGUAGE C VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+    ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+  if(NOT FANAL_SANITIZE)
+    target_link_options(fanal PRIVATE -Wl,--no-undefined)
+  endif()
 endfunction()
 
 # fanal_test(maths SOURCES maths_test.c LAYERS base) makes the cmocka program test_maths and its CTest entry. LAYERS lists
@@ -33,9 +65,25 @@ function(fanal_test name)
   foreach(layer ${test_LAYERS})
     target_link_libraries(test_${name} PRIVATE fanal_${layer})
   endforeach()
-  target_link_libraries(test_${name} PRIVATE fanal_options cmocka ${test_LINKS} m)
+  target_link_libraries(test_${name} PRIVATE fanal_options PkgConfig::cmocka ${test_LINKS} m)
   add_test(NAME ${name} COMMAND test_${name} ${test_ARGUMENTS} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   if(test_TIMEOUT)
     set_tests_properties(${name} PROPERTIES TIMEOUT ${test_TIMEOUT})
   endif()
+endfunction()
+
+# fanal_fuzz(image SOURCES fuzz_image.c LAYERS base image) makes the libFuzzer program fuzz/fuzz_image when FANAL_FUZZ
+# is on; `./build.sh fuzz` runs all of them.
+function(fanal_fuzz name)
+  if(NOT FANAL_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(fuzz "" "" "SOURCES;LAYERS;LINKS" ${ARGN})
+  add_executable(fuzz_${name} ${fuzz_SOURCES})
+  foreach(layer ${fuzz_LAYERS})
+    target_link_libraries(fuzz_${name} PRIVATE fanal_${layer})
+  endforeach()
+  target_link_libraries(fuzz_${name} PRIVATE fanal_options ${fuzz_LINKS} m)
+  target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+  set_target_properties(fuzz_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz)
 endfunction()

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+# What `cmake --install` lays down: headers, library, command, CMake package and pkg-config file.
+include(CMakePackageConfigHelpers)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/fanal)
+install(DIRECTORY include/fanal DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(TARGETS fanal EXPORT fanal)
+install(EXPORT fanal NAMESPACE fanal:: FILE fanal-targets.cmake DESTINATION ${package_folder})
+
+# A shared library brings its dependencies itself; users of a static one must find and link them.
+if(BUILD_SHARED_LIBS)
+  set(FANAL_CONFIG_DEPENDENCIES "")
+  set(FANAL_PC_REQUIRES "")
+  set(FANAL_PC_LIBS "")
+else()
+  set(FANAL_CONFIG_DEPENDENCIES "include(\${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)")
+  list(JOIN FANAL_PACKAGES " " FANAL_PC_REQUIRES)
+  set(FANAL_PC_REQUIRES "${FANAL_PC_REQUIRES} OpenEXR")
+  set(FANAL_PC_LIBS "-lmeshoptimizer -lOpenEXRCore -lpthread -ldl -lm")
+  install(FILES cmake/dependencies.cmake DESTINATION ${package_folder})
+endif()
+configure_package_config_file(cmake/fanal-config.cmake.in ${PROJECT_BINARY_DIR}/fanal-config.cmake
+  INSTALL_DESTINATION ${package_folder} NO_SET_AND_CHECK_MACRO NO_CHECK_REQUIRED_COMPONENTS_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/fanal-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/fanal-config.cmake ${PROJECT_BINARY_DIR}/fanal-config-version.cmake
+  DESTINATION ${package_folder})
+
+file(RELATIVE_PATH FANAL_PC_PREFIX /x/${CMAKE_INSTALL_LIBDIR}/pkgconfig /x)
+configure_file(cmake/fanal.pc.in ${PROJECT_BINARY_DIR}/fanal.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/fanal.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
