@@ -114,7 +114,7 @@ struct scene_node {
     const mat4 *instances;       /* EXT_mesh_gpu_instancing: transforms in node space, or NULL */
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id; 0: not made through the API */
-    uint64_t moved_version;      /* transform_version at which `world` last changed */
+    uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
 };
 
 struct scene_skin {
@@ -187,7 +187,10 @@ struct fnl_scene {
     uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
     uint64_t light_version;     /* lights, ambient */
     uint64_t transform_version; /* node transforms or morph weights */
-    ARRAY(uint32_t) moved;      /* nodes that moved in the step to transform_version; a renderer that missed a step re-reads all */
+    ARRAY(uint32_t) moved;      /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
+    uint64_t moved_since;
+
+    ARRAY(uint32_t) free_nodes, free_lights; /* the holes */
 };
 
 /* ---- building: used by the importer, the generators and the public calls ---- */
@@ -204,10 +207,16 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+/** Logs a warning and keeps it for `fanal info`. */
 void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/** Recomputes world matrices, light poses and `moved` from the local transforms; call once after building. */
+/**
+ * Recomputes world matrices, light poses and `moved` from the local transforms; call once after building. Whoever
+ * changes a node's morph weights sets its moved_version to transform_version + 1 before the call.
+ */
 void scene_update_transforms(fnl_scene *scene);
+/** Gives a root without children a new transform, at a cost that does not depend on the number of nodes. */
+void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
 /** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range). */

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+/* Life, building, transforms and bounds of a scene. */
+#include "scene/scene.h"
+
+/** A file that is wrong everywhere must not fill the memory with warnings. */
+#define MESSAGE_MAX 1000u
+
+static uint32_t take_generation(fnl_scene *scene) {
+    if (++scene->next_generation == 0) scene->next_generation = 1;
+    return scene->next_generation;
+}
+
+fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **out) {
+    *out = NULL;
+    fnl_host resolved = host_resolve(host);
+    fnl_scene *scene = host_allocate_zero(&resolved, sizeof *scene);
+    if (!scene) return FNL_ERROR_MEMORY;
+    scene->host = resolved;
+    arena_init(&scene->arena, &scene->host, (size_t)256 << 10);
+    scene->source = arena_string(&scene->arena, source);
+    struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .mip = SCENE_FILTER_LINEAR,
+                                    .mipmapped = true, .wrap_u = SCENE_WRAP_REPEAT, .wrap_v = SCENE_WRAP_REPEAT};
+    if (!scene->source || scene_add_sampler(scene, &sampler) == SCENE_NONE) {
+        fnl_scene_destroy(&scene);
+        return FNL_ERROR_MEMORY;
+    }
+    *out = scene;
+    return FNL_OK;
+}
+
+void fnl_scene_destroy(fnl_scene **scene_address) {
+    if (!scene_address || !*scene_address) return;
+    fnl_scene *scene = *scene_address;
+    fnl_host host = scene->host;
+    for (uint32_t i = 0; i < scene->files.count; i++) file_unmap(&scene->files.data[i]);
+    array_free(&host, &scene->files);
+    array_free(&host, &scene->images);
+    array_free(&host, &scene->samplers);
+    array_free(&host, &scene->materials);
+    array_free(&host, &scene->primitives);
+    array_free(&host, &scene->meshes);
+    array_free(&host, &scene->nodes);
+    array_free(&host, &scene->skins);
+    array_free(&host, &scene->animations);
+    array_free(&host, &scene->lights);
+    array_free(&host, &scene->cameras);
+    array_free(&host, &scene->extensions);
+    array_free(&host, &scene->messages);
+    array_free(&host, &scene->moved);
+    array_free(&host, &scene->free_nodes);
+    array_free(&host, &scene->free_lights);
+    arena_finish(&scene->arena);
+    host_free(&host, scene, sizeof *scene);
+    *scene_address = NULL;
+}
+
+/* ---- building ---- */
+
+struct scene_texture scene_texture_none(void) {
+    return (struct scene_texture){.image = SCENE_NONE, .transform = {1, 0, 0, 0, 1, 0}};
+}
+
+struct scene_material scene_material_default(void) {
+    struct scene_material material = {
+        .base_color = {1, 1, 1, 1},
+        .metallic = 1,
+        .roughness = 1,
+        .normal_scale = 1,
+        .occlusion_strength = 1,
+        .ior = 1.5f,
+        .specular = 1,
+        .specular_color = {1, 1, 1},
+        .alpha_mode = FNL_ALPHA_OPAQUE,
+        .alpha_cutoff = 0.5f,
+    };
+    for (int i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) material.textures[i] = scene_texture_none();
+    return material;
+}
+
+uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image) {
+    if (!array_push(&scene->host, &scene->images, *image)) return SCENE_NONE;
+    scene->structure_version++;
+    return scene->images.count - 1;
+}
+
+uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler) {
+    if (!array_push(&scene->host, &scene->samplers, *sampler)) return SCENE_NONE;
+    scene->structure_version++;
+    return scene->samplers.count - 1;
+}
+
+uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *material) {
+    if (!array_push(&scene->host, &scene->materials, *material)) return SCENE_NONE;
+    scene->structure_version++;
+    return scene->materials.count - 1;
+}
+
+uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count) {
+    struct scene_mesh mesh = {.name = name, .first_primitive = scene->primitives.count, .primitive_count = count,
+                              .bounds = box_empty()};
+    if (!array_reserve(&scene->host, &scene->primitives, (uint64_t)scene->primitives.count + count)) return SCENE_NONE;
+    if (!array_reserve(&scene->host, &scene->meshes, (uint64_t)scene->meshes.count + 1)) return SCENE_NONE;
+    for (uint32_t i = 0; i < count; i++) {
+        struct scene_primitive *primitive = &scene->primitives.data[scene->primitives.count++];
+        *primitive = primitives[i];
+        primitive->bounds = primitive_bounds(primitive);
+        box_add_box(&mesh.bounds, &primitive->bounds);
+        mesh.morph_target_count = MAX(mesh.morph_target_count, primitive->morph_target_count);
+    }
+    scene->meshes.data[scene->meshes.count++] = mesh;
+    scene->structure_version++;
+    return scene->meshes.count - 1;
+}
+
+uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
+    uint32_t index;
+    if (scene->free_nodes.count > 0) {
+        index = scene->free_nodes.data[--scene->free_nodes.count];
+    } else {
+        if (scene->nodes.count == SCENE_NONE || !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
+            return SCENE_NONE;
+        index = scene->nodes.count++;
+    }
+    struct scene_node *node = &scene->nodes.data[index];
+    *node = (struct scene_node){
+        .name = name,
+        .parent = parent,
+        .first_child = SCENE_NONE,
+        .next_sibling = SCENE_NONE,
+        .has_matrix = true,
+        .active = true,
+        .rotation = quat_identity(),
+        .scale = {1, 1, 1},
+        .local = *local,
+        .world = *local,
+        .mesh = mesh,
+        .skin = SCENE_NONE,
+        .camera = SCENE_NONE,
+        .instance_count = 1,
+        .generation = take_generation(scene),
+    };
+    if (parent != SCENE_NONE) {
+        struct scene_node *above = &scene->nodes.data[parent];
+        node->next_sibling = above->first_child;
+        above->first_child = index;
+        node->world = mat4_mul(above->world, *local);
+        node->active = above->active;
+    }
+    scene->structure_version++;
+    return index;
+}
+
+/** glTF lights sit at their node's origin and shine along its -Z axis; the node's scale does not matter. */
+static void pose_light(const fnl_scene *scene, struct scene_light *light) {
+    const float *m = scene->nodes.data[light->node].world.m;
+    light->params.position = vec3_make(m[12], m[13], m[14]);
+    vec3 direction = vec3_normalize(vec3_make(-m[8], -m[9], -m[10]));
+    light->params.direction = vec3_dot(direction, direction) > 0 ? direction : vec3_make(0, 0, -1);
+}
+
+uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
+    struct scene_light light = {.params = *params, .node = node, .generation = take_generation(scene)};
+    if (node != SCENE_NONE) pose_light(scene, &light);
+    uint32_t index;
+    if (scene->free_lights.count > 0) {
+        index = scene->free_lights.data[--scene->free_lights.count];
+        scene->lights.data[index] = light;
+    } else {
+        index = scene->lights.count;
+        if (index == SCENE_NONE || !array_push(&scene->host, &scene->lights, light)) return SCENE_NONE;
+    }
+    scene->light_version++;
+    return index;
+}
+
+void scene_add_message(fnl_scene *scene, const char *format, ...) {
+    if (scene->messages.count > MESSAGE_MAX) return;
+    char text[1024];
+    if (scene->messages.count == MESSAGE_MAX) {
+        snprintf(text, sizeof text, "%s: further warnings are left out", scene->source);
+    } else {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(text, sizeof text, format, arguments);
+        va_end(arguments);
+    }
+    log_warning(&scene->host, "%s", text);
+    const char *kept = arena_string(&scene->arena, text);
+    if (kept && !array_push(&scene->host, &scene->messages, kept)) return;
+}
+
+/* ---- transforms ---- */
+
+/** The node after `index` in depth-first order below `root`; SCENE_NONE at the end. Needs no stack, however deep. */
+static uint32_t next_in_tree(const struct scene_node *nodes, uint32_t index, uint32_t root) {
+    if (nodes[index].first_child != SCENE_NONE) return nodes[index].first_child;
+    while (index != root) {
+        if (nodes[index].next_sibling != SCENE_NONE) return nodes[index].next_sibling;
+        index = nodes[index].parent;
+    }
+    return SCENE_NONE;
+}
+
+static bool update_node(struct scene_node *nodes, uint32_t index, uint64_t version) {
+    struct scene_node *node = &nodes[index];
+    if (!node->has_matrix) node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
+    mat4 world = node->parent == SCENE_NONE ? node->local : mat4_mul(nodes[node->parent].world, node->local);
+    bool moved = node->moved_version == version || memcmp(&world, &node->world, sizeof world) != 0;
+    node->world = world;
+    if (moved) node->moved_version = version;
+    return moved;
+}
+
+void scene_update_transforms(fnl_scene *scene) {
+    struct scene_node *nodes = scene->nodes.data;
+    uint64_t version = scene->transform_version + 1;
+    bool any = false, listed = array_reserve(&scene->host, &scene->moved, scene->nodes.count);
+    uint32_t moved_count = 0;
+    for (uint32_t root = 0; root < scene->nodes.count; root++) {
+        if (nodes[root].parent != SCENE_NONE || nodes[root].removed) continue;
+        for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
+            if (!update_node(nodes, i, version)) continue;
+            any = true;
+            if (listed) scene->moved.data[moved_count++] = i;
+        }
+    }
+    if (!any) return;
+    scene->moved.count = moved_count;
+    scene->moved_since = listed ? scene->transform_version : version;
+    scene->transform_version = version;
+
+    bool lights_moved = false;
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        struct scene_light *light = &scene->lights.data[i];
+        if (light->removed || light->node == SCENE_NONE || nodes[light->node].moved_version != version) continue;
+        pose_light(scene, light);
+        lights_moved = true;
+    }
+    if (lights_moved) scene->light_version++;
+}
+
+void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
+    struct scene_node *node = &scene->nodes.data[index];
+    bool listed = node->moved_version > scene->moved_since;
+    node->local = node->world = *local;
+    node->moved_version = ++scene->transform_version;
+    if (listed) return;
+    /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
+    uint32_t limit = 1024 + scene->nodes.count / 16;
+    if (scene->moved.count >= limit || !array_push(&scene->host, &scene->moved, index)) {
+        scene->moved.count = 0;
+        scene->moved_since = scene->transform_version;
+    }
+}
+
+/* ---- bounds ---- */
+
+/** Grows `out` by everything that a skinned primitive can reach: a skinned vertex is a weighted mean of its joints' images. */
+static void add_skinned_bounds(const struct scene_primitive *primitive, const mat4 *joints, struct box *out) {
+    bool morphs = primitive->morph_target_count > 0;
+    for (uint32_t i = 0; i < primitive->vertex_count; i++) {
+        for (uint32_t k = 0; k < primitive->joint_count; k++) {
+            size_t at = (size_t)i * primitive->joint_count + k;
+            if (primitive->weights[at] <= 0) continue;
+            const mat4 *joint = &joints[primitive->joints[at]];
+            if (morphs) {
+                struct box moved = box_transform(&primitive->bounds, joint);
+                box_add_box(out, &moved);
+            } else {
+                box_add_point(out, mat4_point(joint, primitive->positions[i]));
+            }
+        }
+    }
+}
+
+static void add_node_bounds(const fnl_scene *scene, const struct scene_node *node, struct box *out) {
+    const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+    mat4 *joints = NULL;
+    size_t joints_size = 0;
+    if (node->skin != SCENE_NONE) {
+        joints_size = sizeof *joints * scene->skins.data[node->skin].joint_count;
+        joints = host_allocate(&scene->host, joints_size);
+        if (joints) skin_matrices(scene, node->skin, joints);
+    }
+    for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+        const struct scene_primitive *primitive = &scene->primitives.data[mesh->first_primitive + i];
+        if (joints && primitive->joint_count > 0) {
+            add_skinned_bounds(primitive, joints, out);
+            continue;
+        }
+        if (box_is_empty(&primitive->bounds)) continue;
+        for (uint32_t k = 0; k < node->instance_count; k++) {
+            mat4 world = node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+            struct box moved = box_transform(&primitive->bounds, &world);
+            box_add_box(out, &moved);
+        }
+    }
+    host_free(&scene->host, joints, joints_size);
+}
+
+struct box scene_bounds(const fnl_scene *scene) {
+    struct box bounds = box_empty();
+    for (uint32_t i = 0; i < scene->nodes.count; i++) {
+        const struct scene_node *node = &scene->nodes.data[i];
+        if (!node->removed && node->active && node->mesh != SCENE_NONE) add_node_bounds(scene, node, &bounds);
+    }
+    return bounds;
+}

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/* The cameras of a scene, and the one that frames it. */
+#include "scene/scene.h"
+
+fnl_camera fnl_camera_default(void) {
+    return (fnl_camera){
+        .position = {0, 0, 5},
+        .up = {0, 1, 0},
+        .vertical_fov = 0.9f,
+        .vertical_extent = 10,
+        .near_distance = 0.05f,
+        .far_distance = 1000,
+    };
+}
+
+uint32_t fnl_scene_camera_count(const fnl_scene *scene) { return scene ? scene->cameras.count : 0; }
+
+fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, out != NULL);
+    REQUIRE(&scene->host, index < scene->cameras.count);
+    const struct scene_camera *camera = &scene->cameras.data[index];
+    *out = camera->camera;
+    if (camera->node == SCENE_NONE) return FNL_OK;
+    const float *m = scene->nodes.data[camera->node].world.m;
+    vec3 up = vec3_normalize(vec3_make(m[4], m[5], m[6])), forward = vec3_normalize(vec3_make(-m[8], -m[9], -m[10]));
+    out->position = vec3_make(m[12], m[13], m[14]);
+    if (vec3_dot(forward, forward) == 0) forward = vec3_make(0, 0, -1);
+    if (vec3_dot(up, up) == 0) up = vec3_make(0, 1, 0);
+    /* Far from the origin a target one metre away would round the direction. */
+    out->target = vec3_add_scaled(out->position, forward, fmaxf(1, 0.1f * vec3_length(out->position)));
+    out->up = up;
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint32_t *out_index) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, name != NULL);
+    REQUIRE(&scene->host, out_index != NULL);
+    for (uint32_t i = 0; i < scene->cameras.count; i++)
+        if (strcmp(scene->cameras.data[i].name, name) == 0) {
+            *out_index = i;
+            return FNL_OK;
+        }
+    char names[1024] = "";
+    size_t length = 0;
+    for (uint32_t i = 0; i < scene->cameras.count && length < sizeof names; i++)
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s'%s'", i ? ", " : "", scene->cameras.data[i].name);
+    log_error(&scene->host, "%s: there is no camera '%s'; there %s %s", scene->source, name,
+              scene->cameras.count ? "are" : "is", scene->cameras.count ? names : "none at all");
+    return FNL_ERROR_INVALID;
+}
+
+fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera) {
+    if (!scene) return FNL_ERROR_INVALID;
+    const fnl_host *host = &scene->host;
+    REQUIRE(host, camera != NULL);
+    REQUIRE(host, vec3_finite(camera->position));
+    REQUIRE(host, vec3_finite(camera->target));
+    REQUIRE(host, vec3_distance(camera->position, camera->target) > 0);
+    REQUIRE(host, vec3_finite(camera->up) && vec3_length(camera->up) > 0);
+    REQUIRE(host, camera->near_distance > 0 && isfinite(camera->near_distance));
+    REQUIRE(host, isfinite(camera->shift.x) && isfinite(camera->shift.y));
+    if (camera->orthographic) {
+        REQUIRE(host, camera->vertical_extent > 0 && isfinite(camera->vertical_extent));
+        REQUIRE(host, camera->far_distance > camera->near_distance && isfinite(camera->far_distance));
+    } else {
+        REQUIRE(host, camera->vertical_fov > 0 && camera->vertical_fov < PI);
+    }
+    struct scene_camera added = {.name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
+    if (!added.name || !array_push(host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
+    return FNL_OK;
+}
+
+const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index) {
+    return scene && index < scene->cameras.count ? scene->cameras.data[index].name : NULL;
+}
+
+/** What there is to see: the geometry, else the lights, else a metre around the origin. */
+static struct box box_to_frame(const fnl_scene *scene) {
+    struct box bounds = scene_bounds(scene);
+    if (!box_is_empty(&bounds)) return bounds;
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        const struct scene_light *light = &scene->lights.data[i];
+        if (!light->removed && light->params.kind != FNL_LIGHT_DIRECTIONAL) box_add_point(&bounds, light->params.position);
+    }
+    if (box_is_empty(&bounds)) bounds = (struct box){{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}};
+    return bounds;
+}
+
+fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, out != NULL);
+    REQUIRE(&scene->host, aspect > 0 && isfinite(aspect));
+    struct box bounds = box_to_frame(scene);
+    vec3 center = vec3_scale(vec3_add(bounds.low, bounds.high), 0.5f);
+    vec3 half = vec3_scale(vec3_sub(bounds.high, bounds.low), 0.5f);
+    float radius = fmaxf(vec3_length(half), 1e-4f + 1e-4f * vec3_length(center));
+
+    /* From the front, a little to the right and above: the usual three-quarter view. */
+    fnl_camera camera = fnl_camera_default();
+    vec3 back = vec3_normalize(vec3_make(0.45f, 0.35f, 1));
+    vec3 right = vec3_normalize(vec3_cross(camera.up, back)), above = vec3_cross(back, right);
+    float tan_y = tanf(camera.vertical_fov * 0.5f), tan_x = tan_y * aspect;
+    const float margin = 1.05f;
+    float distance = 0.1f * radius;
+    for (int corner = 0; corner < 8; corner++) {
+        vec3 p = vec3_make(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
+        float depth = vec3_dot(p, back), x = fabsf(vec3_dot(p, right)) * margin, y = fabsf(vec3_dot(p, above)) * margin;
+        distance = fmaxf(distance, depth + fmaxf(x / tan_x, y / tan_y));
+        distance = fmaxf(distance, depth + 0.05f * radius);
+    }
+    camera.target = center;
+    camera.position = vec3_add_scaled(center, back, distance);
+    camera.near_distance = 0.01f * radius;
+    camera.far_distance = distance + 2 * radius;
+    camera.vertical_extent = 2 * radius;
+    *out = camera;
+    return FNL_OK;
+}
