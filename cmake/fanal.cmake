@@ -74,6 +74,7 @@ endfunction()
 
 # fanal_fuzz(image SOURCES fuzz_image.c LAYERS base image) makes the libFuzzer program fuzz/fuzz_image when FANAL_FUZZ
 # is on; `./build.sh fuzz` runs all of them.
+add_custom_target(fuzzers)
 function(fanal_fuzz name)
   if(NOT FANAL_FUZZ)
     return()
@@ -86,4 +87,5 @@ function(fanal_fuzz name)
   target_link_libraries(fuzz_${name} PRIVATE fanal_options ${fuzz_LINKS} m)
   target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
   set_target_properties(fuzz_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz)
+  add_dependencies(fuzzers fuzz_${name})
 endfunction()
