@@ -22,7 +22,8 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     exit 0
 fi
 
-present=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null | awk '$2 == "installed" { print $1 }')
+present=$( (dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null || true) |
+    awk '$2 == "installed" { print $1 }')
 missing=()
 for package in "${packages[@]}"; do
     grep -qx -- "$package" <<<"$present" || missing+=("$package")
