@@ -11,6 +11,7 @@ target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED})
 
 # Programs of the build itself: never sanitised, no dependencies.
 add_executable(spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
+add_executable(layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
 
 set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
@@ -52,8 +53,9 @@ function(fanal_shaders target)
   endforeach()
 endfunction()
 
-# Writes shaders.h; called once, when every shader is known.
-function(fanal_write_shaders_header)
+# Called once, when every shader is known: writes shaders.h, and compiles the assertions that the structs of all
+# *_shared.h are laid out in C as in the SPIR-V (tools/layout_check.c). A difference fails the build.
+function(fanal_finish_shaders)
   get_property(names GLOBAL PROPERTY fanal_shader_names)
   list(SORT names)
   set(text "/* SPDX-License-Identifier: MIT */\n#ifndef FNL_SHADERS_H\n#define FNL_SHADERS_H\n\n")
@@ -64,4 +66,12 @@ function(fanal_write_shaders_header)
   endforeach()
   string(APPEND text "\n#endif\n")
   file(CONFIGURE OUTPUT ${FANAL_GENERATED}/shaders.h CONTENT "${text}" @ONLY)
+
+  get_property(modules GLOBAL PROPERTY fanal_shader_modules)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/*_shared.h ${PROJECT_SOURCE_DIR}/src/*_shared.h)
+  set(assertions ${FANAL_GENERATED}/layout_assertions.c)
+  add_custom_command(OUTPUT ${assertions} DEPENDS ${modules} layout_check VERBATIM COMMENT "Layouts of shared structs"
+    COMMAND layout_check ${assertions} ${headers} -- ${modules})
+  add_library(fanal_layouts OBJECT ${assertions})
+  target_link_libraries(fanal_layouts PRIVATE fanal_options)
 endfunction()
