@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+#include "image/image.h"
+
+#include "base/file.h"
+#include "image/codec.h"
+
+size_t fnl_pixel_size(fnl_pixel_format format) {
+    switch (format) {
+    case FNL_PIXEL_FORMAT_RGBA8: return 4;
+    case FNL_PIXEL_FORMAT_RGBA16: return 8;
+    case FNL_PIXEL_FORMAT_RGBA32F: return 16;
+    }
+    return 0;
+}
+
+static size_t image_bytes(const fnl_image *image) {
+    return (size_t)image->width * image->height * fnl_pixel_size(image->format);
+}
+
+/* ---- what the codecs share ---- */
+
+fnl_result image_fail(const struct image_source *source, fnl_result result, const char *format, ...) {
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    /* Some of the text comes from libraries that quote the file. */
+    for (char *c = text; *c; c++)
+        if ((unsigned char)*c < 0x20 || (unsigned char)*c == 0x7f) *c = ' ';
+    log_error(source->host, "%s: %s", source->name, text);
+    return result;
+}
+
+fnl_result image_check_size(const struct image_source *source, uint64_t width, uint64_t height) {
+    if (width == 0 || height == 0)
+        return image_fail(source, FNL_ERROR_FORMAT, "the picture has no pixels (%llu x %llu)", (unsigned long long)width,
+                          (unsigned long long)height);
+    if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX || width * height > IMAGE_PIXELS_MAX)
+        return image_fail(source, FNL_ERROR_UNSUPPORTED,
+                          "a picture of %llu x %llu pixels is over the limit (%u a side, %u in all)",
+                          (unsigned long long)width, (unsigned long long)height, IMAGE_SIDE_MAX, IMAGE_PIXELS_MAX);
+    return FNL_OK;
+}
+
+fnl_result image_allocate(const struct image_source *source, uint32_t width, uint32_t height, fnl_pixel_format format,
+                          uint64_t held_pixels, fnl_image *out) {
+    uint64_t pixels = (uint64_t)width * height;
+    if (pixels > held_pixels)
+        return image_fail(source, FNL_ERROR_FORMAT, "broken: %zu bytes cannot hold the %u x %u pixels of the header",
+                          source->size, width, height);
+    fnl_image image = {.width = width, .height = height, .format = format};
+    if (image_bytes(&image) / fnl_pixel_size(format) != pixels) return FNL_ERROR_MEMORY; /* 32-bit size_t */
+    image.pixels = host_allocate(source->host, image_bytes(&image));
+    if (!image.pixels)
+        return image_fail(source, FNL_ERROR_MEMORY, "no memory for %u x %u pixels", width, height);
+    *out = image;
+    return FNL_OK;
+}
+
+/* ---- reading ---- */
+
+static enum image_file_kind recognise(const unsigned char *bytes, size_t size) {
+    if (size >= 8 && memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) == 0) return IMAGE_FILE_PNG;
+    if (size >= 3 && memcmp(bytes, "\xff\xd8\xff", 3) == 0) return IMAGE_FILE_JPEG;
+    if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0) return IMAGE_FILE_WEBP;
+    if (size >= 4 && memcmp(bytes, "\x76\x2f\x31\x01", 4) == 0) return IMAGE_FILE_EXR;
+    if (image_is_hdr(bytes, size)) return IMAGE_FILE_HDR;
+    return IMAGE_FILE_UNKNOWN;
+}
+
+static fnl_result fail_unknown(const struct image_source *source) {
+    if (source->size == 0) return image_fail(source, FNL_ERROR_FORMAT, "is empty, not a picture");
+    return image_fail(source, FNL_ERROR_FORMAT, "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
+}
+
+fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name, struct image_file_info *out) {
+    *out = (struct image_file_info){0};
+    struct image_source source = {host, bytes, size, name};
+    switch (recognise(bytes, size)) {
+    case IMAGE_FILE_PNG: return image_png_peek(&source, out);
+    case IMAGE_FILE_JPEG: return image_jpeg_peek(&source, out);
+    case IMAGE_FILE_WEBP: return image_webp_peek(&source, out);
+    case IMAGE_FILE_HDR: return image_hdr_peek(&source, out);
+    case IMAGE_FILE_EXR: return image_exr_peek(&source, out);
+    case IMAGE_FILE_UNKNOWN: break;
+    }
+    return fail_unknown(&source);
+}
+
+fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8,
+                        fnl_image *out) {
+    *out = (fnl_image){0};
+    struct image_source source = {host, bytes, size, name};
+    enum image_file_kind kind = recognise(bytes, size);
+    if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR))
+        return image_fail(&source, FNL_ERROR_UNSUPPORTED, "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
+    switch (kind) {
+    case IMAGE_FILE_PNG: return image_png_decode(&source, force_rgba8, out);
+    case IMAGE_FILE_JPEG: return image_jpeg_decode(&source, out);
+    case IMAGE_FILE_WEBP: return image_webp_decode(&source, out);
+    case IMAGE_FILE_HDR: return image_hdr_decode(&source, out);
+    case IMAGE_FILE_EXR: return image_exr_decode(&source, out);
+    case IMAGE_FILE_UNKNOWN: break;
+    }
+    return fail_unknown(&source);
+}
+
+fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out) {
+    fnl_host resolved = host_resolve(host);
+    REQUIRE(&resolved, path != NULL);
+    REQUIRE(&resolved, out != NULL);
+    *out = (fnl_image){0};
+    struct file_view view;
+    TRY(file_map(&resolved, path, &view));
+    fnl_result result = image_decode(&resolved, view.data, view.size, path, false, out);
+    file_unmap(&view);
+    return result;
+}
+
+void fnl_image_free(const fnl_host *host, fnl_image *image) {
+    if (!image) return;
+    fnl_host resolved = host_resolve(host);
+    host_free(&resolved, image->pixels, image_bytes(image));
+    *image = (fnl_image){0};
+}
+
+/* ---- writing ---- */
+
+static fnl_result save_exr(const fnl_host *host, const char *path, const fnl_image *image) {
+    const float *pixels = image->pixels;
+    const fnl_exr_channel channels[] = {{"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}, {"A", pixels + 3, 4}};
+    return fnl_exr_save(host, path, image->width, image->height, channels, COUNT_OF(channels));
+}
+
+fnl_result fnl_image_save(const fnl_host *host, const char *path, const fnl_image *image) {
+    fnl_host resolved = host_resolve(host);
+    REQUIRE(&resolved, path != NULL);
+    REQUIRE(&resolved, image != NULL && image->pixels != NULL && fnl_pixel_size(image->format) != 0);
+    struct image_source target = {.host = &resolved, .name = path};
+    if (image_check_size(&target, image->width, image->height) != FNL_OK) return FNL_ERROR_INVALID;
+
+    bool is_float = image->format == FNL_PIXEL_FORMAT_RGBA32F;
+    bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"), hdr = path_has_extension(path, "hdr");
+    if (!png && !exr && !hdr)
+        return image_fail(&target, FNL_ERROR_UNSUPPORTED, "pictures are written as .png, .exr or .hdr, not as '.%s'",
+                          path_extension(path));
+    if (png && is_float) return image_fail(&target, FNL_ERROR_INVALID, "PNG holds 8-bit or 16-bit pixels, not floats");
+    if (!png && !is_float) return image_fail(&target, FNL_ERROR_INVALID, "EXR and HDR hold float pixels, not integers");
+    if (exr) return save_exr(&resolved, path, image);
+
+    struct file_writer writer;
+    TRY(file_write_begin(&resolved, path, &writer));
+    fnl_result result = png ? image_png_write(&writer, image) : image_hdr_write(&writer, image);
+    if (result == FNL_OK) return file_write_commit(&writer);
+    file_write_abandon(&writer);
+    return result;
+}
