@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, and a
+# licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# A layer's own folder and the public headers are always allowed. Shared structs (*_shared.h, shaders/) hold data only
+# and may be read by every layer from scene on.
+allowed() {
+    case $1 in
+    base) echo "" ;;
+    gpu | image) echo "base" ;;
+    graph) echo "base gpu" ;;
+    scene) echo "base image" ;;
+    ray) echo "base scene image" ;;
+    passes) echo "base gpu graph" ;;
+    render) echo "base gpu graph image scene ray passes" ;;
+    *) echo "unknown" ;;
+    esac
+}
+
+offences=$(mktemp)
+trap 'rm -f "$offences"' EXIT
+# Tests stand above all layers.
+sources() { find "$@" -name '*_test.c' -prune -o \( -name '*.c' -o -name '*.h' \) -print; }
+
+for folder in src/*/; do
+    layer=$(basename "$folder")
+    may=" $layer $(allowed "$layer") "
+    [[ $may != *unknown* ]] || echo "src/$layer: is no layer known to tools/check_layers.sh" >>"$offences"
+    files=$(sources "$folder")
+    [ -n "$files" ] || continue
+    grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' $files | sed -E 's/^([^:]*:[0-9]+):[^"]*"([^"]*)".*/\1 \2/' |
+        while read -r place header; do
+            top=${header%%/*}
+            case $header in
+            *..*) echo "$place: includes \"$header\" by a way up" >>"$offences" ;;
+            fanal/*) ;;
+            */*) [ ! -d "src/$top" ] || [[ $may == *" $top "* ]] || echo "$place: $layer must not include $header" >>"$offences" ;;
+            esac
+        done
+    # Names that only Vulkan gives: calls, and outside gpu and graph barriers.
+    code='^[^:]*:[0-9]+:[[:space:]]*(/?\*|//)'
+    if [ "$layer" != gpu ]; then
+        grep -nHE '\bvk[A-Z][A-Za-z0-9]*[[:space:]]*\(' $files | grep -vE "$code" | sed 's/$/   <- Vulkan call outside src\/gpu/' >>"$offences" || true
+    fi
+    if [ "$layer" != gpu ] && [ "$layer" != graph ]; then
+        grep -nHiE '\b(Vk[A-Za-z]*Barrier|vkCmdPipelineBarrier|gpu_[a-z_]*barrier)' $files | grep -vE "$code" |
+            sed 's/$/   <- barrier outside src\/gpu and src\/graph/' >>"$offences" || true
+    fi
+done
+
+# The command uses the public headers and its own.
+[ ! -d cli ] || { grep -nHE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' $(sources cli) /dev/null || true; } |
+    sed -E 's/^([^:]*:[0-9]+):[^"]*"([^"]*)".*/\1 \2/' | while read -r place header; do
+    case $header in
+    fanal/*) ;;
+    *) [ -e "cli/${header#cli/}" ] || echo "$place: the command must not include $header" >>"$offences" ;;
+    esac
+done
+
+find CMakeLists.txt build.sh .ci cmake include src shaders cli examples tests tools bench -type f \
+    \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.glsl' -o -name '*.sh' -o -name '*.cmake' -o -name '*.in' -o -name CMakeLists.txt \
+    -o -name run \) -print0 2>/dev/null | xargs -0 awk '
+    FNR == 1 { if (file && !found) print file ": has no SPDX line"; file = FILENAME; found = 0 }
+    FNR <= 2 && /SPDX-License-Identifier: MIT/ { found = 1 }
+    END { if (file && !found) print file ": has no SPDX line" }' >>"$offences"
+
+if [ -s "$offences" ]; then
+    cat "$offences" >&2
+    exit 1
+fi
