@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: MIT
 # Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, and a
 # licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
-set -euo pipefail
+set -u # not -e: a search that finds nothing is good news
 cd "$(dirname "$0")/.."
 
-# A layer's own folder and the public headers are always allowed. Shared structs (*_shared.h, shaders/) hold data only
-# and may be read by every layer from scene on.
+# What a layer may include besides its own folder, the public headers, and the structs in shaders/.
 allowed() {
     case $1 in
     base) echo "" ;;
