@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT */
+/** Everything except the Vulkan import (fanal/vulkan.h). */
+#ifndef FANAL_FANAL_H
+#define FANAL_FANAL_H
+
+#include "fanal/base.h"
+#include "fanal/device.h"
+#include "fanal/image.h"
+#include "fanal/renderer.h"
+#include "fanal/scene.h"
+
+#endif

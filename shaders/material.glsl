@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// From interpolated attributes and a material to a surface. For fragment shaders: textures use implicit gradients.
+#ifndef MATERIAL_GLSL
+#define MATERIAL_GLSL
+
+#include "scene.glsl"
+#include "surface.glsl"
+
+layout(location = 0) centroid in vec3 in_position;
+layout(location = 1) centroid in vec3 in_normal;
+layout(location = 2) centroid in vec4 in_tangent;
+layout(location = 3) centroid in vec4 in_uv;
+layout(location = 4) centroid in vec4 in_color;
+layout(location = 5) flat in uvec2 in_ids;
+
+#define TEXTURE_BASE_COLOR 0
+#define TEXTURE_METALLIC_ROUGHNESS 1
+#define TEXTURE_NORMAL 2
+#define TEXTURE_OCCLUSION 3
+#define TEXTURE_EMISSIVE 4
+#define TEXTURE_SPECULAR 5
+#define TEXTURE_SPECULAR_COLOR 6
+
+vec2 texture_uv(gpu_texture t) {
+    vec2 uv = t.uv_set == 0u ? in_uv.xy : in_uv.zw;
+    return vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2],
+                t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
+}
+
+// The texel, or white where the material has no such texture.
+vec4 sample_slot(material_array materials, uint material, int slot) {
+    gpu_texture t = materials.at[material].textures[slot];
+    if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
+    return texture(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), texture_uv(t));
+}
+
+vec4 material_base_color(material_array materials, uint material) {
+    return materials.at[material].base_color * in_color * sample_slot(materials, material, TEXTURE_BASE_COLOR);
+}
+
+// True where the cutout has a hole.
+bool material_cut(material_array materials, uint material, float alpha) {
+    return (materials.at[material].flags & GPU_MATERIAL_MASK) != 0u && alpha < materials.at[material].alpha_cutoff;
+}
+
+surface material_surface(material_array materials, uint material, bool front_facing) {
+    gpu_material m = materials.at[material];
+    vec4 base = material_base_color(materials, material);
+    surface s;
+    s.position = in_position;
+    s.alpha = (m.flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
+
+    vec4 metallic_roughness = sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS);
+    s.metallic = clamp(m.metallic * metallic_roughness.b, 0.0, 1.0);
+    s.roughness = clamp(m.roughness * metallic_roughness.g, 0.0, 1.0);
+    s.occlusion = 1.0 + m.occlusion_strength * (sample_slot(materials, material, TEXTURE_OCCLUSION).r - 1.0);
+    s.emissive = m.emissive * sample_slot(materials, material, TEXTURE_EMISSIVE).rgb;
+    s.dielectric_f90 = m.specular * sample_slot(materials, material, TEXTURE_SPECULAR).a;
+    s.dielectric_f0 = min(m.dielectric_f0 * sample_slot(materials, material, TEXTURE_SPECULAR_COLOR).rgb, vec3(1.0)) * s.dielectric_f90;
+    s.base_color = base.rgb;
+
+    vec3 normal = normalize(in_normal);
+    if (m.textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
+        vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
+        mapped.xy *= m.normal_scale;
+        vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
+        vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
+        if (dot(bent, bent) > 1e-20) normal = normalize(bent);
+    }
+    s.normal = front_facing || (m.flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u ? normal : -normal;
+
+    if ((m.flags & GPU_MATERIAL_UNLIT) != 0u) {
+        s.emissive = s.base_color;
+        s.base_color = vec3(0.0);
+        s.metallic = 0.0;
+        s.dielectric_f0 = vec3(0.0);
+        s.dielectric_f90 = 0.0;
+    }
+    return s;
+}
+
+#endif

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/** The scene in device memory. */
+#ifndef FNL_SHADERS_SCENE_SHARED_H
+#define FNL_SHADERS_SCENE_SHARED_H
+
+#include "shared.h"
+
+#define GPU_TEXTURE_NONE 0xffffffffu
+#define GPU_TEXTURE_COUNT 7 /* the order of enum scene_texture_slot */
+
+#define GPU_MATERIAL_UNLIT 1u
+#define GPU_MATERIAL_MASK 2u
+#define GPU_MATERIAL_BLEND 4u
+#define GPU_MATERIAL_DOUBLE_SIDED 8u
+
+/* Vertex data apart from the position, which is a stream of its own (3 floats). */
+struct gpu_attributes {
+    uint normal;    /* octahedral, 2 x 16-bit signed normalised */
+    uint tangent;   /* octahedral, 16 + 15 bits unsigned normalised; bit 31: handedness is -1 */
+    vec2 uv0;
+    vec2 uv1;
+    uvec2 color;    /* 4 x 16-bit unsigned normalised, linear */
+};
+
+struct gpu_texture {
+    uint image;     /* index into the bindless textures, or GPU_TEXTURE_NONE */
+    uint sampler_index;
+    uint uv_set;
+    float transform[6];
+};
+
+struct gpu_material {
+    vec4 base_color;
+    vec3 emissive;          /* cd/m^2 */
+    float metallic;
+    vec3 dielectric_f0;     /* from index of refraction and specular colour, before `specular` */
+    float roughness;
+    float specular;
+    float normal_scale;
+    float occlusion_strength;
+    float alpha_cutoff;
+    uint flags;
+    STRUCT(gpu_texture) textures[GPU_TEXTURE_COUNT];
+};
+
+/* Object to world: rows of a 3x4 matrix. */
+struct gpu_instance {
+    vec4 rows[3];
+};
+
+/* A part of a mesh with one material; a skinned or morphed node has primitives of its own. */
+struct gpu_primitive {
+    vec3 center;       /* of the bounding box, object space */
+    uint material;
+    vec3 half_extent;
+    uint first_index;
+    uint index_count;
+    int vertex_offset;
+};
+
+/* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */
+struct gpu_item {
+    uint instance;
+    uint primitive;
+};
+
+/* A run of items of one primitive: one indirect draw. */
+struct gpu_group {
+    uint first_item;
+    uint item_count;
+    uint primitive;
+    uint pad;
+};
+
+struct gpu_draw {
+    uint index_count;
+    uint instance_count;
+    uint first_index;
+    int vertex_offset;
+    uint first_instance;
+};
+
+struct gpu_scene {
+    ADDRESS(position_array) positions;
+    ADDRESS(attributes_array) attributes;
+    ADDRESS(instance_array) instances;
+    ADDRESS(primitive_array) primitives;
+    ADDRESS(material_array) materials;
+    ADDRESS(item_array) items;
+    ADDRESS(group_array) groups;
+};
+
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// Light on a surface: the one function that every shading order calls.
+#ifndef SHADE_GLSL
+#define SHADE_GLSL
+
+#include "view.glsl"
+#include "brdf.glsl"
+#include "lights/illuminate.glsl"
+
+// Counts of light evaluations, one per pixel, are written where this is 1.
+layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
+
+vec3 ambient_radiance(view_block v, vec3 direction) {
+    return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
+}
+
+// Outgoing radiance in cd/m^2. `counters` holds one uint per pixel; it is touched only where COUNT_LIGHTS is 1.
+vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth) {
+    vec3 to_view = to_viewer(v, s.position);
+    precise vec3 sum = vec3(0.0);
+
+    uint directional_count = lights.list.directional_count;
+    for (uint i = 0u; i < directional_count; i++) {
+        vec3 to_light;
+        vec3 illuminance = illuminate(lights.list.lights.at[i], s.position, to_light);
+        sum += illuminance * brdf_cos(s, to_light, to_view);
+    }
+
+    light_cursor cursor = lights_begin(lights, pixel, view_depth);
+    if (COUNT_LIGHTS == 1u) atomicAdd(counters.at[pixel.y * v.view.size.x + pixel.x], lights_count(cursor));
+    FOR_EACH_LIGHT(lights, cursor, light) {
+        vec3 to_light;
+        vec3 illuminance = illuminate(light, s.position, to_light);
+        if (illuminance != vec3(0.0)) sum += illuminance * brdf_cos(s, to_light, to_view);
+    }
+
+    // Ambient: diffuse by the normal, specular by the mirror direction, both dimmed by occlusion.
+    float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
+    vec2 environment = environment_brdf(s.roughness, n_v);
+    vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
+    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - max_component(s.dielectric_f0));
+    vec3 ambient = diffuse * ambient_radiance(v, s.normal) +
+                   (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
+    return sum + ambient * s.occlusion + s.emissive;
+}
+
+#endif

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What is lit: every shading order fills this struct and calls shade_surface() (shade.glsl).
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+
+struct surface {
+    vec3 position;        // world space
+    vec3 normal;          // world space, unit, shading normal on the viewer's side of double-sided surfaces
+    vec3 base_color;      // linear
+    float alpha;
+    float metallic;
+    float roughness;      // perceptual
+    float occlusion;      // 1: open
+    vec3 emissive;        // cd/m^2; an unlit surface is black with its colour here
+    vec3 dielectric_f0;   // reflectance at normal incidence of the non-metal part
+    float dielectric_f90; // at grazing incidence (KHR_materials_specular's strength)
+};
+
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#ifndef VIEW_GLSL
+#define VIEW_GLSL
+
+#include "common.glsl"
+#include "view_shared.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer view_block { gpu_view view; };
+
+// Positive distance along the view axis of a stored depth; huge for the empty sky of a perspective view.
+float view_depth_of(view_block v, float depth) {
+    vec4 d = v.view.depth_decode;
+    return (d.x + d.y * depth) / max(d.z + d.w * depth, 1e-30);
+}
+
+// Normalised device coordinates (+Y up) of a point on the screen, in pixels from the top left.
+vec2 ndc_of_pixel(view_block v, vec2 pixel) {
+    vec2 uv = pixel * v.view.inverse_size;
+    return vec2(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0);
+}
+
+vec3 view_position_of(view_block v, vec2 ndc, float view_depth) {
+    float spread = v.view.orthographic > 0.5 ? 1.0 : view_depth;
+    return vec3((ndc * v.view.ndc_scale + v.view.ndc_offset) * spread, -view_depth);
+}
+
+// Unit vector from a world-space point to the viewer.
+vec3 to_viewer(view_block v, vec3 position) {
+    return v.view.orthographic > 0.5 ? v.view.back : normalize(v.view.eye - position);
+}
+
+#endif

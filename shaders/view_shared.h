@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/** One camera in one frame. */
+#ifndef FNL_SHADERS_VIEW_SHARED_H
+#define FNL_SHADERS_VIEW_SHARED_H
+
+#include "shared.h"
+
+/*
+ * View space is right-handed and looks down -Z; "view depth" is the positive distance along the axis, -z. Reversed depth:
+ * 1 at the near plane; 0 at infinity (perspective) or at the far plane (orthographic).
+ */
+struct gpu_view {
+    mat4 world_to_view;
+    mat4 view_to_clip;
+    mat4 world_to_clip;
+    mat4 view_to_world;
+    vec4 planes[5];      /* world space, inside is dot(plane, (p, 1)) >= 0: left, right, bottom, top, near */
+    vec3 eye;            /* world space; orthographic: on the near side of the axis */
+    float near_distance;
+    vec3 back;           /* world space unit vector out of the screen, towards the viewer */
+    float orthographic;  /* 1 or 0 */
+    vec2 ndc_scale;      /* view xy = (ndc * ndc_scale + ndc_offset) * (orthographic ? 1 : view depth) */
+    vec2 ndc_offset;
+    vec4 depth_decode;   /* view depth = (x + y * d) / (z + w * d) */
+    uvec2 size;          /* pixels */
+    vec2 inverse_size;
+    vec3 ambient_sky;    /* cd/m^2 */
+    uint count_lights;   /* unused bits of a frame's options */
+    vec3 ambient_ground;
+    float hdr_max;       /* largest value that the radiance target holds */
+};
+
+#endif

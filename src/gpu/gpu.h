@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The Vulkan device as the rest of the library sees it. Vulkan's enums and flags are used as they are; its functions are
+ * called in this folder only. Recording calls are void: the first error sticks to the device and comes out at submit.
+ */
+#ifndef FNL_GPU_GPU_H
+#define FNL_GPU_GPU_H
+
+#include "base/base.h"
+#include "fanal/device.h"
+#include "gpu/shader.h"
+
+#include <vulkan/vulkan_core.h>
+
+struct fnl_vulkan_import;
+struct fnl_device; /* the public handle is the device itself */
+typedef struct fnl_device gpu_device;
+
+enum {
+    GPU_FRAMES_IN_FLIGHT = 2,
+    GPU_PUSH_BYTES = 128,
+    GPU_MAX_COLORS = 8,
+    GPU_MAX_CONSTANTS = 16,
+    GPU_MAX_CHUNKS = 16, /* command buffers that may be recorded at once */
+};
+
+#define GPU_NO_INDEX UINT32_MAX
+
+/* ---- device ---- */
+
+const fnl_host *gpu_host(const gpu_device *device);
+struct jobs *gpu_jobs(gpu_device *device);
+const fnl_device_info *gpu_info(const gpu_device *device);
+bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features);
+/** Waits until all submitted work is done. */
+fnl_result gpu_wait_idle(gpu_device *device);
+/** The sticky error, FNL_OK when none. Logged when it was set. */
+fnl_result gpu_status(const gpu_device *device);
+/** Makes an error stick (the first wins). */
+void gpu_fail(gpu_device *device, fnl_result result);
+
+struct gpu_memory_stats { uint64_t used_bytes, reserved_bytes, peak_used_bytes; };
+struct gpu_memory_stats gpu_memory_stats(const gpu_device *device);
+
+/* ---- buffers ---- */
+
+enum gpu_memory_kind {
+    GPU_MEMORY_DEVICE,   /* device-local; filled by gpu_upload or shaders */
+    GPU_MEMORY_UPLOAD,   /* mapped, written by the CPU once per use, read by the GPU */
+    GPU_MEMORY_READBACK, /* mapped and cached, written by the GPU */
+};
+
+struct gpu_buffer {
+    VkBuffer handle;
+    VkDeviceAddress address;
+    uint64_t size;
+    void *mapped; /* not for GPU_MEMORY_DEVICE */
+    struct gpu_allocation { uint32_t block, type; uint64_t offset, size; } allocation;
+};
+
+/** Usable as storage (by address), index, indirect and transfer buffer. Size 0 is rounded up to 16. Not cleared. */
+fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind, struct gpu_buffer *out);
+/** Freed once the frames in flight are over. Clears the struct; an all-zero struct is accepted. */
+void gpu_buffer_destroy(gpu_device *device, struct gpu_buffer *buffer);
+
+/* ---- images ---- */
+
+struct gpu_image_params {
+    const char *name;
+    VkFormat format;
+    uint32_t width, height, layers, mips, samples; /* each at least 1 */
+    bool cube;          /* layers = 6: also seen as a cube map */
+    bool srgb_view;     /* 8-bit UNORM: also seen as sRGB (image.srgb_index) */
+    VkImageUsageFlags usage; /* SAMPLED and STORAGE get bindless indices */
+};
+
+struct gpu_image {
+    VkImage handle;
+    VkImageView view;            /* all mips and layers; for attachments: mip 0 */
+    VkImageView attachment_view; /* mip 0, layer 0..layers-1 */
+    struct gpu_image_params params;
+    uint32_t sampled_index, storage_index, srgb_index; /* in the bindless set, GPU_NO_INDEX when not of that usage */
+    struct gpu_allocation allocation;
+    bool owns_memory, imported;
+};
+
+fnl_result gpu_image_create(gpu_device *device, const struct gpu_image_params *params, struct gpu_image *out);
+/** Freed, with its views and bindless indices, once the frames in flight are over. */
+void gpu_image_destroy(gpu_device *device, struct gpu_image *image);
+/** Wraps a caller's image: makes views and bindless indices, owns no memory. */
+fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params, struct gpu_image *out);
+
+/** Size and alignment that an image or a buffer would take, without making one that stays. */
+struct gpu_requirements { uint64_t size, alignment; uint32_t memory_types; };
+struct gpu_requirements gpu_image_requirements(gpu_device *device, const struct gpu_image_params *params);
+struct gpu_requirements gpu_buffer_requirements(gpu_device *device, uint64_t size);
+
+/** A piece of device-local memory in which several images and buffers may lie over one another. */
+struct gpu_heap { VkDeviceMemory memory; uint64_t size; uint32_t memory_types; };
+fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, uint32_t memory_types, struct gpu_heap *out);
+void gpu_heap_destroy(gpu_device *device, struct gpu_heap *heap);
+fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const struct gpu_image_params *params, struct gpu_image *out);
+fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name, uint64_t size, struct gpu_buffer *out);
+
+/** Samplers are made once per description; the index is into the bindless sampler array. */
+struct gpu_sampler_params {
+    VkFilter mag, min;
+    VkSamplerMipmapMode mip;
+    bool mipmapped;
+    VkSamplerAddressMode wrap_u, wrap_v;
+    float anisotropy; /* 1: off; clamped to what the device has */
+};
+uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *params);
+
+/* ---- uploads outside of frames: complete when gpu_upload_flush returns ---- */
+
+/** Copies through a staging ring; blocks only when the ring is full. Thread-safe. */
+fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer, uint64_t offset, const void *data, uint64_t size);
+/** Fills mip 0 of layer 0 and, with `generate_mips`, the smaller ones by 2x2 blits; `color` averages through the sRGB view. Leaves the image in SHADER_READ_ONLY_OPTIMAL. Thread-safe. */
+fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size, bool generate_mips, bool color);
+/** Waits until all uploads are done and visible to later submissions. */
+fnl_result gpu_upload_flush(gpu_device *device);
+/** Copies a device buffer back; waits. For tests and one-off reads outside frames. */
+fnl_result gpu_read_buffer(gpu_device *device, const struct gpu_buffer *buffer, uint64_t offset, void *data, uint64_t size);
+
+/* ---- pipelines: made on first use and kept; all share one layout (bindless set 0, 128 bytes of push constants) ---- */
+
+struct gpu_pipeline;
+
+struct gpu_compute_params {
+    const struct gpu_shader *shader;
+    uint32_t constant_count; /* specialisation constants with ids 0 .. constant_count - 1, 4 bytes each */
+    uint32_t constants[GPU_MAX_CONSTANTS];
+};
+
+enum gpu_blend {
+    GPU_BLEND_NONE,
+    GPU_BLEND_ALPHA, /* premultiplied: source + destination * (1 - source alpha) */
+    GPU_BLEND_ADD,
+};
+
+struct gpu_graphics_params {
+    const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
+    uint32_t constant_count; /* the same constants go to both stages */
+    uint32_t constants[GPU_MAX_CONSTANTS];
+    VkPrimitiveTopology topology;
+    VkCullModeFlags cull;   /* front faces are counter-clockwise as seen with +Y up */
+    bool mirrored;          /* the other winding is the front */
+    uint32_t color_count;
+    VkFormat color_formats[GPU_MAX_COLORS];
+    enum gpu_blend blends[GPU_MAX_COLORS];
+    VkFormat depth_format;  /* UNDEFINED: none */
+    bool depth_test, depth_write, depth_clamp;
+    VkCompareOp depth_compare;
+    uint32_t samples;       /* 1, 2, 4, 8 */
+};
+
+/** NULL after a logged, sticky error. Hash lookups; no allocation when it exists. Thread-safe. Params must be zeroed before filling: they are hashed as bytes. */
+const struct gpu_pipeline *gpu_compute_pipeline(gpu_device *device, const struct gpu_compute_params *params);
+const struct gpu_pipeline *gpu_graphics_pipeline(gpu_device *device, const struct gpu_graphics_params *params);
+
+/* ---- commands ---- */
+
+enum gpu_queue { GPU_QUEUE_GRAPHICS, GPU_QUEUE_COMPUTE };
+
+struct gpu_commands;
+
+/** A command buffer of the frame being made; each chunk is recorded by one thread at a time. */
+struct gpu_commands *gpu_commands_begin(gpu_device *device, enum gpu_queue queue, uint32_t chunk);
+void gpu_commands_end(struct gpu_commands *commands);
+gpu_device *gpu_commands_device(struct gpu_commands *commands);
+
+void gpu_bind(struct gpu_commands *commands, const struct gpu_pipeline *pipeline); /* also binds set 0 when needed; NULL: later draws and dispatches are skipped */
+void gpu_push(struct gpu_commands *commands, const void *data, uint32_t size);
+void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t z);
+void gpu_dispatch_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset);
+void gpu_bind_indices(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset); /* 32-bit */
+void gpu_draw(struct gpu_commands *commands, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex, uint32_t first_instance);
+/** `count` VkDrawIndexedIndirectCommand, tightly packed. */
+void gpu_draw_indexed_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint32_t count);
+/** The count is read from a buffer, at most `max_count`. */
+void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, const struct gpu_buffer *count_buffer, uint64_t count_offset, uint32_t max_count);
+void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t from_offset, const struct gpu_buffer *to, uint64_t to_offset, uint64_t size);
+void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t value);
+/** Mip 0, layer 0, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
+void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to, uint64_t offset);
+/** Same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
+void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to);
+
+struct gpu_attachment {
+    const struct gpu_image *image;
+    VkAttachmentLoadOp load;
+    VkAttachmentStoreOp store;
+    VkClearValue clear;
+    bool read_only;                    /* depth: DEPTH_READ_ONLY layout */
+    const struct gpu_image *resolve;   /* multisampled colour averaged into it, or NULL */
+};
+struct gpu_rendering { uint32_t width, height, layers, color_count; struct gpu_attachment colors[GPU_MAX_COLORS]; struct gpu_attachment depth; /* image NULL: none */ };
+/** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
+void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);
+void gpu_end_rendering(struct gpu_commands *commands);
+
+/* For the frame graph. */
+struct gpu_image_barrier { const struct gpu_image *image; VkPipelineStageFlags2 from_stages, to_stages; VkAccessFlags2 from_access, to_access; VkImageLayout from_layout, to_layout; };
+/** One vkCmdPipelineBarrier2: image barriers and one global memory barrier (when its stages are not 0). */
+void gpu_barrier(struct gpu_commands *commands, const struct gpu_image_barrier *images, uint32_t image_count, VkPipelineStageFlags2 from_stages, VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stages, VkAccessFlags2 to_access);
+void gpu_begin_label(struct gpu_commands *commands, const char *name);
+void gpu_end_label(struct gpu_commands *commands);
+/** Writes timestamp `index` of the frame, below GPU_MAX_TIMESTAMPS. */
+enum { GPU_MAX_TIMESTAMPS = 512 };
+void gpu_timestamp(struct gpu_commands *commands, uint32_t index);
+
+/* ---- frames ---- */
+
+/** Waits until the slot of this frame is free, then resets its pools. Deferred destruction happens here. */
+fnl_result gpu_frame_begin(gpu_device *device);
+/** 0 .. GPU_FRAMES_IN_FLIGHT - 1: which per-frame buffers may be written now. */
+uint32_t gpu_frame_slot(const gpu_device *device);
+/** Number of frames begun so far. */
+uint64_t gpu_frame_number(const gpu_device *device);
+
+struct gpu_batch {
+    enum gpu_queue queue;
+    struct gpu_commands *const *commands;
+    uint32_t command_count;
+    uint32_t wait_batch; /* an earlier batch on the other queue that this one waits for, or GPU_NO_INDEX */
+};
+struct gpu_external_semaphores { VkSemaphore wait, signal; uint64_t wait_value, signal_value; };
+/** Submits the batches in order and ends the frame. `external` may be NULL. The sticky error comes out here. */
+fnl_result gpu_frame_end(gpu_device *device, const struct gpu_batch *batches, uint32_t batch_count, const struct gpu_external_semaphores *external);
+/** Waits for the frame with this number. */
+fnl_result gpu_frame_wait(gpu_device *device, uint64_t frame_number);
+/** Timestamps of the last finished use of a slot, in nanoseconds from the first; false when the device has none or they were not written. */
+bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *out);
+
+/* ---- memory written by the CPU each frame ---- */
+
+struct gpu_slice { void *data; VkDeviceAddress address; const struct gpu_buffer *buffer; uint64_t offset; };
+/** Takes mapped upload memory that lives until this frame is over; 256-byte aligned; grows by the frame after. data NULL after a sticky error. Thread-safe. */
+struct gpu_slice gpu_frame_allocate(gpu_device *device, uint64_t size);
+
+#endif

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The frame graph. A frame is declared pass by pass: handles in, handles out. Compiling (pure CPU) drops passes that
+ * nobody needs, derives every barrier and layout, lays transient resources over one another in memory, and splits the work
+ * between the graphics and the compute queue. The plan prints as stable text. Executing records the passes, on several threads if
+ * asked, and submits. The graph is declared anew each frame; in a steady state it allocates nothing.
+ */
+#ifndef FNL_GRAPH_GRAPH_H
+#define FNL_GRAPH_GRAPH_H
+
+#include "gpu/gpu.h"
+
+struct graph;
+struct graph_pass;
+
+typedef struct graph_image { uint32_t id; } graph_image;   /* id 0 is none */
+typedef struct graph_buffer { uint32_t id; } graph_buffer;
+
+/** `device` NULL gives the null back end: everything but execution works, with invented memory sizes. */
+fnl_result graph_create(const fnl_host *host, gpu_device *device, struct graph **out);
+void graph_destroy(struct graph **graph);
+
+/* ---- declaring a frame ---- */
+
+/** Forgets the last frame's declarations (not the history images, nor the memory). */
+void graph_begin(struct graph *graph);
+
+struct graph_image_params {
+    const char *name; /* a string that lives as long as the graph (a literal) */
+    VkFormat format;
+    uint32_t width, height;
+    uint32_t layers, mips, samples; /* 0 means 1 */
+};
+graph_image graph_create_image(struct graph *graph, const struct graph_image_params *params);
+graph_buffer graph_create_buffer(struct graph *graph, const char *name, uint64_t size);
+/** Resources that live outside of the graph. The graph leaves an image in `final_layout` (UNDEFINED: as it is). */
+graph_image graph_import_image(struct graph *graph, const struct gpu_image *image, VkImageLayout initial_layout, VkImageLayout final_layout);
+graph_buffer graph_import_buffer(struct graph *graph, const char *name, const struct gpu_buffer *buffer);
+/**
+ * An image that is kept from frame to frame under its name: `current` is this frame's to write, `previous` the last
+ * frame's to read. `previous.id` is 0 in the first frame, and after the size or format changed.
+ */
+struct graph_history { graph_image current, previous; };
+struct graph_history graph_history(struct graph *graph, const struct graph_image_params *params);
+
+struct graph_image_params graph_image_info(const struct graph *graph, graph_image image);
+uint64_t graph_buffer_size(const struct graph *graph, graph_buffer buffer);
+
+/* ---- passes ---- */
+
+enum graph_queue {
+    GRAPH_QUEUE_GRAPHICS, /* draws, dispatches and copies */
+    GRAPH_QUEUE_ASYNC,    /* dispatches and copies, on the compute queue where there is one */
+};
+
+struct graph_context; /* what a pass gets to record with */
+typedef void graph_execute(const struct graph_context *context, const void *data);
+
+/** `name` is also the debug label and the timer's name; names must be unique in a frame. `data` (may be NULL) is copied. */
+struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute, const void *data, size_t data_size);
+
+enum graph_use {
+    GRAPH_SAMPLE_COMPUTE,   /* image: texture reads */
+    GRAPH_SAMPLE_FRAGMENT,
+    GRAPH_READ_COMPUTE,     /* storage image or buffer */
+    GRAPH_WRITE_COMPUTE,    /* whole contents are written; nothing old is kept for transient images on first use */
+    GRAPH_READ_WRITE_COMPUTE,
+    GRAPH_READ_VERTEX,      /* buffer, by address, in vertex shaders */
+    GRAPH_READ_FRAGMENT,
+    GRAPH_READ_GRAPHICS,    /* buffer: in vertex and fragment shaders */
+    GRAPH_READ_WRITE_FRAGMENT, /* atomics from fragment shaders */
+    GRAPH_INDIRECT,         /* buffer: indirect commands */
+    GRAPH_INDEX,            /* buffer: indices */
+    GRAPH_COPY_FROM,
+    GRAPH_COPY_TO,
+    GRAPH_READ_HOST,        /* buffer: read by the CPU after the frame */
+};
+void graph_use_image(struct graph_pass *pass, graph_image image, enum graph_use use);
+void graph_use_buffer(struct graph_pass *pass, graph_buffer buffer, enum graph_use use);
+
+/** Attachments: the graph begins and ends rendering around the pass. All must have the same size and samples. */
+void graph_color(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, const float clear[4]);
+/** Multisampled colour attachment `index` (in the order of graph_color) is averaged into `image` at the end. */
+void graph_resolve(struct graph_pass *pass, uint32_t index, graph_image image);
+void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, float clear_depth);
+/** Depth test without writes; the image may be sampled by the same pass. */
+void graph_depth_read_only(struct graph_pass *pass, graph_image image);
+/** The pass runs even if nothing reads what it writes. Passes that write imported or history resources are always kept. */
+void graph_keep(struct graph_pass *pass);
+
+/* ---- compile and execute ---- */
+
+/** Misuse (reading what was never written, a stale handle, attachments of different sizes …) fails with the pass and resource named. */
+fnl_result graph_compile(struct graph *graph);
+/** The compiled plan: passes in order with queue, barriers and layouts; batches with waits; memory with offsets and lifetimes. Stable: two compiles print the same. Writes at most `capacity` bytes with a terminating zero; returns the length it wants. */
+size_t graph_print(const struct graph *graph, char *text, size_t capacity);
+
+struct graph_execute_params {
+    uint32_t record_threads; /* 0: as many as the device's job pool has */
+    bool timers;             /* write timestamps around every pass */
+    bool force_async_on_graphics; /* tests: run the batches of the compute queue on the graphics queue's hardware queue */
+    const struct gpu_external_semaphores *external; /* or NULL */
+};
+/** Between gpu_frame_begin and the end of the frame: records all passes and calls gpu_frame_end. `params` may be NULL. */
+fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_params *params);
+
+/** Timers of a finished frame, in pass order; false when there are none yet. Culled passes do not appear. Names are those given to graph_add_pass. */
+struct graph_timer { const char *name; double milliseconds; };
+bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
+
+struct graph_stats { uint32_t pass_count, culled_pass_count, barrier_count, batch_count; uint64_t transient_bytes, transient_bytes_unaliased; double compile_milliseconds; };
+struct graph_stats graph_query_stats(const struct graph *graph);
+
+/* ---- inside a pass ---- */
+
+struct graph_context {
+    struct gpu_commands *commands;
+    gpu_device *device;
+    const struct graph *graph;
+};
+const struct gpu_image *graph_get_image(const struct graph_context *context, graph_image image);
+const struct gpu_buffer *graph_get_buffer(const struct graph_context *context, graph_buffer buffer);
+static inline uint32_t graph_sampled(const struct graph_context *context, graph_image image) { return graph_get_image(context, image)->sampled_index; }
+static inline uint32_t graph_storage(const struct graph_context *context, graph_image image) { return graph_get_image(context, image)->storage_index; }
+static inline VkDeviceAddress graph_address(const struct graph_context *context, graph_buffer buffer) { return graph_get_buffer(context, buffer)->address; }
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_DEBUG_SHARED_H
+#define FNL_PASSES_DEBUG_SHARED_H
+
+#include "shared.h"
+#include "lights/lights_shared.h"
+
+/* Values of fnl_debug_view. */
+#define GPU_DEBUG_NONE 0u
+#define GPU_DEBUG_ALBEDO 1u
+#define GPU_DEBUG_NORMAL 2u
+#define GPU_DEBUG_DEPTH 3u
+#define GPU_DEBUG_ROUGHNESS 4u
+#define GPU_DEBUG_LIGHT_COUNT 5u
+#define GPU_DEBUG_CELLS 6u
+#define GPU_DEBUG_OVERDRAW 7u
+
+struct gpu_debug_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) overdraw; /* fragments per pixel, for GPU_DEBUG_OVERDRAW */
+    uint albedo;                  /* sampled: base colour, roughness */
+    uint normal;                  /* sampled: normal, view depth */
+    uint target;                  /* storage */
+    uint swap;                    /* 1: red and blue change places */
+    uint mode;
+};
+
+#endif

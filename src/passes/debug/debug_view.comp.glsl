@@ -1,0 +1,93 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Debug views: surface attributes, the heat map of light counts with its legend, cells, overdraw.
+#include "common.glsl"
+#include "view.glsl"
+#include "lights/iterate.glsl"
+#include "passes/debug/debug_shared.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
+
+vec3 srgb_encode(vec3 c) {
+    return mix(12.92 * c, 1.055 * pow(max(c, vec3(0.0031308)), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
+}
+
+// Turbo-like ramp over 0..1: dark blue, cyan, green, yellow, red, by linear pieces.
+vec3 heat(float t) {
+    const vec3 stops[6] = vec3[](vec3(0.05, 0.05, 0.25), vec3(0.1, 0.35, 0.95), vec3(0.1, 0.85, 0.75), vec3(0.55, 0.95, 0.2),
+                                 vec3(1.0, 0.7, 0.1), vec3(0.85, 0.05, 0.05));
+    float x = clamp(t, 0.0, 1.0) * 5.0;
+    int i = min(int(x), 4);
+    return mix(stops[i], stops[i + 1], x - float(i));
+}
+
+// Counts on a logarithmic scale: 1, 2, 4 … 256 and more.
+float count_level(uint count) { return count == 0u ? 0.0 : (log2(float(count)) + 1.0) / 9.0; }
+
+// 3x5 digits, three bits a row from the top.
+const uint digits[10] = uint[](0x7b6fu, 0x2c97u, 0x73e7u, 0x73cfu, 0x5bc9u, 0x79cfu, 0x79efu, 0x7249u, 0x7befu, 0x7bcfu);
+
+bool digit_pixel(uint digit, ivec2 p) {
+    return all(greaterThanEqual(p, ivec2(0))) && p.x < 3 && p.y < 5 && (digits[digit] >> uint((4 - p.y) * 3 + 2 - p.x) & 1u) == 1u;
+}
+
+// The legend in the lower left corner: ten boxes, 0 and powers of two.
+bool legend(ivec2 pixel, out vec3 color) {
+    ivec2 size = ivec2(push.view.view.size);
+    int scale = max(1, size.y / 360);
+    ivec2 p = ivec2(pixel.x, pixel.y - (size.y - 14 * scale)) / scale;
+    if (pixel.y < size.y - 14 * scale || p.x >= 160) return false;
+    int box_index = p.x / 16;
+    uint value = box_index == 0 ? 0u : 1u << uint(box_index - 1);
+    color = value == 0u ? vec3(0.0) : heat(count_level(value));
+    ivec2 q = ivec2(p.x - box_index * 16 - 2, p.y - 5);
+    uint hundreds = value / 100u, tens = value / 10u % 10u, ones = value % 10u;
+    bool ink = digit_pixel(ones, q - ivec2(8, 0)) || (value >= 10u && digit_pixel(tens, q - ivec2(4, 0))) ||
+               (value >= 100u && digit_pixel(hundreds, q));
+    if (ink) color = luminance(color) > 0.4 ? vec3(0.0) : vec3(1.0);
+    return true;
+}
+
+uint pixel_light_count(uvec2 pixel, float view_depth) {
+    light_cursor cursor = lights_begin(push.lights, pixel, view_depth);
+    return lights_count(cursor);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
+    vec4 albedo = texelFetch(textures[push.albedo], pixel, 0), normal = texelFetch(textures[push.normal], pixel, 0);
+    bool sky = normal.w <= 0.0;
+    float grey = sky ? 0.0 : 0.12 + 0.88 * luminance(albedo.rgb) * (0.6 + 0.4 * normal.y);
+    vec3 color = vec3(0.0);
+    uint mode = push.mode;
+    if (mode == GPU_DEBUG_ALBEDO) color = srgb_encode(clamp(albedo.rgb, 0.0, 1.0));
+    if (mode == GPU_DEBUG_NORMAL) color = sky ? vec3(0.0) : normal.xyz * 0.5 + 0.5;
+    if (mode == GPU_DEBUG_DEPTH) color = sky ? vec3(0.0) : vec3(1.0 / (1.0 + 0.05 * normal.w));
+    if (mode == GPU_DEBUG_ROUGHNESS) color = sky ? vec3(0.0) : vec3(albedo.a);
+    if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)])) *
+                                            float(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)] != 0u);
+    if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
+        uint count = sky && LIST_KIND != GPU_LIST_TILES ? 0u : pixel_light_count(uvec2(pixel), sky ? 1.0 : normal.w);
+        vec3 map = count == 0u ? vec3(0.0) : heat(count_level(count));
+        color = mode == GPU_DEBUG_LIGHT_COUNT ? mix(vec3(grey), map, 0.8) : vec3(grey) * 0.5;
+        if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {
+            uint tile_size = push.lights.list.tile_size;
+            if (LIST_KIND == GPU_LIST_CLUSTERS && !sky) {
+                uint slice = slice_of(push.lights, normal.w);
+                vec3 hue = abs(fract(float(slice) * 0.381966 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
+                color = mix(color, clamp(hue, 0.0, 1.0), 0.45);
+            } else {
+                color = mix(color, map, 0.45);
+            }
+            if (uint(pixel.x) % tile_size == 0u || uint(pixel.y) % tile_size == 0u) color = mix(color, vec3(1.0), 0.35);
+        }
+    }
+    if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_OVERDRAW) {
+        vec3 key;
+        if (legend(pixel, key)) color = key;
+    }
+    imageStore(images[push.target], pixel, push.swap == 1u ? vec4(color.bgr, 1.0) : vec4(color, 1.0));
+}

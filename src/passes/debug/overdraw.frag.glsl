@@ -1,0 +1,18 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Counts the fragments of every pixel, hidden ones too.
+#include "common.glsl"
+#include "view.glsl"
+#include "lights/iterate.glsl"
+#include "material.glsl"
+#include "passes/geometry/geometry_shared.h"
+
+layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+
+void main() {
+    material_array materials = push.scene.scene.materials;
+    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    uvec2 pixel = uvec2(gl_FragCoord.xy);
+    atomicAdd(push.counters.at[pixel.y * push.view.view.size.x + pixel.x], 1u);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_CULL_SHARED_H
+#define FNL_PASSES_CULL_SHARED_H
+
+#include "shared.h"
+
+struct gpu_cull_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(uint_array) sums;    /* one per item and one more: 1 for visible ones, then their prefix sum */
+    ADDRESS(uint_array) visible; /* ids of visible items, in order */
+    ADDRESS(draw_array) draws;   /* one per group */
+    uint item_count;
+    uint group_count;
+};
+
+/* Back-to-front order of blended items: a stable radix sort, four bits a step. */
+#define SORT_DIGITS 16u
+#define SORT_RUN 32u /* items that one thread takes */
+
+struct gpu_sort_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(uint_array) keys_in;   /* pairs: key, item */
+    ADDRESS(uint_array) keys_out;
+    ADDRESS(uint_array) counts;    /* digit * run_count + run */
+    ADDRESS(const_uint_array) sums; /* of the cull step: which items are visible */
+    ADDRESS(draw_array) draws;
+    ADDRESS(uint_array) visible;
+    uint first_item;  /* of the blended items */
+    uint item_count;
+    uint run_count;
+    uint shift;
+};
+
+#endif

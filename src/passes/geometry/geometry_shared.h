@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/** Push constants of everything that draws the scene. */
+#ifndef FNL_PASSES_GEOMETRY_SHARED_H
+#define FNL_PASSES_GEOMETRY_SHARED_H
+
+#include "shared.h"
+
+struct gpu_geometry_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(const_uint_array) visible; /* instance of a draw -> item */
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;      /* one per pixel, or 0 when nothing is counted */
+};
+
+#endif

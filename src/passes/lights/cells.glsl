@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Geometry of cells, shared by the steps of the tiled and clustered lists.
+#ifndef CELLS_GLSL
+#define CELLS_GLSL
+
+#include "view.glsl"
+#include "lights/iterate.glsl"
+
+layout(buffer_reference) buffer bound_array;
+layout(buffer_reference) buffer bounds_array;
+
+#include "passes/lights/cells_shared.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bound_array { gpu_bound at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
+
+// Tests are widened by this much, relatively, so that rounding never loses a light.
+const float CELL_SLACK = 1e-4;
+
+// Bounds of the part of the view between two corners of the screen (NDC, +Y up, low.x < high.x, low.y < high.y) and two view depths.
+gpu_cell_bounds cell_bounds(view_block v, vec2 low, vec2 high, float near, float far) {
+    gpu_cell_bounds b;
+    vec3 a0 = view_position_of(v, low, near), a1 = view_position_of(v, high, near);
+    vec3 b0 = view_position_of(v, low, far), b1 = view_position_of(v, high, far);
+    b.low = min(min(a0, a1), min(b0, b1));
+    b.high = max(max(a0, a1), max(b0, b1));
+    // Side planes contain the view rays of their edge: x = edge * depth (perspective) or x = edge (orthographic).
+    vec2 edge_low = low * v.view.ndc_scale + v.view.ndc_offset, edge_high = high * v.view.ndc_scale + v.view.ndc_offset;
+    if (v.view.orthographic > 0.5) {
+        b.planes[0] = vec4(1.0, 0.0, 0.0, -edge_low.x);
+        b.planes[1] = vec4(-1.0, 0.0, 0.0, edge_high.x);
+        b.planes[2] = vec4(0.0, 1.0, 0.0, -edge_low.y);
+        b.planes[3] = vec4(0.0, -1.0, 0.0, edge_high.y);
+    } else {
+        b.planes[0] = vec4(normalize(vec3(1.0, 0.0, edge_low.x)), 0.0);
+        b.planes[1] = vec4(normalize(vec3(-1.0, 0.0, -edge_high.x)), 0.0);
+        b.planes[2] = vec4(normalize(vec3(0.0, 1.0, edge_low.y)), 0.0);
+        b.planes[3] = vec4(normalize(vec3(0.0, -1.0, -edge_high.y)), 0.0);
+    }
+    return b;
+}
+
+// Sphere against planes, then against the box (RTR 4, 20.3). Keeps the light when anything is NaN.
+bool cell_touches(gpu_cell_bounds b, gpu_bound light) {
+    float radius = light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2);
+    for (int i = 0; i < 4; i++)
+        if (dot(b.planes[i].xyz, light.center) + b.planes[i].w < -radius) return false;
+    vec3 outside = max(max(b.low - light.center, light.center - b.high), vec3(0.0));
+    return !(dot(outside, outside) > radius * radius) && !(b.low.z > b.high.z);
+}
+
+#endif

@@ -1,0 +1,25 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Counts the lights that touch a cell: one thread takes one cell and one chunk of the lights in view.
+#include "common.glsl"
+#include "passes/lights/cells.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
+
+void main() {
+    uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
+    if (cell > push.cell_count || (cell == push.cell_count && chunk > 0u)) return;
+    if (cell == push.cell_count) {
+        push.sums.at[cell * push.chunk_count] = 0u; // becomes the total
+        push.overflow.at[0] = 0u;
+        return;
+    }
+    gpu_cell_bounds bounds = push.cells.at[cell];
+    uint end = min((chunk + 1u) * CELL_CHUNK, push.visible_sums.at[push.light_count]);
+    uint count = 0u;
+    for (uint i = chunk * CELL_CHUNK; i < end; i++)
+        if (cell_touches(bounds, push.bounds.at[i])) count++;
+    push.sums.at[cell * push.chunk_count + chunk] = count;
+}

@@ -1,0 +1,28 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Writes the lights of each cell, ascending. A cell that the pool cannot hold is marked to use all lights instead.
+#include "common.glsl"
+#include "passes/lights/cells.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
+
+void main() {
+    uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
+    if (cell >= push.cell_count) return;
+    uint first = push.sums.at[cell * push.chunk_count], last = push.sums.at[(cell + 1u) * push.chunk_count];
+    bool fits = last <= push.capacity;
+    if (chunk == 0u) {
+        push.list.list.cells.at[cell].offset = first;
+        push.list.list.cells.at[cell].count = fits ? last - first : GPU_CELL_ALL;
+        if (!fits) atomicAdd(push.overflow.at[0], 1u);
+    }
+    if (!fits) return;
+    uint slot = push.sums.at[cell * push.chunk_count + chunk], slot_end = push.sums.at[cell * push.chunk_count + chunk + 1u];
+    if (slot == slot_end) return;
+    gpu_cell_bounds bounds = push.cells.at[cell];
+    uint end = min((chunk + 1u) * CELL_CHUNK, push.visible_sums.at[push.light_count]);
+    for (uint i = chunk * CELL_CHUNK; i < end; i++)
+        if (cell_touches(bounds, push.bounds.at[i])) push.ids.at[slot++] = push.visible_ids.at[i];
+}

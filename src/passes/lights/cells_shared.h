@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/** The steps that tiled and clustered lists share: lights in view, bounds of cells, count, fill. */
+#ifndef FNL_PASSES_CELLS_SHARED_H
+#define FNL_PASSES_CELLS_SHARED_H
+
+#include "shared.h"
+#include "lights/lights_shared.h"
+
+/* Lights that one thread tests against one cell. */
+#define CELL_CHUNK 256u
+
+/* A light in view space, as the cell tests want it. */
+struct gpu_bound {
+    vec3 center;
+    float radius;
+};
+
+/*
+ * What a cell encloses, in view space: between four planes (inside is dot(normal, p) + d >= 0, unit normals) and in a box. z is
+ * negative in front of the viewer. low.z > high.z: the cell is empty and takes no light.
+ */
+struct gpu_cell_bounds {
+    vec4 planes[4];
+    vec3 low;
+    vec3 high;
+};
+
+struct gpu_lights_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(uint_array) sums;      /* one per local light and one more: 1 for those in view, then their prefix sum */
+    ADDRESS(uint_array) ids;       /* local lights in view, ascending */
+    ADDRESS(bound_array) bounds;   /* of the lights in ids */
+    uint light_count;              /* local lights */
+};
+
+struct gpu_cells_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(bounds_array) cells;   /* bounds */
+    ADDRESS(const_uint_array) visible_sums; /* its element light_count is the number of lights in view */
+    ADDRESS(const_uint_array) visible_ids;
+    ADDRESS(bound_array) bounds;
+    ADDRESS(uint_array) sums;      /* cell * chunk_count + chunk, and one more: counts, then their prefix sum */
+    ADDRESS(uint_array) ids;       /* the pool */
+    ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
+    uint light_count;
+    uint cell_count;
+    uint chunk_count;
+    uint capacity;                 /* of the pool */
+    uint depth;                    /* tiles: bindless index of the depth image, or GPU_NO_DEPTH */
+    uint flags;
+};
+#define GPU_NO_DEPTH 0xffffffffu
+#define CELLS_MIN_DEPTH 1u         /* flags: lights nearer than the nearest pixel of the tile are left out */
+#define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest, and all lights of tiles that are all sky */
+
+#endif

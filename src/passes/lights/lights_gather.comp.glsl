@@ -1,0 +1,20 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Gathers the lights in view, in order, with their bounds in view space.
+#include "common.glsl"
+#include "passes/lights/cells.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_lights_push push; };
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= push.light_count) return;
+    uint slot = push.sums.at[index];
+    if (push.sums.at[index + 1u] == slot) return;
+    gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
+    push.ids.at[slot] = index;
+    push.bounds.at[slot].center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
+    push.bounds.at[slot].radius = light.bound_radius;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_POST_SHARED_H
+#define FNL_PASSES_POST_SHARED_H
+
+#include "shared.h"
+
+#define METER_BINS 256u /* of log2 luminance, from -20 to +20 */
+#define METER_LOW -20.0
+#define METER_HIGH 20.0
+
+struct gpu_meter_push {
+    ADDRESS(uint_array) histogram; /* METER_BINS */
+    uint radiance;                 /* bindless: sampled */
+    uint width;
+    uint height;
+};
+
+struct gpu_exposure_push {
+    ADDRESS(uint_array) histogram;
+    ADDRESS(float_array) exposure; /* [0]: factor, [1]: EV100 */
+};
+
+/* Values of fnl_tonemap. */
+#define GPU_TONEMAP_NONE 0u
+#define GPU_TONEMAP_KHRONOS_NEUTRAL 1u
+#define GPU_TONEMAP_ACES 2u
+#define GPU_TONEMAP_AGX 3u
+
+struct gpu_tonemap_push {
+    ADDRESS(float_array) exposure; /* [0]: factor, used where `metered` is 1 */
+    float factor;
+    uint metered;
+    uint radiance;                 /* bindless: sampled, SAMPLES a pixel */
+    uint target;                   /* bindless: storage */
+    uint width;
+    uint height;
+    uint encode;                   /* 1: sRGB-encoded and clamped to 0..1; 0: linear, tone mapping off */
+    uint swap;                     /* 1: red and blue change places */
+    uint tonemap;
+};
+
+struct gpu_resolve_push {
+    uint radiance; /* sampled, SAMPLES a pixel */
+    uint target;   /* storage */
+    uint width;
+    uint height;
+};
+
+#endif

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_SHADE_SHARED_H
+#define FNL_PASSES_SHADE_SHARED_H
+
+#include "shared.h"
+
+struct gpu_deferred_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;
+    uint depth;      /* bindless indices: sampled */
+    uint color;
+    uint normal;
+    uint dielectric;
+    uint radiance;   /* storage: emission in, radiance out */
+};
+
+#endif
