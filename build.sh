@@ -28,7 +28,7 @@ fail() { echo "build.sh: $*" >&2; exit 2; }
 
 verb=${1:-help}
 [ $# -gt 0 ] && shift
-install=yes sanitize= clang= coverage= regex= seconds=60
+install=yes sanitize='' clang='' coverage='' regex='' seconds=60
 while [ $# -gt 0 ]; do
     case $verb:$1 in
     *:--no-install) install= ;;
@@ -64,7 +64,7 @@ test)
     setup ${clang:+--clang}
     folder=build options=()
     if [ -n "$clang" ]; then folder+=/clang; options+=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++); fi
-    if [ -n "$sanitize" ]; then folder+=/sanitize; options+=(-DFANAL_SANITIZE=address,undefined); fi
+    if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi
     build $folder all "${options[@]}"
     [ -z "$coverage" ] || tools/checklist.sh
     ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"}

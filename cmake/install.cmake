@@ -4,7 +4,11 @@ include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/fanal)
 install(DIRECTORY include/fanal DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
-install(TARGETS fanal EXPORT fanal)
+install(TARGETS fanal EXPORT fanal LIBRARY COMPONENT program NAMELINK_COMPONENT Unspecified)
+if(TARGET fanal_cli)
+  set_target_properties(fanal_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  install(TARGETS fanal_cli COMPONENT program)
+endif()
 install(EXPORT fanal NAMESPACE fanal:: FILE fanal-targets.cmake DESTINATION ${package_folder})
 
 # A shared library brings its dependencies itself; users of a static one must find and link them.

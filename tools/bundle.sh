@@ -34,7 +34,7 @@ cat >"$bundle/fanal" <<'EOF'
 # Starts Fanal with the libraries beside it; those in lib/fallback only where the system has none of that name.
 here=$(dirname "$(readlink -f "$0")")
 path=$here/lib
-system=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null)
+system=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null | grep -E 'x86-64|AArch64')
 for folder in "$here"/lib/fallback/*; do
     case $system in
     *"$(basename "$folder") "*) ;;

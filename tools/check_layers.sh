@@ -3,7 +3,7 @@
 # Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, and a
 # licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
 set -u # not -e: a search that finds nothing is good news
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 
 # What a layer may include besides its own folder, the public headers, and the structs in shaders/.
 allowed() {

@@ -22,4 +22,4 @@ find src tests -name '*.c' -print0 | sort -z |
 awk -F '\t' '{ printf "%-7s %s\n", $1, $2 }' "$shown"
 wanted=$(grep -v '^#' tests/checklist.txt)
 missing=$(for line in $wanted; do cut -f 1 "$shown" | grep -qx -- "$line" || echo "$line"; done)
-echo "$(cut -f 1 "$shown" | sort -u | wc -l) lines shown; of tests/checklist.txt missing: $(echo ${missing:-none})"
+echo "$(cut -f 1 "$shown" | sort -u | wc -l) lines shown; of tests/checklist.txt missing:" ${missing:-none}
