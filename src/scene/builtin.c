@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/builtin.h"
+
+#include <errno.h>
+
+#define LIGHTS(count) {"lights", 0, BUILTIN_LIGHTS_MAX, count}
+#define SEED {"seed", 0, UINT32_MAX, 1}
+
+static const struct builtin_scene scenes[] = {
+    {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
+    {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
+    {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},
+    {"grass", {LIGHTS(512), SEED}, builtin_make_grass},
+    {"onetile", {LIGHTS(1000), SEED}, builtin_make_onetile},
+    {"nearplane", {LIGHTS(256), SEED}, builtin_make_nearplane},
+    {"sky", {LIGHTS(256), SEED}, builtin_make_sky},
+    {"glass", {LIGHTS(256), SEED}, builtin_make_glass},
+};
+
+const struct builtin_scene *builtin_scene_at(uint32_t index) { return index < COUNT_OF(scenes) ? &scenes[index] : NULL; }
+
+/* ---- materials ---- */
+
+uint32_t builtin_plain(struct builtin *b, const char *name, vec3 color, float metallic, float roughness) {
+    struct scene_material material = scene_material_default();
+    material.name = name;
+    material.base_color = vec4_make(color.x, color.y, color.z, 1);
+    material.metallic = metallic;
+    material.roughness = roughness;
+    uint32_t index = b->failed ? SCENE_NONE : scene_add_material(b->scene, &material);
+    if (index == SCENE_NONE) b->failed = true;
+    return b->failed ? 0 : index;
+}
+
+struct scene_material *builtin_material_at(struct builtin *b, uint32_t material) {
+    return b->failed ? &b->scratch : &b->scene->materials.data[material];
+}
+
+uint32_t builtin_glow(struct builtin *b, const char *name, vec3 radiance) {
+    uint32_t index = builtin_plain(b, name, vec3_make(0.02f, 0.02f, 0.02f), 0, 0.5f);
+    builtin_material_at(b, index)->emissive = radiance;
+    return index;
+}
+
+uint32_t builtin_glass(struct builtin *b, const char *name, vec3 tint, float alpha) {
+    uint32_t index = builtin_plain(b, name, tint, 0, 0.06f);
+    struct scene_material *material = builtin_material_at(b, index);
+    material->base_color.w = alpha;
+    material->alpha_mode = FNL_ALPHA_BLEND;
+    material->double_sided = true;
+    return index;
+}
+
+uint32_t builtin_material(struct builtin *b, const char *name, enum builtin_texture texture, vec3 tint) {
+    const struct builtin_images *images = builtin_texture_images(b, texture);
+    uint32_t index = builtin_plain(b, name, tint, images->surface == SCENE_NONE ? 0.0f : 1.0f, 1);
+    struct scene_material *material = builtin_material_at(b, index);
+    const uint32_t slots[][2] = {
+        {SCENE_TEXTURE_BASE_COLOR, images->base_color}, {SCENE_TEXTURE_METALLIC_ROUGHNESS, images->surface},
+        {SCENE_TEXTURE_OCCLUSION, images->surface},     {SCENE_TEXTURE_NORMAL, images->normal},
+        {SCENE_TEXTURE_EMISSIVE, images->emissive},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(slots); i++) {
+        if (slots[i][1] == SCENE_NONE) continue;
+        struct scene_texture *slot = &material->textures[slots[i][0]];
+        *slot = scene_texture_none();
+        slot->image = slots[i][1];
+        slot->transform[0] = 1 / images->width;
+        slot->transform[4] = 1 / images->height;
+    }
+    if (texture == TEXTURE_LEAVES || texture == TEXTURE_GRASS || texture == TEXTURE_MARKING) {
+        material->alpha_mode = FNL_ALPHA_MASK;
+        material->double_sided = texture != TEXTURE_MARKING;
+    }
+    return index;
+}
+
+/* ---- placing ---- */
+
+void builtin_place(struct builtin *b, uint32_t mesh, mat4 transform) {
+    const fnl_host *host = &b->scene->host;
+    while (!b->failed && b->placements.count <= mesh)
+        if (!array_push(host, &b->placements, (struct builtin_placement){0})) b->failed = true;
+    if (b->failed) return;
+    if (!array_push(host, &b->placements.data[mesh].transforms, transform)) b->failed = true;
+    b->placed++;
+}
+
+mat4 builtin_at(float x, float y, float z, float yaw, float scale) {
+    float c = cosf(yaw) * scale, s = sinf(yaw) * scale;
+    return (mat4){{c, 0, -s, 0, 0, scale, 0, 0, s, 0, c, 0, x, y, z, 1}};
+}
+
+void builtin_flush(struct builtin *b) {
+    fnl_scene *scene = b->scene;
+    for (uint32_t i = 0; i < b->placements.count && !b->failed; i++) {
+        struct builtin_placement *placement = &b->placements.data[i];
+        uint32_t count = placement->transforms.count;
+        if (!count) continue;
+        mat4 local = count == 1 ? placement->transforms.data[0] : mat4_identity();
+        uint32_t node = scene_add_node(scene, scene->meshes.data[i].name, SCENE_NONE, &local, i);
+        const mat4 *copy = count == 1 ? NULL : arena_copy(&scene->arena, placement->transforms.data, sizeof(mat4) * count);
+        if (node == SCENE_NONE || (count > 1 && !copy)) {
+            b->failed = true;
+            return;
+        }
+        scene->nodes.data[node].instances = copy;
+        scene->nodes.data[node].instance_count = count;
+    }
+}
+
+static void add_light(struct builtin *b, const fnl_light_params *light) {
+    if (!b->failed && scene_add_light(b->scene, light, SCENE_NONE) == SCENE_NONE) b->failed = true;
+}
+
+static fnl_light_params light_at(vec3 position, vec3 color, float intensity, float range) {
+    fnl_light_params light = fnl_light_params_default();
+    light.position = position;
+    light.color[0] = color.x;
+    light.color[1] = color.y;
+    light.color[2] = color.z;
+    light.intensity = intensity;
+    light.range = range;
+    return light;
+}
+
+void builtin_point(struct builtin *b, vec3 position, vec3 color, float intensity, float range) {
+    fnl_light_params light = light_at(position, color, intensity, range);
+    add_light(b, &light);
+}
+
+void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, float intensity, float range, float angle) {
+    fnl_light_params light = light_at(position, color, intensity, range);
+    light.kind = FNL_LIGHT_SPOT;
+    light.direction = vec3_normalize(direction);
+    light.outer_cone_angle = angle;
+    light.inner_cone_angle = 0.6f * angle;
+    add_light(b, &light);
+}
+
+void builtin_camera(struct builtin *b, const char *name, vec3 position, vec3 target, float fov) {
+    fnl_camera camera = fnl_camera_default();
+    camera.position = position;
+    camera.target = target;
+    camera.vertical_fov = fov;
+    if (!b->failed && fnl_scene_add_camera(b->scene, name, &camera) != FNL_OK) b->failed = true;
+}
+
+vec3 builtin_hue(float hue, float saturation) {
+    float c[3], highest = 0;
+    for (int i = 0; i < 3; i++) {
+        c[i] = 1 - saturation * (0.5f - 0.5f * cosf(2 * PI * (hue - (float)i / 3)));
+        highest = fmaxf(highest, c[i]);
+    }
+    return vec3_make(c[0] / highest, c[1] / highest, c[2] / highest);
+}
+
+/* ---- reading "NAME?key=value&key=value" ---- */
+
+static uint32_t key_count(const struct builtin_scene *scene) {
+    uint32_t count = 0;
+    while (count < COUNT_OF(scene->keys) && scene->keys[count].name) count++;
+    return count;
+}
+
+static const struct builtin_scene *find_scene(const fnl_host *host, const char *text, size_t length) {
+    char known[256] = "";
+    for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
+        if (strlen(scenes[i].name) == length && memcmp(scenes[i].name, text, length) == 0) return &scenes[i];
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", scenes[i].name);
+    }
+    log_error(host, "builtin:%s: there is no built-in scene '%.*s'; there are: %s", text, (int)MIN(length, 64), text, known);
+    return NULL;
+}
+
+static fnl_result read_value(const fnl_host *host, const char *text, const struct builtin_key *key, const char *value,
+                             size_t length, uint64_t *out) {
+    char digits[24];
+    bool good = length > 0 && length < sizeof digits;
+    for (size_t i = 0; good && i < length; i++) good = value[i] >= '0' && value[i] <= '9';
+    if (good) {
+        memcpy(digits, value, length);
+        digits[length] = 0;
+        errno = 0;
+        *out = strtoull(digits, NULL, 10);
+        good = errno == 0 && *out >= key->low && *out <= key->high;
+    }
+    if (good) return FNL_OK;
+    log_error(host, "builtin:%s: %s=%.*s is not a whole number from %llu to %llu", text, key->name, (int)MIN(length, 64),
+              value, (unsigned long long)key->low, (unsigned long long)key->high);
+    return FNL_ERROR_INVALID;
+}
+
+/** Reads one "key=value" of `length` characters. */
+static fnl_result read_pair(const fnl_host *host, const char *text, const struct builtin_scene *scene, const char *pair,
+                            size_t length, uint64_t *values) {
+    const char *equals = memchr(pair, '=', length);
+    size_t name_length = equals ? (size_t)(equals - pair) : length;
+    char known[256] = "";
+    for (uint32_t i = 0; i < key_count(scene); i++) {
+        const struct builtin_key *key = &scene->keys[i];
+        if (equals && strlen(key->name) == name_length && memcmp(key->name, pair, name_length) == 0)
+            return read_value(host, text, key, equals + 1, length - name_length - 1, &values[i]);
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s=%llu..%llu", i ? ", " : "", key->name,
+                 (unsigned long long)key->low, (unsigned long long)key->high);
+    }
+    log_error(host, "builtin:%s: '%.*s' is not a key of %s with a value; there are: %s", text, (int)MIN(length, 64), pair,
+              scene->name, known);
+    return FNL_ERROR_INVALID;
+}
+
+static fnl_result make_scene(const fnl_host *host, const char *text, const struct builtin_scene *what,
+                             const uint64_t *values, fnl_scene **out) {
+    char source[320];
+    snprintf(source, sizeof source, "builtin:%s", text);
+    TRY(scene_create(host, source, out));
+    struct builtin b = {.scene = *out, .random = {1}};
+    fnl_result result = jobs_create(host, &b.jobs);
+    if (result == FNL_OK) {
+        what->make(&b, values);
+        builtin_flush(&b);
+        scene_update_transforms(b.scene);
+        jobs_destroy(&b.jobs);
+    }
+    for (uint32_t i = 0; i < b.placements.count; i++) array_free(&b.scene->host, &b.placements.data[i].transforms);
+    array_free(&b.scene->host, &b.placements);
+    if (result == FNL_OK && b.failed) result = FNL_ERROR_MEMORY;
+    if (result != FNL_OK) fnl_scene_destroy(out);
+    return result;
+}
+
+fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out) {
+    fnl_host resolved = host_resolve(host);
+    *out = NULL;
+    const char *query = strchr(text, '?');
+    const struct builtin_scene *what = find_scene(&resolved, text, query ? (size_t)(query - text) : strlen(text));
+    if (!what) return FNL_ERROR_INVALID;
+    uint64_t values[COUNT_OF(what->keys)];
+    for (uint32_t i = 0; i < COUNT_OF(what->keys); i++) values[i] = what->keys[i].fallback;
+    for (const char *pair = query ? query + 1 : ""; *pair;) {
+        size_t length = strcspn(pair, "&");
+        TRY(read_pair(&resolved, text, what, pair, length, values));
+        pair += length;
+        if (*pair == '&') pair++;
+    }
+    return make_scene(&resolved, text, what, values, out);
+}

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/builtin.h"
+#include "scene/builtin_mesh.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+static char last_error[2048];
+
+static void keep_error(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    if (level == FNL_LOG_ERROR) snprintf(last_error, sizeof last_error, "%s", line);
+}
+
+static fnl_scene *load(const char *text) {
+    fnl_scene *scene;
+    assert_int_equal(builtin_load(NULL, text, &scene), FNL_OK);
+    assert_non_null(scene);
+    return scene;
+}
+
+static bool unit(vec3 v) { return fabsf(vec3_dot(v, v) - 1) < 1e-3f; }
+
+static void check_primitive(const fnl_scene *scene, const struct scene_primitive *p) {
+    assert_true(p->vertex_count > 0 && p->index_count >= 3 && p->index_count % 3 == 0);
+    assert_true(p->material < scene->materials.count);
+    for (uint32_t i = 0; i < p->index_count; i++) assert_true(p->indices[i] < p->vertex_count);
+    for (uint32_t i = 0; i < p->vertex_count; i++) {
+        vec3 n = p->normals[i], t = {p->tangents[i].x, p->tangents[i].y, p->tangents[i].z};
+        assert_true(vec3_finite(p->positions[i]) && isfinite(p->uv[0][i].x) && isfinite(p->uv[0][i].y));
+        assert_true(unit(n) && unit(t) && fabsf(vec3_dot(n, t)) < 2e-3f);
+        assert_true(fabsf(p->tangents[i].w) == 1);
+    }
+    uint32_t turned = 0, faces = p->index_count / 3;
+    for (uint32_t f = 0; f < faces; f++) {
+        const uint32_t *v = p->indices + 3 * (size_t)f;
+        vec3 a = p->positions[v[0]], n = vec3_cross(vec3_sub(p->positions[v[1]], a), vec3_sub(p->positions[v[2]], a));
+        turned += vec3_dot(n, vec3_add(p->normals[v[0]], vec3_add(p->normals[v[1]], p->normals[v[2]]))) < 0;
+    }
+    assert_int_equal(turned, 0); /* faces are seen from where their normals point */
+}
+
+static void check_scene(const fnl_scene *scene) {
+    for (uint32_t i = 0; i < scene->primitives.count; i++) check_primitive(scene, &scene->primitives.data[i]);
+    for (uint32_t i = 0; i < scene->materials.count; i++)
+        for (int k = 0; k < SCENE_TEXTURE_SLOT_COUNT; k++) {
+            uint32_t image = scene->materials.data[i].textures[k].image;
+            assert_true(image == SCENE_NONE || (image < scene->images.count && scene->images.data[image].pixels));
+        }
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        const fnl_light_params *light = &scene->lights.data[i].params;
+        assert_true(vec3_finite(light->position) && isfinite(light->range) && light->range > 0 && light->intensity > 0);
+        assert_true(light->kind != FNL_LIGHT_SPOT || unit(light->direction));
+    }
+    assert_true(scene->cameras.count > 0 && scene->nodes.count > 0);
+    struct box bounds = scene_bounds(scene);
+    assert_true(vec3_finite(bounds.low) && vec3_finite(bounds.high) && bounds.low.x < bounds.high.x);
+}
+
+/** A hash of everything that a picture depends on. */
+static uint64_t scene_hash(const fnl_scene *scene) {
+    uint64_t h = HASH_SEED;
+    for (uint32_t i = 0; i < scene->images.count; i++)
+        h = hash_bytes(scene->images.data[i].pixels, (size_t)scene->images.data[i].width * scene->images.data[i].height * 4,
+                       h);
+    for (uint32_t i = 0; i < scene->primitives.count; i++) {
+        const struct scene_primitive *p = &scene->primitives.data[i];
+        h = hash_bytes(p->positions, sizeof(vec3) * p->vertex_count, h);
+        h = hash_bytes(p->normals, sizeof(vec3) * p->vertex_count, h);
+        h = hash_bytes(p->tangents, sizeof(vec4) * p->vertex_count, h);
+        h = hash_bytes(p->uv[0], sizeof(vec2) * p->vertex_count, h);
+        h = hash_bytes(p->indices, sizeof(uint32_t) * p->index_count, h);
+    }
+    for (uint32_t i = 0; i < scene->nodes.count; i++) {
+        const struct scene_node *node = &scene->nodes.data[i];
+        h = hash_bytes(&node->world, sizeof(mat4), h);
+        if (node->instances) h = hash_bytes(node->instances, sizeof(mat4) * node->instance_count, h);
+    }
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        const fnl_light_params *l = &scene->lights.data[i].params;
+        float values[] = {(float)l->kind, l->position.x,  l->position.y,       l->position.z,      l->direction.x,
+                          l->direction.y, l->direction.z, l->color[0],         l->color[1],        l->color[2],
+                          l->intensity,   l->range,       l->inner_cone_angle, l->outer_cone_angle};
+        h = hash_bytes(values, sizeof values, h);
+    }
+    return h;
+}
+
+static uint64_t hash_of(const char *text) {
+    fnl_scene *scene = load(text);
+    uint64_t hash = scene_hash(scene);
+    fnl_scene_destroy(&scene);
+    return hash;
+}
+
+static void test_every_scene_is_sound_and_the_same_twice(void **state) {
+    UNUSED(state);
+    const struct builtin_scene *what;
+    for (uint32_t i = 0; (what = builtin_scene_at(i)); i++) {
+        fnl_scene *scene = load(what->name);
+        check_scene(scene);
+        assert_true(scene->lights.count > 0);
+        uint64_t hash = scene_hash(scene);
+        char source[64];
+        snprintf(source, sizeof source, "builtin:%s", what->name);
+        assert_string_equal(scene->source, source);
+        fnl_scene_destroy(&scene);
+        assert_true(hash == hash_of(what->name));
+        char text[64];
+        snprintf(text, sizeof text, "%s?seed=7", what->name);
+        assert_true(hash != hash_of(text) || strcmp(what->name, "lamps") == 0); /* a row has nothing random */
+    }
+}
+
+static void test_light_counts_are_exact(void **state) {
+    UNUSED(state);
+    const struct builtin_scene *what;
+    const uint32_t counts[] = {0, 1, 17, 300};
+    for (uint32_t i = 0; (what = builtin_scene_at(i)); i++)
+        for (uint32_t k = 0; k < COUNT_OF(counts); k++) {
+            char text[64];
+            snprintf(text, sizeof text, "%s?lights=%u", what->name, counts[k]);
+            fnl_scene *scene = load(text);
+            assert_int_equal(scene->lights.count, counts[k]);
+            check_scene(scene);
+            fnl_scene_destroy(&scene);
+        }
+}
+
+static void test_wrong_names_and_keys_are_explained(void **state) {
+    UNUSED(state);
+    const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"cty", "there is no built-in scene 'cty'; there are: "},
+        {"", "there is no built-in scene ''"},
+        {"?lights=3", "there is no built-in scene ''"},
+        {"pole?lihgts=3", "'lihgts=3' is not a key of pole with a value; there are: lights=0..1048576, seed=0..4294967295"},
+        {"pole?lights", "'lights' is not a key of pole with a value"},
+        {"pole?lights=", "lights= is not a whole number from 0 to 1048576"},
+        {"pole?lights=1048577", "lights=1048577 is not a whole number"},
+        {"pole?lights=99999999999999999999999", "is not a whole number"},
+        {"pole?seed=1&lights=-1", "lights=-1 is not a whole number"},
+        {"pole?seed=1&&lights=1", "'' is not a key of pole"},
+    };
+    fnl_host host = fnl_host_default();
+    host.log = keep_error;
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_scene *scene;
+        last_error[0] = 0;
+        assert_int_equal(builtin_load(&host, cases[i].text, &scene), FNL_ERROR_INVALID);
+        assert_null(scene);
+        if (!strstr(last_error, cases[i].message)) fail_msg("'%s' gave '%s'", cases[i].text, last_error);
+    }
+}
+
+/** Fails the allocation number `limit` and all later ones. */
+static void *limited_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    UNUSED(old_size);
+    int64_t *left = user;
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    return (*left)-- > 0 ? realloc(old, new_size) : NULL;
+}
+
+static void test_running_out_of_memory_is_an_error(void **state) {
+    UNUSED(state);
+    fnl_host host = fnl_host_default();
+    host.log = keep_error;
+    host.reallocate = limited_reallocate;
+    host.thread_count = 1;
+    uint32_t failures = 0;
+    for (int64_t limit = 0; limit < 400; limit += limit < 40 ? 1 : 17) {
+        int64_t left = limit;
+        host.user = &left;
+        fnl_scene *scene;
+        fnl_result result = builtin_load(&host, "sky?lights=40", &scene);
+        assert_true(result == FNL_OK || (result == FNL_ERROR_MEMORY && !scene));
+        failures += result != FNL_OK;
+        fnl_scene_destroy(&scene);
+    }
+    assert_true(failures > 10);
+}
+
+/** Signed volume inside a closed mesh. */
+static float volume(const struct scene_primitive *p) {
+    double sum = 0;
+    for (uint32_t i = 0; i < p->index_count; i += 3) {
+        const vec3 *a = p->positions;
+        const uint32_t *v = p->indices + i;
+        sum += (double)vec3_dot(a[v[0]], vec3_cross(a[v[1]], a[v[2]])) / 6;
+    }
+    return (float)sum;
+}
+
+static void check_volume(struct mesh_builder *m, float expected) {
+    fnl_scene *scene = m->builtin->scene;
+    uint32_t mesh = mesh_end(m, "shape");
+    const struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh].first_primitive];
+    check_primitive(scene, p);
+    float v = volume(p);
+    if (fabsf(v - expected) > 1e-3f * fabsf(expected)) fail_msg("volume %g, expected %g", (double)v, (double)expected);
+}
+
+/** Closed shapes hold their closed-form volume; a hole or a turned face would change it. */
+static void test_shapes_are_closed(void **state) {
+    UNUSED(state);
+    struct builtin b = {0};
+    assert_int_equal(scene_create(NULL, "test", &b.scene), FNL_OK);
+    struct mesh_builder m;
+    mesh_begin(&m, &b);
+    mesh_material(&m, builtin_plain(&b, "m", vec3_make(1, 1, 1), 0, 1));
+    mesh_box(&m, vec3_make(1, 2, 3), vec3_make(2, 4, 7), FACE_ALL);
+    check_volume(&m, 8);
+    mesh_material(&m, 0);
+    mesh_bevel_box(&m, vec3_make(-1, 0, 0), vec3_make(1, 2, 2), 0.25f);
+    /* Each edge loses a triangular prism; at a corner the three prisms and the tip add up to 5/6 of a cube's eighth. */
+    check_volume(&m, 8 - 12 * (1.5f * 0.25f * 0.25f / 2) - 8 * (0.25f * 0.25f * 0.25f * 5 / 6));
+    mesh_material(&m, 0);
+    mesh_cylinder(&m, vec3_make(3, 1, 2), 1, 0, 3, 6);
+    check_volume(&m, 2.5980762f);
+    mesh_material(&m, 0);
+    m.transform = mat4_scaling(vec3_make(-2, 1, 1)); /* mirrored */
+    mesh_cylinder(&m, vec3_make(3, 1, 2), 1, 1, 2, 4);
+    check_volume(&m, 8);
+    mesh_material(&m, 0);
+    mesh_sphere(&m, vec3_make(1, 1, 1), 1, 256);
+    check_volume(&m, 4.18879f);
+    mesh_material(&m, 0);
+    const vec2 outline[] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+    mesh_prism(&m, outline, 6, -1, 2, true);
+    check_volume(&m, 9);
+    fnl_scene_destroy(&b.scene);
+}
+
+/** Every sphere of influence of `onetile` shows inside tile (40, 22) of a 1280x720 picture. */
+static void test_onetile_stays_in_its_tile(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load("onetile");
+    assert_int_equal(scene->lights.count, 1000);
+    float scale = 360 / tanf(0.45f);
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        const fnl_light_params *l = &scene->lights.data[i].params;
+        /* Half the angle under which the sphere is seen, around its centre's direction; near the axis one pixel is 1/scale.
+         */
+        float depth = -l->position.z, x = 640 + l->position.x / depth * scale, y = 360 - l->position.y / depth * scale;
+        float radius = asinf(l->range / vec3_length(l->position)) * scale * 1.001f;
+        assert_true(x - radius >= 640 && x + radius <= 656 && y - radius >= 352 && y + radius <= 368);
+    }
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_scene_is_sound_and_the_same_twice),
+        cmocka_unit_test(test_light_counts_are_exact),
+        cmocka_unit_test(test_wrong_names_and_keys_are_explained),
+        cmocka_unit_test(test_running_out_of_memory_is_an_error),
+        cmocka_unit_test(test_shapes_are_closed),
+        cmocka_unit_test(test_onetile_stays_in_its_tile),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
