@@ -11,7 +11,7 @@ packages=(
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
     libcmocka-dev vulkan-validationlayers                                            # to test
 )
-[ "${1:-}" = --clang ] && packages+=(clang) # for the fuzzers and `test --clang`
+[ "${1:-}" = --clang ] && packages+=(clang libclang-rt-dev) # for the fuzzers and `test --clang`
 
 say() { echo "setup: $*"; }
 
