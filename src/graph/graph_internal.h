@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/** What the files of the frame graph share: a frame's declarations, the plan made of them, and what is kept between frames. */
+#ifndef FNL_GRAPH_INTERNAL_H
+#define FNL_GRAPH_INTERNAL_H
+
+#include "graph/graph.h"
+
+#define GRAPH_NONE UINT32_MAX
+
+enum {
+    GRAPH_KEEP_FRAMES = 4, /* histories and physical resources that were not used for so many frames are released */
+};
+
+/* ---- declarations ---- */
+
+/** All uses of one resource by one pass, merged. */
+struct graph_access {
+    struct graph_access *next;                                    /* of the same pass */
+    struct graph_access *next_of_resource, *previous_of_resource; /* among live passes; set by compile */
+    uint32_t resource, step;
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 access;
+    VkPipelineStageFlags2 run_stages; /* this and the following reads of the same layout and queue, up to the next change */
+    VkAccessFlags2 run_access;
+    VkImageLayout layout; /* images */
+    VkImageUsageFlags usage;
+    bool reads; /* depends on what was there before */
+    bool writes;
+    bool discards; /* replaces the whole contents: a clear, a resolve, or an attachment whose old contents do not matter */
+};
+
+struct graph_pass_attachment {
+    uint32_t resource, resolve; /* GRAPH_NONE: none */
+    VkAttachmentLoadOp load;
+    VkClearValue clear;
+    bool read_only;
+};
+
+struct graph_pass {
+    struct graph *graph;
+    const char *name;
+    enum graph_queue queue;
+    graph_execute *execute;
+    const void *data;
+    struct graph_access *first_use, *last_use;
+    struct graph_pass_attachment colors[GPU_MAX_COLORS], depth;
+    uint32_t color_count;
+    bool keep, live;
+};
+
+/** What must be waited for before a resource may be used again. Only meaningful while a plan is made. */
+struct graph_state {
+    VkImageLayout layout;
+    /* The last write or layout change, and what it was made visible to on its own queue. */
+    enum gpu_queue write_queue;
+    uint32_t write_batch;
+    VkPipelineStageFlags2 write_stages, visible_stages;
+    VkAccessFlags2 write_access, visible_access;
+    /* Reads since then, by queue; stages 0: none. */
+    VkPipelineStageFlags2 read_stages[2];
+    uint32_t read_batch[2];
+};
+
+enum graph_history_role { GRAPH_HISTORY_NONE, GRAPH_HISTORY_CURRENT, GRAPH_HISTORY_PREVIOUS };
+
+struct graph_resource {
+    const char *name;
+    bool is_image, imported, host_read;
+    bool has_contents; /* at the start of the frame */
+    enum graph_history_role role;
+    uint32_t history; /* index, when role is not NONE */
+    struct graph_image_params params;
+    uint64_t buffer_size;
+    VkImageLayout initial_layout, final_layout; /* imported images and histories */
+    const struct gpu_image *image;              /* imported, or set before the passes are recorded */
+    const struct gpu_buffer *buffer;
+
+    /* Set by compile. */
+    VkImageUsageFlags usage;
+    struct graph_access *first_use, *last_use; /* by live passes, in order */
+    uint32_t first_step, last_step;            /* lifetime of its memory */
+    bool on_async;
+    uint32_t pool; /* GRAPH_NONE: owns no transient memory */
+    uint64_t offset, size;
+    uint32_t next_in_pool; /* by rising offset */
+    uint32_t physical;     /* index into graph.physicals */
+    struct graph_state state;
+};
+
+/* ---- the plan ---- */
+
+struct graph_barrier {
+    struct graph_barrier *next;
+    uint32_t resource;
+    VkPipelineStageFlags2 from_stages, to_stages;
+    VkAccessFlags2 from_access, to_access;
+    VkImageLayout from_layout, to_layout;
+};
+
+/** A buffer (or aliased memory) that takes part in a memory barrier; for the printed plan. */
+struct graph_cause {
+    struct graph_cause *next;
+    uint32_t resource;
+};
+
+/** One pipeline barrier: image barriers and one global memory barrier (none when its stages are 0). */
+struct graph_barriers {
+    struct graph_barrier *first, *last;
+    VkPipelineStageFlags2 from_stages, to_stages;
+    VkAccessFlags2 from_access, to_access;
+    struct graph_cause *first_cause, *last_cause;
+};
+
+/** A live pass. */
+struct graph_step {
+    struct graph_pass *pass;
+    struct graph_barriers before;
+    uint32_t batch, next_in_batch;
+    enum gpu_queue queue;
+};
+
+struct graph_batch {
+    enum gpu_queue queue;
+    uint32_t wait; /* a batch of the other queue, or GRAPH_NONE */
+    uint32_t first_step, last_step, step_count;
+    struct graph_barriers after; /* at its end */
+};
+
+struct graph_plan {
+    bool compiled, async; /* async: some pass runs on the compute queue */
+    struct graph_step *steps;
+    uint32_t step_count, culled_count, barrier_count;
+    struct graph_batch *batches; /* in submission order; the first starts with the frame barrier */
+    uint32_t batch_count;
+    uint64_t transient_bytes, unaliased_bytes;
+    double compile_milliseconds;
+};
+
+/* ---- what lives longer than a frame ---- */
+
+/** Transient memory of one kind: all its resources are packed into one heap. */
+struct graph_pool {
+    bool images;
+    uint32_t memory_types;
+    uint64_t needed;         /* by this frame's plan */
+    uint32_t first_resource; /* by rising offset */
+    struct gpu_heap heap;    /* size 0: none yet */
+    uint32_t oversized_frames;
+};
+
+/** A resource bound to a place in a pool's heap. */
+struct graph_physical {
+    uint64_t key;
+    uint32_t pool;
+    bool is_image;
+    uint64_t last_frame;
+    struct gpu_image image;
+    struct gpu_buffer buffer;
+};
+
+struct graph_history_entry {
+    const char *name;
+    struct graph_image_params params;
+    struct gpu_image images[2];
+    VkImageLayout layouts[2];
+    uint32_t current; /* which of the two this frame writes */
+    bool valid;       /* the other one holds the last frame's contents */
+    uint64_t last_frame;
+    struct graph_history handles; /* of this frame */
+};
+
+struct graph_requirements {
+    uint64_t key;
+    struct gpu_requirements requirements;
+};
+
+/** Names of the timers of a frame in flight. */
+struct graph_timer_slot {
+    uint64_t frame_number;
+    ARRAY(const char *) names;
+};
+
+struct graph {
+    fnl_host host;
+    gpu_device *device; /* NULL: null back end */
+    uint64_t frame;     /* frames declared so far */
+    fnl_result result;  /* of this frame; the first error sticks */
+    struct arena arena; /* lives for a frame */
+    ARRAY(struct graph_resource) resources;
+    ARRAY(struct graph_pass *) passes;
+    struct graph_plan plan;
+    bool executed;
+
+    ARRAY(struct graph_pool) pools;
+    ARRAY(struct graph_physical) physicals;
+    ARRAY(struct graph_history_entry) histories;
+    ARRAY(struct graph_requirements) requirements;
+    struct graph_timer_slot timer_slots[GPU_FRAMES_IN_FLIGHT];
+    ARRAY(struct graph_timer) timers;
+};
+
+/** Logs misuse and makes the frame fail. */
+void graph_misuse(struct graph *graph, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/** Makes the frame fail; whoever found the error logged it. */
+void graph_fail(struct graph *graph, fnl_result result);
+/** The resource of a handle; NULL when it is none, stale, or of the other kind. */
+struct graph_resource *graph_find_resource(const struct graph *graph, uint32_t id, bool is_image);
+bool graph_is_depth_format(VkFormat format);
+struct gpu_image_params graph_gpu_params(const struct graph_resource *resource);
+
+/** Compiles as if there were a compute queue (`async`) or not. */
+fnl_result graph_compile_for(struct graph *graph, bool async);
+/** Gives each transient resource of the plan a place in a pool. False when memory ran out. */
+bool graph_place_resources(struct graph *graph);
+/** Do two resources of the plan share memory? */
+bool graph_overlaps(const struct graph_resource *a, const struct graph_resource *b);
+
+/** Makes heaps, images and buffers of the plan real, and lets go of what has not been used for some frames. */
+fnl_result graph_realise(struct graph *graph);
+/** The plan was executed: histories keep what was written and swap with the next frame. */
+void graph_commit_histories(struct graph *graph);
+void graph_drop_history(struct graph *graph, uint32_t index);
+/** Destroys all heaps and what lies in them. */
+void graph_release_memory(struct graph *graph);
+
+#endif

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/** The plan as text, see docs/frame-graph.md. */
+#include "graph/graph_internal.h"
+
+struct printer {
+    const struct graph *graph;
+    char *text;
+    size_t capacity, length;
+};
+
+__attribute__((format(printf, 2, 3))) static void put(struct printer *printer, const char *format, ...) {
+    size_t left = printer->length < printer->capacity ? printer->capacity - printer->length : 0;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(left ? printer->text + printer->length : NULL, left, format, arguments);
+    va_end(arguments);
+    if (length > 0) printer->length += (size_t)length;
+}
+
+struct flag_name {
+    uint64_t flag;
+    const char *name;
+};
+
+static const struct flag_name stage_names[] = {
+    {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "DRAW_INDIRECT"},
+    {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, "INDEX_INPUT"},
+    {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, "VERTEX_SHADER"},
+    {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT, "EARLY_FRAGMENT_TESTS"},
+    {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, "FRAGMENT_SHADER"},
+    {VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT, "LATE_FRAGMENT_TESTS"},
+    {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, "COLOR_ATTACHMENT_OUTPUT"},
+    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "COMPUTE_SHADER"},
+    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "ALL_TRANSFER"},
+    {VK_PIPELINE_STAGE_2_HOST_BIT, "HOST"},
+    {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "ALL_COMMANDS"},
+};
+
+static const struct flag_name access_names[] = {
+    {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "INDIRECT_COMMAND_READ"},
+    {VK_ACCESS_2_INDEX_READ_BIT, "INDEX_READ"},
+    {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "SHADER_SAMPLED_READ"},
+    {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "SHADER_STORAGE_READ"},
+    {VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "SHADER_STORAGE_WRITE"},
+    {VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT, "COLOR_ATTACHMENT_READ"},
+    {VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, "COLOR_ATTACHMENT_WRITE"},
+    {VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT, "DEPTH_ATTACHMENT_READ"},
+    {VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, "DEPTH_ATTACHMENT_WRITE"},
+    {VK_ACCESS_2_TRANSFER_READ_BIT, "TRANSFER_READ"},
+    {VK_ACCESS_2_TRANSFER_WRITE_BIT, "TRANSFER_WRITE"},
+    {VK_ACCESS_2_HOST_READ_BIT, "HOST_READ"},
+    {VK_ACCESS_2_MEMORY_READ_BIT, "MEMORY_READ"},
+    {VK_ACCESS_2_MEMORY_WRITE_BIT, "MEMORY_WRITE"},
+};
+
+static void put_flags(struct printer *printer, uint64_t flags, const struct flag_name *names, uint32_t count) {
+    const char *separator = "";
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(flags & names[i].flag)) continue;
+        put(printer, "%s%s", separator, names[i].name);
+        separator = "|";
+    }
+    if (!flags) put(printer, "NONE");
+}
+
+static void put_scope(struct printer *printer, VkPipelineStageFlags2 stages, VkAccessFlags2 access) {
+    put_flags(printer, stages, stage_names, COUNT_OF(stage_names));
+    put(printer, "/");
+    put_flags(printer, access, access_names, COUNT_OF(access_names));
+}
+
+static const char *layout_name(VkImageLayout layout) {
+    switch (layout) {
+    case VK_IMAGE_LAYOUT_UNDEFINED:
+        return "UNDEFINED";
+    case VK_IMAGE_LAYOUT_GENERAL:
+        return "GENERAL";
+    case VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL:
+        return "COLOR_ATTACHMENT_OPTIMAL";
+    case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL:
+        return "DEPTH_ATTACHMENT_OPTIMAL";
+    case VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL:
+        return "DEPTH_STENCIL_ATTACHMENT_OPTIMAL";
+    case VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL:
+        return "DEPTH_READ_ONLY_OPTIMAL";
+    case VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL:
+        return "SHADER_READ_ONLY_OPTIMAL";
+    case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL:
+        return "TRANSFER_SRC_OPTIMAL";
+    case VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL:
+        return "TRANSFER_DST_OPTIMAL";
+    case VK_IMAGE_LAYOUT_PRESENT_SRC_KHR:
+        return "PRESENT_SRC";
+    default:
+        return "OTHER";
+    }
+}
+
+static const char *role_suffix(const struct graph_resource *resource) {
+    return resource->role == GRAPH_HISTORY_PREVIOUS ? " (previous)" : "";
+}
+
+static void put_barriers(struct printer *printer, const struct graph_barriers *barriers, const char *indent) {
+    for (const struct graph_barrier *barrier = barriers->first; barrier; barrier = barrier->next) {
+        const struct graph_resource *resource = &printer->graph->resources.data[barrier->resource];
+        put(printer, "%sbarrier %s%s %s", indent, resource->name, role_suffix(resource), layout_name(barrier->from_layout));
+        if (barrier->from_layout != barrier->to_layout) put(printer, "->%s", layout_name(barrier->to_layout));
+        put(printer, " (");
+        put_scope(printer, barrier->from_stages, barrier->from_access);
+        put(printer, " -> ");
+        put_scope(printer, barrier->to_stages, barrier->to_access);
+        put(printer, ")\n");
+    }
+    if (!barriers->first_cause) return;
+    put(printer, "%sbarrier memory of", indent);
+    for (const struct graph_cause *cause = barriers->first_cause; cause; cause = cause->next)
+        put(printer, "%s %s", cause == barriers->first_cause ? "" : ",",
+            printer->graph->resources.data[cause->resource].name);
+    put(printer, " (");
+    put_scope(printer, barriers->from_stages, barriers->from_access);
+    put(printer, " -> ");
+    put_scope(printer, barriers->to_stages, barriers->to_access);
+    put(printer, ")\n");
+}
+
+static void put_step(struct printer *printer, uint32_t index) {
+    const struct graph_step *step = &printer->graph->plan.steps[index];
+    put(printer, "  pass %u '%s' %s:\n", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+    put_barriers(printer, &step->before, "    ");
+    for (const struct graph_access *use = step->pass->first_use; use; use = use->next) {
+        const struct graph_resource *resource = &printer->graph->resources.data[use->resource];
+        put(printer, "    %s %s%s", use->writes ? (use->reads ? "reads, writes" : "writes") : "reads", resource->name,
+            role_suffix(resource));
+        if (resource->is_image) put(printer, " in %s", layout_name(use->layout));
+        put(printer, "\n");
+    }
+}
+
+static void put_memory(struct printer *printer) {
+    const struct graph *graph = printer->graph;
+    for (uint32_t i = 0; i < graph->pools.count; i++) {
+        const struct graph_pool *pool = &graph->pools.data[i];
+        if (pool->first_resource == GRAPH_NONE) continue;
+        put(printer, "memory of %s, types %#x: %llu bytes\n", pool->images ? "images" : "buffers", pool->memory_types,
+            (unsigned long long)pool->needed);
+        for (uint32_t r = pool->first_resource; r != GRAPH_NONE; r = graph->resources.data[r].next_in_pool) {
+            const struct graph_resource *resource = &graph->resources.data[r];
+            put(printer, "  at %llu, %llu bytes, passes %u to %u: %s\n", (unsigned long long)resource->offset,
+                (unsigned long long)resource->size, resource->first_step, resource->last_step, resource->name);
+        }
+    }
+}
+
+size_t graph_print(const struct graph *graph, char *text, size_t capacity) {
+    struct printer printer = {.graph = graph, .text = text, .capacity = capacity};
+    if (capacity) text[0] = 0;
+    const struct graph_plan *plan = &graph->plan;
+    if (!plan->compiled) {
+        put(&printer, "no plan: the graph is not compiled\n");
+        return printer.length;
+    }
+    put(&printer, "%u passes, %u culled, %u barriers, %u batches, %llu bytes (%llu without aliasing)\n", plan->step_count,
+        plan->culled_count, plan->barrier_count, plan->batch_count, (unsigned long long)plan->transient_bytes,
+        (unsigned long long)plan->unaliased_bytes);
+    for (uint32_t i = 0; i < plan->batch_count; i++) {
+        const struct graph_batch *batch = &plan->batches[i];
+        put(&printer, "batch %u %s", i, batch->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+        if (batch->wait != GRAPH_NONE) put(&printer, ", waits for batch %u", batch->wait);
+        put(&printer, ":\n");
+        if (i == 0) put(&printer, "  barrier frame (ALL_COMMANDS/MEMORY_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n");
+        for (uint32_t step = batch->first_step; step != GRAPH_NONE; step = plan->steps[step].next_in_batch)
+            put_step(&printer, step);
+        put_barriers(&printer, &batch->after, "  at the end: ");
+    }
+    put_memory(&printer);
+    return printer.length;
+}
