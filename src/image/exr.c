@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* OpenEXR through the C library OpenEXRCore. */
+#include "base/maths.h"
 #include "image/codec.h"
 
 #include <openexr.h>
@@ -66,7 +67,8 @@ static fnl_result fail(struct reader *reader, exr_result_t code) {
     fnl_result result = code == EXR_ERR_OUT_OF_MEMORY             ? FNL_ERROR_MEMORY
                         : code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? FNL_ERROR_UNSUPPORTED
                                                                   : FNL_ERROR_FORMAT;
-    return image_fail(reader->source, result, "broken EXR: %s", message_of(&reader->stream, code));
+    return image_fail(reader->source, result, "%s EXR: %s", result == FNL_ERROR_FORMAT ? "broken" : "unreadable",
+                      message_of(&reader->stream, code));
 }
 
 static fnl_result read_header(struct reader *reader) {
@@ -159,7 +161,48 @@ struct chunk_decoder {
     exr_decode_pipeline_t pipeline;
     bool begun, grey;
     fnl_image *image;
+    uint32_t left, top; /* of the chunk, in the picture */
 };
+
+static uint32_t load_little(const uint8_t *at, int bytes) {
+    uint32_t value = 0;
+    for (int i = 0; i < bytes; i++) value |= (uint32_t)at[i] << 8 * i;
+    return value;
+}
+
+static float to_float(uint32_t stored, uint16_t type) {
+    float value;
+    switch (type) {
+    case EXR_PIXEL_HALF: return half_to_float((uint16_t)stored);
+    case EXR_PIXEL_UINT: return (float)stored;
+    default: memcpy(&value, &stored, sizeof value); return value;
+    }
+}
+
+/*
+ * Takes a decompressed chunk apart: rows of the channels one after the other, little endian. The library's own routine is
+ * not used, because that of OpenEXR 3.1 swaps channels of interleaved half floats.
+ */
+static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipeline) {
+    struct chunk_decoder *decoder = pipeline->decoding_user_data;
+    const uint8_t *at = pipeline->unpacked_buffer, *end = at + pipeline->chunk.unpacked_size;
+    for (int32_t y = 0; y < pipeline->chunk.height; y++) {
+        size_t row = (size_t)(decoder->top + (uint32_t)y) * decoder->image->width + decoder->left;
+        for (int i = 0; i < pipeline->channel_count; i++) {
+            const exr_coding_channel_info_t *channel = &pipeline->channels[i];
+            if (channel->y_samples > 1 && ((int64_t)pipeline->chunk.start_y + y) % channel->y_samples != 0) continue;
+            size_t size = (size_t)channel->width * (size_t)channel->bytes_per_element;
+            if ((size_t)(end - at) < size) return EXR_ERR_CORRUPT_CHUNK;
+            uint32_t target = channel_target(channel->channel_name, decoder->grey);
+            float *pixel = (float *)decoder->image->pixels + row * 4 + (target == 8 ? 3 : target == 4 ? 2 : target == 2);
+            for (int32_t x = 0; target && x < channel->width; x++, pixel += 4)
+                *pixel = to_float(load_little(at + (size_t)x * (size_t)channel->bytes_per_element, channel->bytes_per_element),
+                                  channel->data_type);
+            at += size;
+        }
+    }
+    return EXR_ERR_SUCCESS;
+}
 
 static exr_result_t decode_chunk(struct reader *reader, struct chunk_decoder *decoder, const exr_chunk_info_t *chunk,
                                  uint32_t left, uint32_t top) {
@@ -170,20 +213,14 @@ static exr_result_t decode_chunk(struct reader *reader, struct chunk_decoder *de
     exr_result_t error = decoder->begun ? exr_decoding_update(reader->exr, 0, chunk, pipeline)
                                         : exr_decoding_initialize(reader->exr, 0, chunk, pipeline);
     if (error) return error;
-    size_t stride = (size_t)reader->width * 16;
-    uint8_t *corner = (uint8_t *)decoder->image->pixels + top * stride + (size_t)left * 16;
-    for (int i = 0; i < pipeline->channel_count; i++) {
-        exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        uint32_t target = channel_target(channel->channel_name, decoder->grey);
-        channel->decode_to_ptr = target ? corner + (target == 8 ? 12 : target == 4 ? 8 : target == 2 ? 4 : 0) : NULL;
-        channel->user_pixel_stride = 16;
-        channel->user_line_stride = (int32_t)stride;
-        channel->user_bytes_per_element = 4;
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-    }
     if (!decoder->begun) error = exr_decoding_choose_default_routines(reader->exr, 0, pipeline);
-    decoder->begun = true;
-    return error ? error : exr_decoding_run(reader->exr, 0, pipeline);
+    decoder->begun = true; /* from here on there is something to destroy */
+    if (error) return error;
+    decoder->left = left;
+    decoder->top = top;
+    pipeline->decoding_user_data = decoder;
+    pipeline->unpack_and_convert_fn = unpack_chunk;
+    return exr_decoding_run(reader->exr, 0, pipeline);
 }
 
 static exr_result_t decode_scanlines(struct reader *reader, struct chunk_decoder *decoder) {
