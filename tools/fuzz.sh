@@ -17,7 +17,7 @@ for fuzzer in "${fuzzers[@]}"; do
     for folder in "tests/fuzz/seeds/${name#fuzz_}" "$scenes"; do [ -d "$folder" ] && seeds+=("$folder"); done
     echo "fuzz: $name, $((seconds / ${#fuzzers[@]})) s"
     "$fuzzer" -max_total_time=$((seconds / ${#fuzzers[@]})) -timeout=10 -rss_limit_mb=2048 -max_len=65536 -verbosity=0 \
-        -print_final_stats=1 -artifact_prefix="$found/" "$found" "${seeds[@]}" || {
+        -print_final_stats=1 -artifact_prefix="$found/" "$found" "${seeds[@]}" 2>&1 | grep -vE '^("|####)' || {
         echo "fuzz: $name failed; the input lies in $found" >&2
         exit 1
     }
