@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: MIT */
+/** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status. */
+#ifndef FNL_CLI_COMMANDS_H
+#define FNL_CLI_COMMANDS_H
+
+int command_compare(int argc, char **argv);
+
+#endif

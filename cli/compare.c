@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/* fanal compare: how far two pictures are apart. */
+#include "commands.h"
+
+#include "fanal/image.h"
+
+#include <getopt.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { EXIT_WITHIN = 0, EXIT_OVER = 1, EXIT_ERROR = 2 };
+
+enum metric { METRIC_MAX, METRIC_MEAN, METRIC_PSNR, METRIC_SSIM, METRIC_COUNT };
+
+static const struct {
+    const char *option, *name;
+    bool least; /* the limit is the smallest value that passes */
+} metrics[METRIC_COUNT] = {
+    [METRIC_MAX] = {"max-diff", "max", false},
+    [METRIC_MEAN] = {"mean-diff", "mean", false},
+    [METRIC_PSNR] = {"psnr", "psnr", true},
+    [METRIC_SSIM] = {"ssim", "ssim", true},
+};
+
+struct comparison {
+    const char *path[2], *output;
+    fnl_image image[2];
+    fnl_image_difference difference;
+    bool json, limited[METRIC_COUNT];
+    double limit[METRIC_COUNT];
+};
+
+static void print_help(void) {
+    puts("Usage: fanal compare [OPTIONS] A B\n"
+         "\n"
+         "Prints how far two pictures of one size are apart: the greatest difference of a channel and where it is, the\n"
+         "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
+         "pictures are PNG, EXR, HDR, JPEG or WebP files; integer pixels are taken from 0 to 1, floats as they are.\n"
+         "\n"
+         "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
+         "  --mean-diff X     the mean difference may be X at most\n"
+         "  --psnr X          PSNR must be X dB at least\n"
+         "  --ssim X          SSIM must be X at least\n"
+         "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
+         "  --json            prints JSON; null stands for infinity\n"
+         "  -h, --help        prints this text\n"
+         "\n"
+         "Exit status: 0 within all limits, 1 over a limit, 2 on an error, such as sizes that differ.\n"
+         "\n"
+         "Examples:\n"
+         "  fanal compare expected.png actual.png --max-diff 2/255\n"
+         "  fanal compare a.exr b.exr --psnr 50 --ssim 0.99 -o difference.png\n"
+         "  fanal compare a.png b.png --json");
+}
+
+/* A number, or two of them with a slash between. */
+static bool parse_number(const char *text, double *out) {
+    char *end;
+    *out = strtod(text, &end);
+    if (end == text) return false;
+    if (*end == '/') {
+        const char *divisor = end + 1;
+        double value = strtod(divisor, &end);
+        if (end == divisor || value == 0) return false;
+        *out /= value;
+    }
+    return *end == 0 && !isnan(*out);
+}
+
+/* EXIT_WITHIN when the work can begin, EXIT_ERROR after a message; `*helped` when --help was all. */
+static int parse_options(int argc, char **argv, struct comparison *out, bool *helped) {
+    static const struct option options[] = {
+        {"max-diff", required_argument, NULL, 256 + METRIC_MAX},
+        {"mean-diff", required_argument, NULL, 256 + METRIC_MEAN},
+        {"psnr", required_argument, NULL, 256 + METRIC_PSNR},
+        {"ssim", required_argument, NULL, 256 + METRIC_SSIM},
+        {"output", required_argument, NULL, 'o'},
+        {"json", no_argument, NULL, 'j'},
+        {"help", no_argument, NULL, 'h'},
+        {0},
+    };
+    optind = 0; /* glibc: starts anew, whatever was parsed before */
+    for (int key; (key = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
+        switch (key) {
+        case 'o': out->output = optarg; break;
+        case 'j': out->json = true; break;
+        case 'h':
+            print_help();
+            *helped = true;
+            return EXIT_WITHIN;
+        case '?': return EXIT_ERROR; /* getopt has said what is wrong */
+        default:
+            out->limited[key - 256] = true;
+            if (parse_number(optarg, &out->limit[key - 256])) break;
+            fprintf(stderr, "fanal compare: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
+            return EXIT_ERROR;
+        }
+    }
+    if (argc - optind != 2) {
+        fprintf(stderr, "fanal compare: two pictures are needed, %d given (see fanal compare --help)\n", argc - optind);
+        return EXIT_ERROR;
+    }
+    const char *dot = out->output ? strrchr(out->output, '.') : NULL;
+    if (out->output && (!dot || strcasecmp(dot, ".png") != 0)) {
+        fprintf(stderr, "fanal compare: %s: the picture of the differences is a .png file\n", out->output);
+        return EXIT_ERROR;
+    }
+    out->path[0] = argv[optind];
+    out->path[1] = argv[optind + 1];
+    return EXIT_WITHIN;
+}
+
+static double value_of(const fnl_image_difference *difference, enum metric metric) {
+    switch (metric) {
+    case METRIC_MAX: return difference->max;
+    case METRIC_MEAN: return difference->mean;
+    case METRIC_PSNR: return difference->psnr;
+    default: return difference->ssim;
+    }
+}
+
+static bool is_broken(const struct comparison *comparison, enum metric metric) {
+    double value = value_of(&comparison->difference, metric), limit = comparison->limit[metric];
+    return comparison->limited[metric] && (metrics[metric].least ? value < limit : value > limit);
+}
+
+static void print_text(const struct comparison *comparison) {
+    const fnl_image_difference *d = &comparison->difference;
+    const fnl_image *image = &comparison->image[0];
+    uint64_t pixels = (uint64_t)image->width * image->height;
+    printf("size   %u x %u\n", image->width, image->height);
+    printf("max    %.9g (%.2f/255) at %u, %u\n", d->max, d->max * 255, d->max_x, d->max_y);
+    printf("mean   %.9g\n", d->mean);
+    printf("rmse   %.9g\n", d->rmse);
+    printf("psnr   %.4f dB\n", d->psnr);
+    printf("ssim   %.9f\n", d->ssim);
+    printf("pixels %llu of %llu differ\n", (unsigned long long)d->differing_pixels, (unsigned long long)pixels);
+    for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
+        if (is_broken(comparison, m))
+            printf("over   %s is %.9g, the limit --%s is %.9g\n", metrics[m].name, value_of(d, m), metrics[m].option,
+                   comparison->limit[m]);
+}
+
+static json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static bool print_json(const struct comparison *comparison) {
+    const fnl_image_difference *d = &comparison->difference;
+    json_t *over = json_array();
+    for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
+        if (is_broken(comparison, m)) json_array_append_new(over, json_string(metrics[m].option));
+    json_t *root = json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:o}", "files", comparison->path[0],
+                             comparison->path[1], "width", (int)comparison->image[0].width, "height",
+                             (int)comparison->image[0].height, "max", json_number(d->max), "max_at", (int)d->max_x,
+                             (int)d->max_y, "mean", json_number(d->mean), "rmse", json_number(d->rmse), "psnr",
+                             json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
+                             (json_int_t)d->differing_pixels, "over", over);
+    bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
+    json_decref(root);
+    if (printed)
+        putchar('\n');
+    else
+        fputs("fanal compare: the JSON cannot be made (are the file names UTF-8?)\n", stderr);
+    return printed;
+}
+
+static bool save_picture(const struct comparison *comparison) {
+    fnl_image picture;
+    if (fnl_image_difference_picture(NULL, &comparison->image[0], &comparison->image[1], 0, &picture) != FNL_OK) return false;
+    bool saved = fnl_image_save(NULL, comparison->output, &picture) == FNL_OK;
+    fnl_image_free(NULL, &picture);
+    return saved;
+}
+
+static int compare(struct comparison *comparison) {
+    const fnl_image *a = &comparison->image[0], *b = &comparison->image[1];
+    for (int i = 0; i < 2; i++)
+        if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return EXIT_ERROR;
+    if (a->width != b->width || a->height != b->height) {
+        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width,
+                a->height, comparison->path[1], b->width, b->height);
+        return EXIT_ERROR;
+    }
+    if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK) return EXIT_ERROR;
+    if (comparison->output && !save_picture(comparison)) return EXIT_ERROR;
+    if (!comparison->json)
+        print_text(comparison);
+    else if (!print_json(comparison))
+        return EXIT_ERROR;
+    for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
+        if (is_broken(comparison, m)) return EXIT_OVER;
+    return EXIT_WITHIN;
+}
+
+int command_compare(int argc, char **argv) {
+    struct comparison comparison = {0};
+    bool helped = false;
+    int code = parse_options(argc, argv, &comparison, &helped);
+    if (code == EXIT_WITHIN && !helped) code = compare(&comparison);
+    for (int i = 0; i < 2; i++) fnl_image_free(NULL, &comparison.image[i]);
+    return code;
+}
