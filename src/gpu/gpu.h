@@ -78,6 +78,7 @@ struct gpu_image {
     VkImage handle;
     VkImageView view;            /* all mips and layers; for attachments: mip 0 */
     VkImageView attachment_view; /* mip 0, layer 0..layers-1 */
+    VkImageView srgb_view;       /* with params.srgb_view */
     struct gpu_image_params params;
     uint32_t sampled_index, storage_index, srgb_index; /* in the bindless set, GPU_NO_INDEX when not of that usage */
     struct gpu_allocation allocation;

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+#include "gpu/gpu_internal.h"
+
+fnl_result gpu_pipelines_init(gpu_device *device, const char *cache_folder) {
+    return gpu_pipeline_cache_load(device, cache_folder);
+}
+
+void gpu_pipelines_finish(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    gpu_pipeline_cache_save(device);
+    for (uint32_t i = 0; i < pipelines->capacity; i++) {
+        struct gpu_pipeline *pipeline = pipelines->table[i];
+        if (!pipeline) continue;
+        device->vk.DestroyPipeline(device->handle, pipeline->handle, NULL);
+        host_free(&device->host, pipeline, sizeof *pipeline);
+    }
+    host_free(&device->host, pipelines->table, pipelines->capacity * sizeof *pipelines->table);
+    device->vk.DestroyPipelineCache(device->handle, pipelines->cache, NULL);
+    host_free(&device->host, pipelines->cache_path, pipelines->cache_path_size);
+}
+
+/* ---- the table ---- */
+
+static size_t key_size(VkPipelineBindPoint point) {
+    return point == VK_PIPELINE_BIND_POINT_COMPUTE ? sizeof(struct gpu_compute_params) : sizeof(struct gpu_graphics_params);
+}
+
+static struct gpu_pipeline *find_pipeline(struct gpu_pipelines *pipelines, VkPipelineBindPoint point, const void *key,
+                                          uint64_t hash) {
+    struct gpu_pipeline *found = NULL;
+    pthread_rwlock_rdlock(&pipelines->lock);
+    for (uint32_t i = (uint32_t)hash; pipelines->capacity; i++) {
+        struct gpu_pipeline *pipeline = pipelines->table[i & (pipelines->capacity - 1)];
+        if (!pipeline) break;
+        if (pipeline->hash == hash && pipeline->point == point && memcmp(&pipeline->key, key, key_size(point)) == 0) {
+            found = pipeline;
+            break;
+        }
+    }
+    pthread_rwlock_unlock(&pipelines->lock);
+    return found;
+}
+
+static void put_pipeline(struct gpu_pipeline **table, uint32_t capacity, struct gpu_pipeline *pipeline) {
+    uint32_t i = (uint32_t)pipeline->hash & (capacity - 1);
+    while (table[i]) i = (i + 1) & (capacity - 1);
+    table[i] = pipeline;
+}
+
+/** Makes room for one more at less than half full. The creation mutex is held: only readers are about. */
+static bool grow_table(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    if ((pipelines->count + 1) * 2 <= pipelines->capacity) return true;
+    uint32_t capacity = MAX(64u, pipelines->capacity * 2);
+    struct gpu_pipeline **table = host_allocate_zero(&device->host, capacity * sizeof *table);
+    if (!table) return false;
+    for (uint32_t i = 0; i < pipelines->capacity; i++) {
+        if (pipelines->table[i]) put_pipeline(table, capacity, pipelines->table[i]);
+    }
+    pthread_rwlock_wrlock(&pipelines->lock);
+    host_free(&device->host, pipelines->table, pipelines->capacity * sizeof *table);
+    pipelines->table = table;
+    pipelines->capacity = capacity;
+    pthread_rwlock_unlock(&pipelines->lock);
+    return true;
+}
+
+/* ---- creation ---- */
+
+struct constants {
+    VkSpecializationInfo info;
+    VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS];
+};
+
+static void describe_constants(uint32_t count, const uint32_t *values, struct constants *out) {
+    for (uint32_t i = 0; i < count; i++) out->entries[i] = (VkSpecializationMapEntry){i, i * 4, 4};
+    out->info = (VkSpecializationInfo){count, out->entries, count * 4, values};
+}
+
+static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, VkShaderModule *out) {
+    VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = shader->size,
+        .pCode = shader->code,
+    };
+    return gpu_check(device, device->vk.CreateShaderModule(device->handle, &info, NULL, out), "%s: vkCreateShaderModule",
+                     shader->name);
+}
+
+static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
+                                                  const struct constants *constants) {
+    return (VkPipelineShaderStageCreateInfo){
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+        .stage = stage,
+        .module = module,
+        .pName = "main",
+        .pSpecializationInfo = constants->info.mapEntryCount ? &constants->info : NULL,
+    };
+}
+
+static fnl_result create_compute(gpu_device *device, const struct gpu_compute_params *params, VkPipeline *out) {
+    VkShaderModule module;
+    TRY(create_module(device, params->shader, &module));
+    struct constants constants;
+    describe_constants(params->constant_count, params->constants, &constants);
+    VkComputePipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, &constants),
+        .layout = device->bindless.layout,
+    };
+    VkResult result = device->vk.CreateComputePipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
+    device->vk.DestroyShaderModule(device->handle, module, NULL);
+    TRY(gpu_check(device, result, "%s: vkCreateComputePipelines", params->shader->name));
+    gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out, params->shader->name);
+    return FNL_OK;
+}
+
+static VkPipelineColorBlendAttachmentState blend_state(enum gpu_blend blend) {
+    VkBlendFactor destination = blend == GPU_BLEND_ALPHA ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE;
+    return (VkPipelineColorBlendAttachmentState){
+        .blendEnable = blend != GPU_BLEND_NONE,
+        .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+        .dstColorBlendFactor = destination,
+        .colorBlendOp = VK_BLEND_OP_ADD,
+        .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+        .dstAlphaBlendFactor = destination,
+        .alphaBlendOp = VK_BLEND_OP_ADD,
+        .colorWriteMask =
+            VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT,
+    };
+}
+
+static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphics_params *params,
+                                     const VkPipelineShaderStageCreateInfo *stages, uint32_t stage_count, VkPipeline *out) {
+    VkPipelineVertexInputStateCreateInfo input = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    VkPipelineInputAssemblyStateCreateInfo assembly = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = params->topology,
+    };
+    VkPipelineViewportStateCreateInfo viewport = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .scissorCount = 1,
+    };
+    /* The viewport's negative height turns +Y up, so what is counter-clockwise there is so for Vulkan too. */
+    VkPipelineRasterizationStateCreateInfo raster = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .depthClampEnable = params->depth_clamp,
+        .polygonMode = VK_POLYGON_MODE_FILL,
+        .cullMode = params->cull,
+        .frontFace = params->mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE,
+        .lineWidth = 1.0f,
+    };
+    VkPipelineMultisampleStateCreateInfo multisample = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = (VkSampleCountFlagBits)params->samples,
+    };
+    VkPipelineDepthStencilStateCreateInfo depth = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = params->depth_test || params->depth_write, /* Vulkan writes only where it tests */
+        .depthWriteEnable = params->depth_write,
+        .depthCompareOp = params->depth_test ? params->depth_compare : VK_COMPARE_OP_ALWAYS,
+    };
+    VkPipelineColorBlendAttachmentState attachments[GPU_MAX_COLORS];
+    for (uint32_t i = 0; i < params->color_count; i++) attachments[i] = blend_state(params->blends[i]);
+    VkPipelineColorBlendStateCreateInfo blend = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = params->color_count,
+        .pAttachments = attachments,
+    };
+    VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamic = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+        .dynamicStateCount = COUNT_OF(dynamic_states),
+        .pDynamicStates = dynamic_states,
+    };
+    VkPipelineRenderingCreateInfo rendering = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+        .colorAttachmentCount = params->color_count,
+        .pColorAttachmentFormats = params->color_formats,
+        .depthAttachmentFormat = params->depth_format,
+    };
+    VkGraphicsPipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+        .pNext = &rendering,
+        .stageCount = stage_count,
+        .pStages = stages,
+        .pVertexInputState = &input,
+        .pInputAssemblyState = &assembly,
+        .pViewportState = &viewport,
+        .pRasterizationState = &raster,
+        .pMultisampleState = &multisample,
+        .pDepthStencilState = &depth,
+        .pColorBlendState = &blend,
+        .pDynamicState = &dynamic,
+        .layout = device->bindless.layout,
+    };
+    return device->vk.CreateGraphicsPipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
+}
+
+static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out) {
+    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+    struct constants constants;
+    describe_constants(params->constant_count, params->constants, &constants);
+    fnl_result result = create_module(device, params->vertex, &vertex);
+    if (result == FNL_OK && params->fragment) result = create_module(device, params->fragment, &fragment);
+    if (result == FNL_OK) {
+        VkPipelineShaderStageCreateInfo stages[] = {
+            stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, &constants),
+            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants),
+        };
+        VkResult vulkan = create_graphics_from(device, params, stages, params->fragment ? 2 : 1, out);
+        result = gpu_check(device, vulkan, "%s, %s: vkCreateGraphicsPipelines", params->vertex->name,
+                           params->fragment ? params->fragment->name : "no fragment shader");
+    }
+    device->vk.DestroyShaderModule(device->handle, vertex, NULL);
+    device->vk.DestroyShaderModule(device->handle, fragment, NULL);
+    if (result == FNL_OK)
+        gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out,
+                 (params->fragment ? params->fragment : params->vertex)->name);
+    return result;
+}
+
+static fnl_result check_compute(const fnl_host *host, const struct gpu_compute_params *params) {
+    REQUIRE(host, params->shader != NULL);
+    REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
+    return FNL_OK;
+}
+
+static fnl_result check_graphics(const fnl_host *host, const struct gpu_graphics_params *params) {
+    REQUIRE(host, params->vertex != NULL);
+    REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
+    REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
+    REQUIRE(host, params->samples == 1 || params->samples == 2 || params->samples == 4 || params->samples == 8);
+    return FNL_OK;
+}
+
+/** Makes and enters a pipeline. One that the driver refuses is entered too, so that it is not tried each frame. */
+static struct gpu_pipeline *create_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key, uint64_t hash) {
+    bool compute = point == VK_PIPELINE_BIND_POINT_COMPUTE;
+    fnl_result result = compute ? check_compute(&device->host, key) : check_graphics(&device->host, key);
+    struct gpu_pipeline *pipeline = NULL;
+    if (result == FNL_OK) {
+        pipeline = grow_table(device) ? host_allocate_zero(&device->host, sizeof *pipeline) : NULL;
+        if (!pipeline) result = FNL_ERROR_MEMORY;
+    }
+    if (result == FNL_OK) {
+        pipeline->point = point;
+        pipeline->hash = hash;
+        memcpy(&pipeline->key, key, key_size(point));
+        result = compute ? create_compute(device, key, &pipeline->handle) : create_graphics(device, key, &pipeline->handle);
+        pipeline->result = result;
+    }
+    if (result == FNL_ERROR_MEMORY || result == FNL_ERROR_DEVICE_LOST || !pipeline) {
+        if (pipeline) host_free(&device->host, pipeline, sizeof *pipeline);
+        gpu_fail(device, result);
+        return NULL;
+    }
+    if (result != FNL_OK) pipeline->handle = VK_NULL_HANDLE;
+    pthread_rwlock_wrlock(&device->pipelines.lock);
+    put_pipeline(device->pipelines.table, device->pipelines.capacity, pipeline);
+    device->pipelines.count++;
+    pthread_rwlock_unlock(&device->pipelines.lock);
+    return pipeline;
+}
+
+static const struct gpu_pipeline *get_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key) {
+    uint64_t hash = hash_bytes(key, key_size(point), HASH_SEED);
+    struct gpu_pipeline *pipeline = find_pipeline(&device->pipelines, point, key, hash);
+    if (!pipeline) {
+        pthread_mutex_lock(&device->pipelines.creation);
+        pipeline = find_pipeline(&device->pipelines, point, key, hash); /* another thread may have been first */
+        if (!pipeline) pipeline = create_pipeline(device, point, key, hash);
+        pthread_mutex_unlock(&device->pipelines.creation);
+    }
+    if (!pipeline) return NULL;
+    if (!pipeline->handle) {
+        gpu_fail(device, pipeline->result);
+        return NULL;
+    }
+    return pipeline;
+}
+
+const struct gpu_pipeline *gpu_compute_pipeline(gpu_device *device, const struct gpu_compute_params *params) {
+    return get_pipeline(device, VK_PIPELINE_BIND_POINT_COMPUTE, params);
+}
+
+const struct gpu_pipeline *gpu_graphics_pipeline(gpu_device *device, const struct gpu_graphics_params *params) {
+    return get_pipeline(device, VK_PIPELINE_BIND_POINT_GRAPHICS, params);
+}

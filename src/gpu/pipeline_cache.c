@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/* Compiled pipelines between runs: one file for each device and driver version. */
+#include "base/file.h"
+#include "gpu/gpu_internal.h"
+
+#include <errno.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Before the driver's data, because drivers trust what they are given. */
+struct cache_header {
+    char magic[8];
+    uint64_t size, hash; /* of what follows */
+};
+static const char cache_magic[8] = "FNLPIPE1";
+
+static void no_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    UNUSED(level);
+    UNUSED(line);
+}
+
+/** Makes a folder and those above it. */
+static bool make_folders(char *path) {
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        bool made = mkdir(path, 0755) == 0 || errno == EEXIST;
+        *slash = '/';
+        if (!made) return false;
+    }
+    return mkdir(path, 0755) == 0 || errno == EEXIST;
+}
+
+/** The folder that the params ask for; false when there is none. */
+static bool find_folder(const char *asked, char *out, size_t capacity) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length;
+    if (asked) {
+        length = snprintf(out, capacity, "%s", asked);
+    } else if (cache && cache[0] == '/') { /* relative paths are to be ignored (XDG Base Directory Specification) */
+        length = snprintf(out, capacity, "%s/fanal", cache);
+    } else if (home && home[0]) {
+        length = snprintf(out, capacity, "%s/.cache/fanal", home);
+    } else {
+        return false;
+    }
+    return length > 0 && (size_t)length < capacity && make_folders(out) && access(out, W_OK | X_OK) == 0;
+}
+
+static bool set_path(gpu_device *device, const char *cache_folder) {
+    char folder[3072], name[64 + 2 * VK_UUID_SIZE];
+    if (!find_folder(cache_folder, folder, sizeof folder)) return false;
+    size_t length = (size_t)snprintf(name, sizeof name, "/pipelines-");
+    for (uint32_t i = 0; i < VK_UUID_SIZE; i++)
+        length += (size_t)snprintf(name + length, sizeof name - length, "%02x", device->properties.pipelineCacheUUID[i]);
+    snprintf(name + length, sizeof name - length, "-%08x.bin", device->properties.driverVersion);
+    size_t size = strlen(folder) + strlen(name) + 1;
+    char *path = host_allocate(&device->host, size);
+    if (!path) return false;
+    snprintf(path, size, "%s%s", folder, name);
+    device->pipelines.cache_path = path;
+    device->pipelines.cache_path_size = size;
+    return true;
+}
+
+/** The driver's part of a file, or NULL with the reason. */
+static const void *check_file(const gpu_device *device, const struct file_view *file, size_t *size, const char **reason) {
+    struct cache_header header;
+    VkPipelineCacheHeaderVersionOne driver;
+    *reason = "it is no pipeline cache";
+    if (file->size < sizeof header + sizeof driver) return NULL;
+    memcpy(&header, file->data, sizeof header);
+    const unsigned char *data = file->data + sizeof header;
+    if (memcmp(header.magic, cache_magic, sizeof cache_magic) != 0) return NULL;
+    *reason = "it is damaged";
+    if (header.size != file->size - sizeof header || header.hash != hash_bytes(data, (size_t)header.size, HASH_SEED))
+        return NULL;
+    memcpy(&driver, data, sizeof driver);
+    *reason = "it is of another device";
+    if (driver.headerVersion != VK_PIPELINE_CACHE_HEADER_VERSION_ONE || driver.vendorID != device->properties.vendorID ||
+        driver.deviceID != device->properties.deviceID ||
+        memcmp(driver.pipelineCacheUUID, device->properties.pipelineCacheUUID, VK_UUID_SIZE) != 0)
+        return NULL;
+    *size = (size_t)header.size;
+    return data;
+}
+
+fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    bool kept = (!cache_folder || cache_folder[0]) && set_path(device, cache_folder);
+    struct file_view file = {0};
+    VkPipelineCacheCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    if (kept && access(pipelines->cache_path, R_OK) == 0 &&
+        file_map(&device->host, pipelines->cache_path, &file) == FNL_OK) {
+        const char *reason;
+        info.pInitialData = check_file(device, &file, &info.initialDataSize, &reason);
+        if (!info.pInitialData) log_debug(&device->host, "%s: not used: %s", pipelines->cache_path, reason);
+    }
+    pipelines->loaded_size = info.initialDataSize;
+    VkResult result = device->vk.CreatePipelineCache(device->handle, &info, NULL, &pipelines->cache);
+    file_unmap(&file);
+    return gpu_check(device, result, "vkCreatePipelineCache");
+}
+
+void gpu_pipeline_cache_save(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    size_t size = 0;
+    if (!pipelines->cache_path || !pipelines->cache) return;
+    if (device->vk.GetPipelineCacheData(device->handle, pipelines->cache, &size, NULL) != VK_SUCCESS) return;
+    if (size <= pipelines->loaded_size) return;
+    size_t capacity = sizeof(struct cache_header) + size;
+    unsigned char *bytes = host_allocate(&device->host, capacity);
+    if (!bytes) return;
+    if (device->vk.GetPipelineCacheData(device->handle, pipelines->cache, &size, bytes + sizeof(struct cache_header)) ==
+        VK_SUCCESS) {
+        struct cache_header header = {.size = size, .hash = hash_bytes(bytes + sizeof header, size, HASH_SEED)};
+        memcpy(header.magic, cache_magic, sizeof cache_magic);
+        memcpy(bytes, &header, sizeof header);
+        fnl_host quiet = device->host; /* a cache that cannot be kept is no error */
+        quiet.log = no_log;
+        if (file_save(&quiet, pipelines->cache_path, bytes, sizeof header + size) != FNL_OK)
+            log_debug(&device->host, "%s: cannot be written", pipelines->cache_path);
+    }
+    host_free(&device->host, bytes, capacity);
+}
