@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+/* glTF 2.0 import: containers, JSON, and the order of the parts. Section numbers are those of the glTF 2.0 specification. */
+#include "scene/gltf.h"
+
+#define GLB_MAGIC 0x46546c67u
+#define GLB_CHUNK_JSON 0x4e4f534au
+#define GLB_CHUNK_BIN 0x004e4942u
+
+static uint32_t read_u32(const unsigned char *bytes) {
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+/* ---- JSON ---- */
+
+/**
+ * Replaces the number that ends before `position` by null and spaces. Jansson refuses numbers beyond double's range; as
+ * null they are reported where they are used, with their JSON pointer.
+ */
+static bool blank_number(char *text, size_t position) {
+    size_t end = position, start = position;
+    while (start > 0 && text[start - 1] && strchr("0123456789+-.eE", text[start - 1])) start--;
+    if (end - start < 4) return false;
+    memset(text + start, ' ', end - start);
+    memcpy(text + start, "null", 4);
+    return true;
+}
+
+static void report_syntax(struct gltf *g, const json_error_t *error) {
+    gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is not JSON: line %d, column %d: %s", error->line, error->column, error->text);
+}
+
+static void parse_json(struct gltf *g, const char *text, size_t size) {
+    static const char byte_order_mark[] = "\xef\xbb\xbf";
+    if (size >= 3 && memcmp(text, byte_order_mark, 3) == 0) {
+        gltf_warn(g, &g->top, "begins with a byte order mark, which glTF forbids; it is skipped");
+        text += 3;
+        size -= 3;
+    }
+    const size_t flags = JSON_ALLOW_NUL;
+    json_error_t error;
+    g->root = json_loadb(text, size, flags, &error);
+    if (!g->root && json_error_code(&error) == json_error_numeric_overflow) {
+        char *patched = host_allocate(g->host, size);
+        if (!patched) {
+            gltf_fail_memory(g);
+            return;
+        }
+        memcpy(patched, text, size);
+        for (int i = 0; i < 64 && !g->root && json_error_code(&error) == json_error_numeric_overflow; i++) {
+            if (error.position < 0 || (size_t)error.position > size || !blank_number(patched, (size_t)error.position)) break;
+            g->root = json_loadb(patched, size, flags, &error);
+        }
+        host_free(g->host, patched, size);
+    }
+    if (!g->root) {
+        report_syntax(g, &error);
+    } else if (!json_is_object(g->root)) {
+        gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is not a JSON object");
+    }
+}
+
+/* ---- GLB (4.4) ---- */
+
+static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, const char **json, size_t *json_size) {
+    if (size < 12) {
+        gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is truncated: a GLB header has 12 bytes, the file has %zu", size);
+        return false;
+    }
+    uint32_t version = read_u32(bytes + 4), length = read_u32(bytes + 8);
+    if (version != 2) {
+        gltf_fail(g, FNL_ERROR_UNSUPPORTED, &g->top, "is GLB version %u; only version 2 can be read", version);
+        return false;
+    }
+    if (length > size) {
+        gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is truncated: the GLB header says %u bytes, the file has %zu", length, size);
+        return false;
+    }
+    if (length < size) gltf_warn(g, &g->top, "goes on for %zu bytes after the end of the GLB; they are ignored", size - length);
+    *json = NULL;
+    uint32_t number = 0;
+    for (uint64_t offset = 12; offset < length; number++) {
+        if (length - offset < 8) {
+            gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "GLB chunk %u: its header at byte %llu is truncated", number,
+                      (unsigned long long)offset);
+            return false;
+        }
+        uint32_t chunk_size = read_u32(bytes + offset), type = read_u32(bytes + offset + 4);
+        offset += 8;
+        if (chunk_size > length - offset) {
+            gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "GLB chunk %u: has %u bytes, but only %llu are left in the file", number,
+                      chunk_size, (unsigned long long)(length - offset));
+            return false;
+        }
+        if (number == 0 && type != GLB_CHUNK_JSON) {
+            gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "the first GLB chunk must be JSON, but is of type 0x%08x", type);
+            return false;
+        }
+        if (number == 0) {
+            *json = (const char *)bytes + offset;
+            *json_size = chunk_size;
+            if (chunk_size == 0) gltf_warn(g, &g->top, "the JSON chunk of the GLB is empty");
+        } else if (type == GLB_CHUNK_BIN && number == 1) {
+            g->binary = bytes + offset;
+            g->binary_size = chunk_size;
+        } else if (type == GLB_CHUNK_BIN || type == GLB_CHUNK_JSON) {
+            gltf_warn(g, &g->top, "GLB chunk %u: a second JSON chunk, or a BIN chunk that is not the second; it is ignored", number);
+        }
+        offset += chunk_size;
+    }
+    if (!*json) gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "the GLB has no chunks");
+    return *json != NULL;
+}
+
+/* ---- asset (3.2) ---- */
+
+static bool parse_version(const char *text, int *major, int *minor) {
+    int used = 0;
+    return text && sscanf(text, "%d.%d%n", major, minor, &used) == 2 && text[used] == 0;
+}
+
+static void check_asset(struct gltf *g) {
+    json_t *asset = json_object_get(g->root, "asset");
+    const struct at *at = AT_KEY(&g->top, "asset");
+    if (!json_is_object(asset)) {
+        gltf_fail(g, FNL_ERROR_FORMAT, asset ? at : &g->top, asset ? "is not an object" : "has no 'asset', so is not glTF 2.0");
+        return;
+    }
+    int major, minor, needed_major = 2, needed_minor = 0;
+    const char *version = json_string_value(json_object_get(asset, "version"));
+    if (!parse_version(version, &major, &minor)) {
+        gltf_fail(g, FNL_ERROR_FORMAT, AT_KEY(at, "version"), "is not a version such as \"2.0\"");
+        return;
+    }
+    if (major != 2) {
+        gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_KEY(at, "version"), "is %s; only glTF 2 can be read", version);
+        return;
+    }
+    if (minor > 0) gltf_warn(g, AT_KEY(at, "version"), "is %s; it is read as 2.0", version);
+    json_t *needed = json_object_get(asset, "minVersion");
+    if (!needed) return;
+    if (!parse_version(json_string_value(needed), &needed_major, &needed_minor))
+        gltf_fail(g, FNL_ERROR_FORMAT, AT_KEY(at, "minVersion"), "is not a version such as \"2.0\"");
+    else if (needed_major > major || (needed_major == major && needed_minor > minor))
+        gltf_fail(g, FNL_ERROR_FORMAT, AT_KEY(at, "minVersion"), "is greater than the version of the file");
+    else if (needed_major != 2 || needed_minor > 0)
+        gltf_warn(g, AT_KEY(at, "minVersion"), "is %s; the file is read as 2.0 and may look wrong", json_string_value(needed));
+}
+
+/* ---- the whole ---- */
+
+static void load_parts(struct gltf *g) {
+    static void (*const parts[])(struct gltf *) = {
+        check_asset,       gltf_load_extensions, gltf_load_buffers, gltf_load_accessors, gltf_load_images, gltf_load_materials,
+        gltf_load_meshes,  gltf_load_cameras,    gltf_load_nodes,   gltf_load_scenes,    gltf_load_skins,  gltf_place,
+        gltf_load_animations,
+    };
+    for (size_t i = 0; i < COUNT_OF(parts) && g->result == FNL_OK; i++) parts[i](g);
+    if (g->result == FNL_OK) scene_update_transforms(g->scene);
+}
+
+/** Loads into an existing scene whose memory or files hold `bytes`. */
+static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t size, const char *folder) {
+    struct gltf g = {.scene = scene, .host = &scene->host, .name = scene->source, .folder = folder};
+    arena_init(&g.scratch, g.host, (size_t)64 << 10);
+    const char *json = (const char *)bytes;
+    size_t json_size = size;
+    g.is_glb = size >= 4 && read_u32(bytes) == GLB_MAGIC;
+    if (!g.is_glb || parse_glb(&g, bytes, size, &json, &json_size)) parse_json(&g, json ? json : "", json_size);
+    if (g.result == FNL_OK) load_parts(&g);
+    json_decref(g.root);
+    array_free(g.host, &g.vertex_map);
+    array_free(g.host, &g.primitive_joints);
+    arena_finish(&g.scratch);
+    return g.result;
+}
+
+fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out) {
+    fnl_scene *scene;
+    *out = NULL;
+    TRY(scene_create(host, path, &scene));
+    struct file_view file = {0};
+    char folder[4096];
+    fnl_result result = file_map(&scene->host, path, &file);
+    if (result == FNL_OK && !path_folder(path, folder, sizeof folder)) {
+        log_error(&scene->host, "%.64s…: the path is too long", path);
+        result = FNL_ERROR_FILE;
+    }
+    if (result == FNL_OK && !array_push(&scene->host, &scene->files, file)) result = FNL_ERROR_MEMORY;
+    if (result != FNL_OK) file_unmap(&file);
+    if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder);
+    if (result != FNL_OK) {
+        fnl_scene_destroy(&scene);
+        return result;
+    }
+    *out = scene;
+    return FNL_OK;
+}
+
+fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder,
+                            fnl_scene **out) {
+    fnl_scene *scene;
+    *out = NULL;
+    TRY(scene_create(host, name, &scene));
+    /* Images point into the bytes for as long as the scene lives, so it keeps a copy. */
+    const unsigned char *copy = arena_copy(&scene->arena, bytes, size);
+    fnl_result result = copy ? load_into(scene, copy, size, folder) : FNL_ERROR_MEMORY;
+    if (result != FNL_OK) {
+        fnl_scene_destroy(&scene);
+        return result;
+    }
+    *out = scene;
+    return FNL_OK;
+}

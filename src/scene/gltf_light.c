@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* Cameras (glTF 2.0, 3.10) and KHR_lights_punctual: what they are, and then where they stand. */
+#include "scene/gltf.h"
+
+/* ---- cameras ---- */
+
+/** Perspective views of this renderer reach to infinity and take the picture's aspect; the file's are not needed. */
+static bool load_perspective(struct gltf *g, json_t *object, const struct at *at, fnl_camera *camera) {
+    float far = 0, near = camera->near_distance;
+    bool good = gltf_float(g, object, at, "yfov", true, 1e-4f, PI - 1e-4f, &camera->vertical_fov);
+    if (gltf_float(g, object, at, "znear", true, 1e-6f, FLT_MAX, &near)) camera->near_distance = near;
+    else good = false;
+    if (gltf_float(g, object, at, "zfar", false, 0, FLT_MAX, &far) && far <= near)
+        gltf_warn(g, at, "zfar %g is not greater than znear %g; it is ignored", (double)far, (double)near);
+    return good;
+}
+
+static bool load_orthographic(struct gltf *g, json_t *object, const struct at *at, fnl_camera *camera) {
+    float height = 0, width = 0, near = 0, far = 0;
+    camera->orthographic = true;
+    bool good = gltf_float(g, object, at, "xmag", true, -FLT_MAX, FLT_MAX, &width);
+    good &= gltf_float(g, object, at, "ymag", true, -FLT_MAX, FLT_MAX, &height);
+    good &= gltf_float(g, object, at, "znear", true, 0, FLT_MAX, &near);
+    good &= gltf_float(g, object, at, "zfar", true, 0, FLT_MAX, &far);
+    if (!good) return false;
+    if (!(far > near)) {
+        gltf_warn(g, at, "zfar %g is not greater than znear %g; the camera is left out", (double)far, (double)near);
+        return false;
+    }
+    if (height == 0) {
+        gltf_warn(g, AT_KEY(at, "ymag"), "is 0; the camera is left out");
+        return false;
+    }
+    camera->vertical_extent = 2 * fabsf(height);
+    camera->far_distance = far;
+    camera->near_distance = near > 0 ? near : far * 1e-6f; /* the projection needs a near distance above 0 */
+    return camera->near_distance > 0 && camera->far_distance > camera->near_distance;
+}
+
+static void load_camera(struct gltf *g, json_t *object, const struct at *at, struct gltf_camera *out) {
+    out->camera = fnl_camera_default();
+    out->name = gltf_name(g, object, at);
+    const char *type = gltf_string(g, object, at, "type", true);
+    if (json_object_get(object, "perspective") && json_object_get(object, "orthographic"))
+        gltf_warn(g, at, "has both 'perspective' and 'orthographic'; 'type' decides");
+    bool perspective = type && strcmp(type, "perspective") == 0, orthographic = type && strcmp(type, "orthographic") == 0;
+    if (!perspective && !orthographic) {
+        if (type) gltf_warn(g, AT_KEY(at, "type"), "is unknown; the camera is left out");
+        return;
+    }
+    json_t *lens = gltf_object(g, object, at, type, true);
+    if (!lens) return;
+    out->valid = perspective ? load_perspective(g, lens, AT_KEY(at, type), &out->camera)
+                             : load_orthographic(g, lens, AT_KEY(at, type), &out->camera);
+}
+
+/* ---- lights ---- */
+
+static void load_spot(struct gltf *g, json_t *object, const struct at *at, fnl_light_params *light) {
+    gltf_float(g, object, at, "innerConeAngle", false, 0, PI / 2, &light->inner_cone_angle);
+    gltf_float(g, object, at, "outerConeAngle", false, 0, PI / 2, &light->outer_cone_angle);
+    if (light->outer_cone_angle <= 0) {
+        gltf_warn(g, AT_KEY(at, "outerConeAngle"), "is 0, which leaves no light; 0.001 is used");
+        light->outer_cone_angle = 0.001f;
+    }
+    if (light->inner_cone_angle >= light->outer_cone_angle) {
+        gltf_warn(g, AT_KEY(at, "innerConeAngle"), "is not less than outerConeAngle; the cone gets a hard edge");
+        light->inner_cone_angle = light->outer_cone_angle;
+    }
+}
+
+static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
+    fnl_light_params *light = &out->params;
+    *light = fnl_light_params_default();
+    const char *type = gltf_string(g, object, at, "type", true);
+    if (!type) return;
+    if (strcmp(type, "directional") == 0) light->kind = FNL_LIGHT_DIRECTIONAL;
+    else if (strcmp(type, "point") == 0) light->kind = FNL_LIGHT_POINT;
+    else if (strcmp(type, "spot") == 0) light->kind = FNL_LIGHT_SPOT;
+    else {
+        gltf_warn(g, AT_KEY(at, "type"), "is unknown; the light is left out");
+        return;
+    }
+    gltf_floats(g, object, at, "color", 3, 0, FLT_MAX, light->color);
+    gltf_float(g, object, at, "intensity", false, 0, FLT_MAX, &light->intensity);
+    if (light->kind != FNL_LIGHT_DIRECTIONAL && gltf_float(g, object, at, "range", false, 0, FLT_MAX, &light->range) && light->range <= 0) {
+        gltf_warn(g, AT_KEY(at, "range"), "is not greater than 0; it is derived from the intensity");
+        light->range = INFINITY;
+    }
+    if (light->kind == FNL_LIGHT_SPOT) {
+        json_t *spot = gltf_object(g, object, at, "spot", true);
+        if (spot) load_spot(g, spot, AT_KEY(at, "spot"), light);
+    }
+    out->valid = true;
+}
+
+static void load_lights(struct gltf *g) {
+    struct gltf_extension_place place;
+    json_t *extension = gltf_extension(g->root, &g->top, "KHR_lights_punctual", &place);
+    json_t *array = extension ? gltf_array(g, extension, &place.extension, "lights", true) : NULL;
+    const struct at *at = AT_KEY(&place.extension, "lights");
+    g->light_count = gltf_count(array);
+    g->lights = gltf_scratch(g, g->light_count, sizeof *g->lights);
+    for (uint32_t i = 0; i < g->light_count && g->result == FNL_OK; i++) {
+        json_t *object = gltf_element(g, array, at, i);
+        if (object) load_light(g, object, AT_INDEX(at, i), &g->lights[i]);
+    }
+}
+
+void gltf_load_cameras(struct gltf *g) {
+    json_t *array = gltf_array(g, g->root, &g->top, "cameras", false);
+    const struct at *at = AT_KEY(&g->top, "cameras");
+    g->camera_count = gltf_count(array);
+    g->cameras = gltf_scratch(g, g->camera_count, sizeof *g->cameras);
+    for (uint32_t i = 0; i < g->camera_count && g->result == FNL_OK; i++) {
+        json_t *object = gltf_element(g, array, at, i);
+        if (object) load_camera(g, object, AT_INDEX(at, i), &g->cameras[i]);
+    }
+    if (g->result == FNL_OK) load_lights(g);
+}
+
+/* ---- placing ---- */
+
+static void place_camera(struct gltf *g, uint32_t node_index, struct scene_node *node) {
+    const struct gltf_camera *source = &g->cameras[node->camera];
+    node->camera = SCENE_NONE;
+    if (!source->valid) return;
+    struct scene_camera camera = {.node = node_index, .camera = source->camera};
+    camera.name = *source->name ? source->name : *node->name ? node->name : arena_format(&g->scene->arena, "camera%u", g->scene->cameras.count);
+    if (!camera.name || !array_push(g->host, &g->scene->cameras, camera)) {
+        gltf_fail_memory(g);
+        return;
+    }
+    node->camera = g->scene->cameras.count - 1;
+}
+
+/** Only what is part of the shown scene: every such node with a camera or light gets one of its own, in node order. */
+void gltf_place(struct gltf *g) {
+    scene_update_transforms(g->scene);
+    for (uint32_t i = 0; i < g->node_count && g->result == FNL_OK; i++) {
+        struct scene_node *node = &g->scene->nodes.data[i];
+        if (node->camera != SCENE_NONE && g->in_scene[i]) place_camera(g, i, node);
+        else node->camera = SCENE_NONE;
+        uint32_t light = g->node_lights[i];
+        if (light == SCENE_NONE || !node->active || !g->lights[light].valid) continue;
+        if (scene_add_light(g->scene, &g->lights[light].params, i) == SCENE_NONE) gltf_fail_memory(g);
+    }
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/* Meshes and their primitives (glTF 2.0, 3.7). */
+#include "scene/gltf.h"
+
+static void warn_unread_uv(struct gltf *g, const struct at *at, const struct scene_primitive *primitive) {
+    if (primitive->material == SCENE_NONE) return;
+    const struct scene_material *material = &g->scene->materials.data[primitive->material];
+    bool missing[2] = {false, false};
+    for (uint32_t i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) {
+        const struct scene_texture *texture = &material->textures[i];
+        if (texture->image != SCENE_NONE && !primitive->uv[texture->uv_set]) missing[texture->uv_set] = true;
+    }
+    for (uint32_t set = 0; set < 2; set++)
+        if (missing[set])
+            gltf_warn(g, AT_KEY(at, "material"), "its textures want TEXCOORD_%u, which the primitive lacks; 0, 0 is used", set);
+}
+
+/** What mesh_complete will add: vertices of their own for each corner when normals are missing, and tangents. */
+static bool spend_on_completion(struct gltf *g, const struct at *at, const struct scene_primitive *primitive) {
+    if (primitive->topology != SCENE_TOPOLOGY_TRIANGLES) return true;
+    uint64_t vertex_size = 64 + (uint64_t)primitive->joint_count * 6 + (uint64_t)primitive->morph_target_count * 36;
+    return gltf_spend(g, at, primitive->normals ? (uint64_t)primitive->vertex_count * 48 : primitive->index_count * vertex_size);
+}
+
+static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, struct scene_primitive *out,
+                           struct gltf_primitive_joints *joints) {
+    *out = (struct scene_primitive){.material = gltf_index(g, object, at, "material", false, g->material_count)};
+    json_t *attribute_object = gltf_object(g, object, at, "attributes", true);
+    if (!attribute_object) return false;
+    const struct at *attributes_at = AT_KEY(at, "attributes");
+    struct gltf_attributes attributes;
+    gltf_find_attributes(g, attribute_object, attributes_at, NULL, &attributes);
+    uint32_t position = attributes.accessor[GLTF_POSITION][0];
+    if (position == SCENE_NONE) {
+        if (json_object_get(object, "indices")) gltf_index(g, object, at, "indices", true, g->accessor_count);
+        gltf_warn(g, attributes_at, "has no POSITION that can be used; the primitive is left out");
+        return false;
+    }
+    struct gltf_selection selection;
+    if (!gltf_load_indices(g, object, at, g->accessors[position].count, out, &selection)) return false;
+    if (!gltf_load_vertices(g, object, at, &attributes, &selection, out)) return false;
+    gltf_load_joints(g, attributes_at, &attributes, &selection, out, joints);
+    if (g->result != FNL_OK || !spend_on_completion(g, at, out)) return false;
+    fnl_result result = mesh_complete(&g->scene->arena, out);
+    if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
+    if (result == FNL_OK) warn_unread_uv(g, at, out);
+    return result == FNL_OK;
+}
+
+static void load_weights(struct gltf *g, json_t *object, const struct at *at, struct scene_mesh *mesh) {
+    json_t *weights = gltf_array(g, object, at, "weights", false);
+    uint32_t count = gltf_count(weights);
+    if (count == 0) return;
+    const struct at *here = AT_KEY(at, "weights");
+    if (count != mesh->morph_target_count) {
+        gltf_warn(g, here, "has %u weights for %u morph targets; they are ignored", count, mesh->morph_target_count);
+        return;
+    }
+    float *values = gltf_keep(g, count, sizeof *values);
+    for (uint32_t i = 0; values && i < count; i++) {
+        json_t *value = json_array_get(weights, i);
+        if (json_is_number(value)) values[i] = (float)json_number_value(value);
+        if (json_is_number(value) && isfinite(values[i])) continue;
+        gltf_warn(g, AT_INDEX(here, i), "is not a finite number; 0 is used");
+        values[i] = 0;
+    }
+    mesh->morph_weights = values;
+}
+
+static void load_mesh(struct gltf *g, json_t *object, const struct at *at) {
+    json_t *array = gltf_array(g, object, at, "primitives", true);
+    uint32_t count = gltf_count(array), kept = 0;
+    struct scene_primitive *primitives = host_allocate_zero(g->host, sizeof *primitives * MAX((size_t)count, 1));
+    if (!primitives) gltf_fail_memory(g);
+    for (uint32_t i = 0; primitives && i < count && g->result == FNL_OK; i++) {
+        const struct at *primitives_at = AT_KEY(at, "primitives");
+        json_t *primitive = gltf_element(g, array, primitives_at, i);
+        struct gltf_primitive_joints joints = {.source = i};
+        if (!primitive || !load_primitive(g, primitive, AT_INDEX(primitives_at, i), &primitives[kept], &joints)) continue;
+        if (!array_push(g->host, &g->primitive_joints, joints)) gltf_fail_memory(g);
+        kept++;
+    }
+    const char *name = gltf_name(g, object, at);
+    uint32_t index = SCENE_NONE;
+    if (g->result == FNL_OK) index = scene_add_mesh(g->scene, name, primitives, kept);
+    if (g->result == FNL_OK && index == SCENE_NONE) gltf_fail_memory(g);
+    if (index != SCENE_NONE) {
+        struct scene_mesh *mesh = &g->scene->meshes.data[index];
+        for (uint32_t i = 0; i < kept; i++)
+            if (primitives[i].morph_target_count != mesh->morph_target_count) {
+                gltf_warn(g, AT_KEY(at, "primitives"), "the primitives have different numbers of morph targets");
+                break;
+            }
+        load_weights(g, object, at, mesh);
+    }
+    host_free(g->host, primitives, sizeof *primitives * MAX((size_t)count, 1));
+}
+
+void gltf_load_meshes(struct gltf *g) {
+    json_t *array = gltf_array(g, g->root, &g->top, "meshes", false);
+    const struct at *at = AT_KEY(&g->top, "meshes");
+    g->mesh_count = gltf_count(array);
+    for (uint32_t i = 0; i < g->mesh_count && g->result == FNL_OK; i++) {
+        json_t *object = gltf_element(g, array, at, i);
+        if (object) load_mesh(g, object, AT_INDEX(at, i));
+        else if (scene_add_mesh(g->scene, "", NULL, 0) == SCENE_NONE) gltf_fail_memory(g);
+    }
+}
