@@ -119,8 +119,8 @@ static void test_json(void **state) {
     const char *first, *over;
     double greatest, psnr;
     int x, y, differing;
-    assert_int_equal(json_unpack(root, "{s:[s], s:F, s:[ii], s:F, s:i, s:[s!]}", "files", &first, "max", &greatest, "max_at", &x,
-                                 &y, "psnr", &psnr, "differing_pixels", &differing, "over", &over),
+    assert_int_equal(json_unpack(root, "{s:[s], s:F, s:[ii], s:F, s:i, s:[s!]}", "files", &first, "max", &greatest,
+                                 "max_at", &x, &y, "psnr", &psnr, "differing_pixels", &differing, "over", &over),
                      0);
     assert_string_equal(first, "a.png");
     assert_string_equal(over, "max-diff");
@@ -148,18 +148,12 @@ static void test_difference_picture(void **state) {
 static void test_errors_name_what_is_wrong(void **state) {
     UNUSED(state);
     static const char *const cases[][2] = {
-        {"a.png missing.png", "missing.png"},
-        {"broken.png a.png", "broken.png"},
-        {"a.png narrow.png", "narrow.png is 16 x 16"},
-        {"a.png", "two pictures"},
-        {"a.png a.png a.png", "two pictures"},
-        {"a.png b.png --max-diff much", "--max-diff: 'much'"},
-        {"a.png b.png --max-diff 2/", "'2/'"},
-        {"a.png b.png --max-diff 2/0", "'2/0'"},
-        {"a.png b.png --psnr nan", "'nan'"},
-        {"a.png b.png --max-diff", "max-diff"},
-        {"a.png b.png --frobnicate", "frobnicate"},
-        {"a.png b.png -o d.jpg", "d.jpg"},
+        {"a.png missing.png", "missing.png"},          {"broken.png a.png", "broken.png"},
+        {"a.png narrow.png", "narrow.png is 16 x 16"}, {"a.png", "two pictures"},
+        {"a.png a.png a.png", "two pictures"},         {"a.png b.png --max-diff much", "--max-diff: 'much'"},
+        {"a.png b.png --max-diff 2/", "'2/'"},         {"a.png b.png --max-diff 2/0", "'2/0'"},
+        {"a.png b.png --psnr nan", "'nan'"},           {"a.png b.png --max-diff", "max-diff"},
+        {"a.png b.png --frobnicate", "frobnicate"},    {"a.png b.png -o d.jpg", "d.jpg"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         assert_int_equal(run(cases[i][0]), 2);
@@ -172,8 +166,10 @@ static void test_errors_name_what_is_wrong(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_equal_and_different), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_json),                cmocka_unit_test(test_difference_picture),
+        cmocka_unit_test(test_equal_and_different),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_difference_picture),
         cmocka_unit_test(test_errors_name_what_is_wrong),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

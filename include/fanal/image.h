@@ -59,8 +59,13 @@ typedef struct fnl_image_difference {
     double max;           /**< largest absolute difference of one channel */
     double mean;          /**< mean absolute difference */
     double rmse;          /**< root of the mean squared difference */
-    double psnr;          /**< 20 log10(peak / rmse) in dB, infinite for equal pictures; peak is 1, for floats the larger of 1 and the greatest finite value of the two */
-    double ssim;          /**< mean structural similarity of luma, 11x11 Gaussian window, sigma 1.5 (Wang et al. 2004); 1 is equal */
+    /** 20 log10(peak / rmse) in dB, infinite for equal pictures; peak is 1, for floats at least the greatest finite value. */
+    double psnr;
+    /**
+     * Mean structural similarity of luma (Rec. 709 weights), 11x11 Gaussian window, sigma 1.5 (Wang et al. 2004), over the
+     * windows that lie in the picture; 1 is equal. Windows with an infinite difference count as 0.
+     */
+    double ssim;
     uint32_t max_x, max_y; /**< where `max` is found first, in reading order */
     uint64_t differing_pixels;
 } fnl_image_difference;
@@ -70,7 +75,7 @@ FNL_API fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, c
 
 /**
  * A picture of the differences: absolute difference per channel times `gain` (0: scaled so that the greatest is white),
- * opaque RGBA8, free with fnl_image_free.
+ * opaque RGBA8, free with fnl_image_free. A difference of alpha shows in all three channels; an infinite one is white.
  */
 FNL_API fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain, fnl_image *out);
 

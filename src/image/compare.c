@@ -6,8 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-/* SSIM as in Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment: from error visibility to structural similarity",
-   IEEE Transactions on Image Processing 13(4), 2004: window, constants. */
+/* SSIM as in Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment: from error visibility to structural
+   similarity", IEEE Transactions on Image Processing 13(4), 2004: window, constants. */
 #define WINDOW 11
 #define RADIUS (WINDOW / 2)
 #define SIGMA 1.5
@@ -17,7 +17,7 @@
 /* Windowed at each pixel: means of a, b, a^2, b^2 and ab. */
 enum { MOMENTS = 5 };
 
-/* Pixels are taken in units of 1 / `unit`: integers exactly, as 16-bit ones, so that a difference of N/255 is exactly that. */
+/* Pixels are taken in units of 1 / `unit`: integers as 16-bit ones, so that a difference of N/255 is exactly that. */
 struct comparison {
     const fnl_image *a, *b;
     bool integer; /* both are */
@@ -59,8 +59,8 @@ static fnl_result begin(const fnl_host *host, const fnl_image *a, const fnl_imag
     REQUIRE(host, b != NULL && b->pixels != NULL && fnl_pixel_size(b->format) != 0);
     REQUIRE(host, a->width > 0 && a->height > 0);
     if (a->width != b->width || a->height != b->height) {
-        log_error(host, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height, b->width,
-                  b->height);
+        log_error(host, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height,
+                  b->width, b->height);
         return FNL_ERROR_INVALID;
     }
     *out = (struct comparison){.a = a, .b = b};
@@ -73,10 +73,12 @@ static fnl_result begin(const fnl_host *host, const fnl_image *a, const fnl_imag
 /* ---- structural similarity ---- */
 
 /*
- * Only whole windows count, as in the paper; along an axis shorter than a window every pixel counts, with its window cut
- * at the border and its weights brought back to a sum of 1.
+ * Only whole windows count, as in the paper; along an axis shorter than a window every pixel counts, with its window
+ * cut at the border and its weights brought back to a sum of 1.
  */
-struct axis { uint32_t length, first, count; };
+struct axis {
+    uint32_t length, first, count;
+};
 
 static struct axis axis_make(uint32_t length) {
     return length < WINDOW ? (struct axis){length, 0, length} : (struct axis){length, RADIUS, length - WINDOW + 1};
@@ -97,10 +99,10 @@ static uint32_t window_weights(const struct axis *axis, uint32_t center, uint32_
 
 struct ssim {
     struct axis x, y;
-    double *luma[2];        /* one row of each picture */
-    double *moments;        /* one row of each moment */
-    double *ring;           /* WINDOW rows of each moment, filtered along x */
-    double *sums;           /* one row of each moment, filtered along both */
+    double *luma[2]; /* one row of each picture */
+    double *moments; /* one row of each moment */
+    double *ring;    /* WINDOW rows of each moment, filtered along x */
+    double *sums;    /* one row of each moment, filtered along both */
     double c1, c2, total;
 };
 
@@ -241,7 +243,9 @@ fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, const fnl
 /* ---- the picture of the differences ---- */
 
 /* The distance that is shown for channel c: alpha, having no place of its own, shows in all three. */
-static double shown_distance(const double *a, const double *b, int c) { return fmax(distance(a[c], b[c]), distance(a[3], b[3])); }
+static double shown_distance(const double *a, const double *b, int c) {
+    return fmax(distance(a[c], b[c]), distance(a[3], b[3]));
+}
 
 static double greatest_shown(const struct comparison *comparison, double *row_a, double *row_b) {
     double greatest = 0;

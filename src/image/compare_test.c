@@ -123,7 +123,8 @@ static void test_metrics_are_the_slow_formulas(void **state) {
 static void test_equal_pictures(void **state) {
     UNUSED(state);
     for (int format = 0; format < 3; format++) {
-        fnl_image a = noise(33, 17, (fnl_pixel_format)format, 1, 0.1), b = noise(33, 17, (fnl_pixel_format)format, 1, 0.1);
+        fnl_image a = noise(33, 17, (fnl_pixel_format)format, 1, 0.1),
+                  b = noise(33, 17, (fnl_pixel_format)format, 1, 0.1);
         fnl_image_difference d;
         assert_int_equal(fnl_image_compare(NULL, &a, &b, &d), FNL_OK);
         assert_true(d.max == 0 && d.mean == 0 && d.rmse == 0 && isinf(d.psnr) && d.psnr > 0 && d.ssim == 1);
@@ -166,7 +167,8 @@ static void test_integer_differences_are_exact(void **state) {
 static void test_what_is_not_finite(void **state) {
     UNUSED(state);
     enum { WIDTH = 40, HEIGHT = 30 };
-    fnl_image a = noise(WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, 1, 0), b = noise(WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, 1, 0);
+    fnl_image a = noise(WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, 1, 0),
+              b = noise(WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA32F, 1, 0);
     float *pa = a.pixels, *pb = b.pixels;
     size_t middle = (15 * WIDTH + 20) * 4;
     fnl_image_difference d;
@@ -225,7 +227,8 @@ static void test_misuse_is_refused(void **state) {
     char line[200] = "";
     fnl_host host = {.user = line, .log = say_nothing};
     uint8_t pixels[16] = {0};
-    fnl_image a = {2, 2, FNL_PIXEL_FORMAT_RGBA8, pixels}, b = {4, 1, FNL_PIXEL_FORMAT_RGBA8, pixels}, none = {0}, picture;
+    fnl_image a = {2, 2, FNL_PIXEL_FORMAT_RGBA8, pixels}, b = {4, 1, FNL_PIXEL_FORMAT_RGBA8, pixels}, none = {0},
+              picture;
     fnl_image_difference d;
     assert_int_equal(fnl_image_compare(&host, &a, &b, &d), FNL_ERROR_INVALID);
     assert_non_null(strstr(line, "2 x 2 and 4 x 1"));

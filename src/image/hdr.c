@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Radiance pictures in RGBE: Ward, "Real Pixels", Graphics Gems II, 1991, and the Radiance file format manual. A mantissa
- * m stands for m / 256 (without the half that Radiance adds), as in Walter's RGBE routines of 1995, so that values written
- * and read again stay as they are.
+ * Radiance pictures in RGBE: Ward, "Real Pixels", Graphics Gems II, 1991, and the Radiance file format manual. A
+ * mantissa m stands for m / 256 (without the half that Radiance adds), as in Walter's RGBE routines of 1995, so that
+ * values written and read again stay as they are.
  */
 #include "image/codec.h"
 
@@ -51,8 +51,8 @@ static int read_numbers(const char *text, float *values, int capacity) {
 /* EXPOSURE and COLORCORR say by what the pixels have been multiplied; several of them add up. */
 static fnl_result read_variable(const struct image_source *source, const char *line, struct header *header) {
     if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-        return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)",
-                          line + 7);
+        return image_fail(source, FNL_ERROR_UNSUPPORTED,
+                          "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)", line + 7);
     bool exposure = strncmp(line, "EXPOSURE=", 9) == 0, correction = strncmp(line, "COLORCORR=", 10) == 0;
     if (!exposure && !correction) return FNL_OK;
     float factors[3];

@@ -34,8 +34,8 @@ fnl_result image_fail(const struct image_source *source, fnl_result result, cons
 
 fnl_result image_check_size(const struct image_source *source, uint64_t width, uint64_t height) {
     if (width == 0 || height == 0)
-        return image_fail(source, FNL_ERROR_FORMAT, "the picture has no pixels (%llu x %llu)", (unsigned long long)width,
-                          (unsigned long long)height);
+        return image_fail(source, FNL_ERROR_FORMAT, "the picture has no pixels (%llu x %llu)",
+                          (unsigned long long)width, (unsigned long long)height);
     if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX || width * height > IMAGE_PIXELS_MAX)
         return image_fail(source, FNL_ERROR_UNSUPPORTED,
                           "a picture of %llu x %llu pixels is over the limit (%u a side, %u in all)",
@@ -52,8 +52,7 @@ fnl_result image_allocate(const struct image_source *source, uint32_t width, uin
     fnl_image image = {.width = width, .height = height, .format = format};
     if (image_bytes(&image) / fnl_pixel_size(format) != pixels) return FNL_ERROR_MEMORY; /* 32-bit size_t */
     image.pixels = host_allocate(source->host, image_bytes(&image));
-    if (!image.pixels)
-        return image_fail(source, FNL_ERROR_MEMORY, "no memory for %u x %u pixels", width, height);
+    if (!image.pixels) return image_fail(source, FNL_ERROR_MEMORY, "no memory for %u x %u pixels", width, height);
     *out = image;
     return FNL_OK;
 }
@@ -71,10 +70,12 @@ static enum image_file_kind recognise(const unsigned char *bytes, size_t size) {
 
 static fnl_result fail_unknown(const struct image_source *source) {
     if (source->size == 0) return image_fail(source, FNL_ERROR_FORMAT, "is empty, not a picture");
-    return image_fail(source, FNL_ERROR_FORMAT, "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
+    return image_fail(source, FNL_ERROR_FORMAT,
+                      "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
 }
 
-fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name, struct image_file_info *out) {
+fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name,
+                      struct image_file_info *out) {
     *out = (struct image_file_info){0};
     struct image_source source = {host, bytes, size, name};
     switch (recognise(bytes, size)) {
@@ -94,7 +95,8 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
     struct image_source source = {host, bytes, size, name};
     enum image_file_kind kind = recognise(bytes, size);
     if (force_rgba8 && (kind == IMAGE_FILE_HDR || kind == IMAGE_FILE_EXR))
-        return image_fail(&source, FNL_ERROR_UNSUPPORTED, "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
+        return image_fail(&source, FNL_ERROR_UNSUPPORTED,
+                          "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
     switch (kind) {
     case IMAGE_FILE_PNG: return image_png_decode(&source, force_rgba8, out);
     case IMAGE_FILE_JPEG: return image_jpeg_decode(&source, out);
@@ -129,7 +131,8 @@ void fnl_image_free(const fnl_host *host, fnl_image *image) {
 
 static fnl_result save_exr(const fnl_host *host, const char *path, const fnl_image *image) {
     const float *pixels = image->pixels;
-    const fnl_exr_channel channels[] = {{"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}, {"A", pixels + 3, 4}};
+    const fnl_exr_channel channels[] = {
+        {"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}, {"A", pixels + 3, 4}};
     return fnl_exr_save(host, path, image->width, image->height, channels, COUNT_OF(channels));
 }
 
@@ -141,7 +144,8 @@ fnl_result fnl_image_save(const fnl_host *host, const char *path, const fnl_imag
     if (image_check_size(&target, image->width, image->height) != FNL_OK) return FNL_ERROR_INVALID;
 
     bool is_float = image->format == FNL_PIXEL_FORMAT_RGBA32F;
-    bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"), hdr = path_has_extension(path, "hdr");
+    bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"),
+         hdr = path_has_extension(path, "hdr");
     if (!png && !exr && !hdr)
         return image_fail(&target, FNL_ERROR_UNSUPPORTED, "pictures are written as .png, .exr or .hdr, not as '.%s'",
                           path_extension(path));

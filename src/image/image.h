@@ -6,7 +6,14 @@
 #include "base/base.h"
 #include "fanal/image.h"
 
-enum image_file_kind { IMAGE_FILE_UNKNOWN, IMAGE_FILE_PNG, IMAGE_FILE_JPEG, IMAGE_FILE_WEBP, IMAGE_FILE_HDR, IMAGE_FILE_EXR };
+enum image_file_kind {
+    IMAGE_FILE_UNKNOWN,
+    IMAGE_FILE_PNG,
+    IMAGE_FILE_JPEG,
+    IMAGE_FILE_WEBP,
+    IMAGE_FILE_HDR,
+    IMAGE_FILE_EXR,
+};
 
 struct image_file_info {
     enum image_file_kind kind;
@@ -17,8 +24,8 @@ struct image_file_info {
 #define IMAGE_SIDE_MAX 32768u
 
 /**
- * Reads only the header. `name` stands for the file in messages ("scene.gltf: /images/3"). Unknown contents, zero sizes
- * and sides over IMAGE_SIDE_MAX are logged errors.
+ * Reads only the header. `name` stands for the file in messages ("scene.gltf: /images/3"). `host` is resolved
+ * (host_resolve). Unknown contents, zero sizes, sides over IMAGE_SIDE_MAX and more than 2^28 pixels are logged errors.
  */
 fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name, struct image_file_info *out);
 
@@ -26,6 +33,7 @@ fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, cons
  * Decodes a whole file in memory, to the formats that fnl_image_load documents, or with `force_rgba8` always to RGBA8
  * (16-bit values are rounded; HDR and EXR are then refused). Thread-safe.
  */
-fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8, fnl_image *out);
+fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, const char *name, bool force_rgba8,
+                        fnl_image *out);
 
 #endif

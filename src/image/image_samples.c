@@ -8,12 +8,12 @@
 #include <spng.h>
 #include <webp/encode.h>
 
-#define CHECK(expression)                                                                                               \
-    do {                                                                                                                \
-        if (!(expression)) {                                                                                            \
-            fprintf(stderr, "%s:%d: '%s' does not hold\n", __FILE__, __LINE__, #expression);                            \
-            abort();                                                                                                    \
-        }                                                                                                               \
+#define CHECK(expression)                                                                                              \
+    do {                                                                                                               \
+        if (!(expression)) {                                                                                           \
+            fprintf(stderr, "%s:%d: '%s' does not hold\n", __FILE__, __LINE__, #expression);                           \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 struct maker {
@@ -21,7 +21,8 @@ struct maker {
     uint32_t count, width, height;
 };
 
-static struct image_sample *add(struct maker *maker, const char *name, enum image_file_kind kind, fnl_pixel_format format) {
+static struct image_sample *add(struct maker *maker, const char *name, enum image_file_kind kind,
+                                fnl_pixel_format format) {
     CHECK(maker->count < IMAGE_SAMPLES_MAX);
     struct image_sample *sample = &maker->samples[maker->count++];
     *sample = (struct image_sample){.name = name, .kind = kind};
@@ -44,7 +45,8 @@ static uint32_t level(uint32_t x, uint32_t y, uint32_t channel, uint32_t greates
 
 static void add_png(struct maker *maker, const char *name, uint8_t color_type, uint8_t depth, bool transparent) {
     bool wide = depth == 16;
-    struct image_sample *sample = add(maker, name, IMAGE_FILE_PNG, wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8);
+    struct image_sample *sample =
+        add(maker, name, IMAGE_FILE_PNG, wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8);
     static const uint32_t channels_of[] = {1, 0, 3, 1, 2, 0, 4};
     uint32_t channels = channels_of[color_type], greatest = (1u << depth) - 1, full = wide ? 65535 : 255;
     bool indexed = color_type == SPNG_COLOR_TYPE_INDEXED, grey = channels <= 2 && !indexed, alpha = channels % 2 == 0;
@@ -77,7 +79,8 @@ static void add_png(struct maker *maker, const char *name, uint8_t color_type, u
         }
     spng_ctx *png = spng_ctx_new(SPNG_CTX_ENCODER);
     CHECK(png != NULL && spng_set_option(png, SPNG_ENCODE_TO_BUFFER, 1) == 0);
-    struct spng_ihdr header = {.width = maker->width, .height = maker->height, .bit_depth = depth, .color_type = color_type};
+    struct spng_ihdr header = {
+        .width = maker->width, .height = maker->height, .bit_depth = depth, .color_type = color_type};
     CHECK(spng_set_ihdr(png, &header) == 0);
     if (indexed) {
         struct spng_plte palette = {.n_entries = 1u << depth};
@@ -87,7 +90,8 @@ static void add_png(struct maker *maker, const char *name, uint8_t color_type, u
         CHECK(spng_set_plte(png, &palette) == 0);
     }
     if (transparent) {
-        struct spng_trns trns = {.gray = (uint16_t)level(0, 0, 0, greatest), .n_type3_entries = 2, .type3_alpha = {255, 77}};
+        struct spng_trns trns = {
+            .gray = (uint16_t)level(0, 0, 0, greatest), .n_type3_entries = 2, .type3_alpha = {255, 77}};
         CHECK(spng_set_trns(png, &trns) == 0);
     }
     CHECK(spng_encode_image(png, data, row_bytes * maker->height, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE) == 0);
@@ -180,8 +184,8 @@ static void add_hdr(struct maker *maker, const char *name, enum hdr_kind kind, c
     uint32_t width = maker->width, height = maker->height;
     unsigned char *bytes = malloc(256 + (size_t)width * height * 8), *at = bytes;
     CHECK(bytes != NULL);
-    at += sprintf((char *)at, "#?RADIANCE\n# a comment\nEXPOSURE=%g\nFORMAT=32-bit_rle_rgbe\n\n%cY %u %cX %u\n", exposure,
-                  axes[0], height, axes[1], width);
+    at += sprintf((char *)at, "#?RADIANCE\n# a comment\nEXPOSURE=%g\nFORMAT=32-bit_rle_rgbe\n\n%cY %u %cX %u\n",
+                  exposure, axes[0], height, axes[1], width);
     bool new_runs = kind == HDR_NEW_RUNS && width >= 8;
     for (uint32_t y = 0; y < height; y++) {
         if (new_runs) at += (*at = 2, at[1] = 2, at[2] = (unsigned char)(width >> 8), at[3] = (unsigned char)width, 4);
@@ -189,8 +193,9 @@ static void add_hdr(struct maker *maker, const char *name, enum hdr_kind kind, c
         CHECK(row != NULL);
         for (uint32_t x = 0; x < width; x++) {
             uint32_t column = x / 5; /* makes runs */
-            unsigned char rgbe[4] = {(unsigned char)(128 + level(column, y, 0, 127)), (unsigned char)level(column, y, 1, 255),
-                                     (unsigned char)level(column, y, 2, 255), (unsigned char)(120 + column % 16)};
+            unsigned char rgbe[4] = {(unsigned char)(128 + level(column, y, 0, 127)),
+                                     (unsigned char)level(column, y, 1, 255), (unsigned char)level(column, y, 2, 255),
+                                     (unsigned char)(120 + column % 16)};
             memcpy(row + (size_t)x * 4, rgbe, 4);
             uint32_t shown_x = axes[1] == '+' ? x : width - 1 - x, shown_y = axes[0] == '-' ? y : height - 1 - y;
             float *pixel = (float *)sample->expected.pixels + ((size_t)shown_y * width + shown_x) * 4;
@@ -289,7 +294,8 @@ static bool write_exr_part(exr_context_t exr, int part, struct exr_kind kind, co
         for (uint32_t y = 0; y * (uint32_t)kind.tile < height; y++)
             for (uint32_t x = 0; x * (uint32_t)kind.tile < width; x++) {
                 CHECK(exr_write_tile_chunk_info(exr, part, (int)x, (int)y, 0, 0, &chunk) == 0);
-                written &= write_exr_chunk(exr, part, &chunk, pixels, x * (uint32_t)kind.tile, y * (uint32_t)kind.tile, width);
+                written &=
+                    write_exr_chunk(exr, part, &chunk, pixels, x * (uint32_t)kind.tile, y * (uint32_t)kind.tile, width);
             }
         return written;
     }
@@ -304,7 +310,9 @@ static bool write_exr_part(exr_context_t exr, int part, struct exr_kind kind, co
 
 static void add_exr_part(exr_context_t exr, const char *name, struct exr_kind kind, uint32_t width, uint32_t height) {
     int part;
-    exr_storage_t storage = kind.deep ? EXR_STORAGE_DEEP_SCANLINE : kind.tile ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE;
+    exr_storage_t storage = kind.deep   ? EXR_STORAGE_DEEP_SCANLINE
+                            : kind.tile ? EXR_STORAGE_TILED
+                                        : EXR_STORAGE_SCANLINE;
     CHECK(exr_add_part(exr, name, storage, &part) == 0);
     CHECK(exr_initialize_required_attr_simple(exr, part, (int32_t)width, (int32_t)height, kind.compression) == 0);
     exr_attr_box2i_t window;
@@ -384,7 +392,8 @@ uint32_t image_samples_make(struct image_sample samples[IMAGE_SAMPLES_MAX], uint
     add_png(&maker, "rgba16.png", SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, 16, false);
     add_jpeg(&maker, "444.jpg", (struct jpeg_kind){.input = JCS_RGB, .stored = JCS_YCbCr});
     add_jpeg(&maker, "420-restarts.jpg", (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .subsampled = true, .restarts = true});
-    add_jpeg(&maker, "progressive.jpg", (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .progressive = true, .subsampled = true});
+    add_jpeg(&maker, "progressive.jpg",
+             (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .progressive = true, .subsampled = true});
     add_jpeg(&maker, "rgb.jpg", (struct jpeg_kind){.input = JCS_RGB, .stored = JCS_RGB});
     add_jpeg(&maker, "grey.jpg", (struct jpeg_kind){.input = JCS_GRAYSCALE, .stored = JCS_GRAYSCALE});
     add_jpeg(&maker, "cmyk.jpg", (struct jpeg_kind){.input = JCS_CMYK, .stored = JCS_CMYK});
@@ -396,15 +405,23 @@ uint32_t image_samples_make(struct image_sample samples[IMAGE_SAMPLES_MAX], uint
     add_hdr(&maker, "old-runs.hdr", HDR_OLD_RUNS, "-+", 1);
     add_hdr(&maker, "new-runs.hdr", HDR_NEW_RUNS, "-+", 1);
     add_hdr(&maker, "turned.hdr", HDR_NEW_RUNS, "+-", 0.25);
-    static const struct { const char *name; exr_compression_t compression; double tolerance; } schemes[] = {
-        {"none.exr", EXR_COMPRESSION_NONE, 0},    {"rle.exr", EXR_COMPRESSION_RLE, 0}, {"zips.exr", EXR_COMPRESSION_ZIPS, 0},
-        {"zip.exr", EXR_COMPRESSION_ZIP, 0},      {"piz.exr", EXR_COMPRESSION_PIZ, 0}, {"pxr24.exr", EXR_COMPRESSION_PXR24, 0},
-        {"b44.exr", EXR_COMPRESSION_B44, 0.5},    {"b44a.exr", EXR_COMPRESSION_B44A, 0.5},
-        {"dwaa.exr", EXR_COMPRESSION_DWAA, 0.5},  {"dwab.exr", EXR_COMPRESSION_DWAB, 0.5},
+    static const struct {
+        const char *name;
+        exr_compression_t compression;
+        double tolerance;
+    } schemes[] = {
+        {"none.exr", EXR_COMPRESSION_NONE, 0},   {"rle.exr", EXR_COMPRESSION_RLE, 0},
+        {"zips.exr", EXR_COMPRESSION_ZIPS, 0},   {"zip.exr", EXR_COMPRESSION_ZIP, 0},
+        {"piz.exr", EXR_COMPRESSION_PIZ, 0},     {"pxr24.exr", EXR_COMPRESSION_PXR24, 0},
+        {"b44.exr", EXR_COMPRESSION_B44, 0.5},   {"b44a.exr", EXR_COMPRESSION_B44A, 0.5},
+        {"dwaa.exr", EXR_COMPRESSION_DWAA, 0.5}, {"dwab.exr", EXR_COMPRESSION_DWAB, 0.5},
     };
     for (uint32_t i = 0; i < COUNT_OF(schemes); i++)
-        add_exr(&maker, schemes[i].name, (struct exr_kind){.compression = schemes[i].compression, .type = EXR_PIXEL_HALF,
-                                                           .channels = "ABGR", .tolerance = schemes[i].tolerance});
+        add_exr(&maker, schemes[i].name,
+                (struct exr_kind){.compression = schemes[i].compression,
+                                  .type = EXR_PIXEL_HALF,
+                                  .channels = "ABGR",
+                                  .tolerance = schemes[i].tolerance});
     struct exr_kind kind = {.compression = EXR_COMPRESSION_ZIP, .type = EXR_PIXEL_FLOAT, .channels = "BGR"};
     add_exr(&maker, "float.exr", kind);
     kind.left = -100;
@@ -418,9 +435,11 @@ uint32_t image_samples_make(struct image_sample samples[IMAGE_SAMPLES_MAX], uint
     add_exr(&maker, "uint.exr", kind);
     kind = (struct exr_kind){.compression = EXR_COMPRESSION_PIZ, .type = EXR_PIXEL_HALF, .channels = "Y", .tile = 8};
     add_exr(&maker, "grey-tiled.exr", kind);
-    kind = (struct exr_kind){.compression = EXR_COMPRESSION_RLE, .type = EXR_PIXEL_FLOAT, .channels = "RXZ", .multipart = true};
+    kind = (struct exr_kind){
+        .compression = EXR_COMPRESSION_RLE, .type = EXR_PIXEL_FLOAT, .channels = "RXZ", .multipart = true};
     add_exr(&maker, "multipart.exr", kind);
-    kind = (struct exr_kind){.compression = EXR_COMPRESSION_ZIPS, .type = EXR_PIXEL_FLOAT, .channels = "BGR", .deep = true};
+    kind = (struct exr_kind){
+        .compression = EXR_COMPRESSION_ZIPS, .type = EXR_PIXEL_FLOAT, .channels = "BGR", .deep = true};
     add_exr(&maker, "deep.exr", kind);
     return maker.count;
 }

@@ -75,7 +75,8 @@ static double value_at(const fnl_image *image, size_t i) {
 }
 
 static bool near(const fnl_image *image, const fnl_image *expected, double tolerance) {
-    if (image->width != expected->width || image->height != expected->height || image->format != expected->format) return false;
+    if (image->width != expected->width || image->height != expected->height || image->format != expected->format)
+        return false;
     for (size_t i = 0; i < (size_t)image->width * image->height * 4; i++)
         if (!(fabs(value_at(image, i) - value_at(expected, i)) <= tolerance)) return false;
     return true;
@@ -109,8 +110,10 @@ static void test_every_kind_is_read(void **state) {
             fnl_host host = watch_host(&watch);
             fnl_image image;
             fnl_result result = image_decode(&host, samples[i].bytes, samples[i].size, samples[i].name, false, &image);
-            if (result != samples[i].result || (result == FNL_OK && !near(&image, &samples[i].expected, samples[i].tolerance)))
-                fail_msg("%s at %u x %u: %s %s", samples[i].name, sizes[s][0], sizes[s][1], fnl_result_name(result), watch.line);
+            if (result != samples[i].result ||
+                (result == FNL_OK && !near(&image, &samples[i].expected, samples[i].tolerance)))
+                fail_msg("%s at %u x %u: %s %s", samples[i].name, sizes[s][0], sizes[s][1], fnl_result_name(result),
+                         watch.line);
             if (result != FNL_OK) assert_null(image.pixels);
             fnl_image_free(&host, &image);
             assert_int_equal(watch.live, 0);
@@ -144,14 +147,16 @@ static void test_forced_to_8_bits(void **state) {
         assert_int_equal(image.format, FNL_PIXEL_FORMAT_RGBA8);
         for (size_t k = 0; k < 37 * 11 * 4; k++)
             if (samples[i].tolerance == 0)
-                assert_int_equal(((uint8_t *)image.pixels)[k], (int)floor(value_at(&samples[i].expected, k) * 255 + 0.5));
+                assert_int_equal(((uint8_t *)image.pixels)[k],
+                                 (int)floor(value_at(&samples[i].expected, k) * 255 + 0.5));
         fnl_image_free(&host, &image);
         assert_int_equal(watch.live, 0);
     }
     image_samples_free(samples, count);
 }
 
-/* A cut file is an error, unless nothing of the picture is lost: the second part of an EXR, the checksum of PNG's end mark. */
+/* A cut file is an error, unless nothing of the picture is lost: the second part of an EXR, the checksum of PNG's end
+ * mark. */
 static void test_files_cut_at_every_byte(void **state) {
     UNUSED(state);
     struct image_sample samples[IMAGE_SAMPLES_MAX];
@@ -193,10 +198,12 @@ static void test_damaged_files_do_no_harm(void **state) {
             unsigned char *copy = malloc(samples[i].size);
             assert_non_null(copy);
             memcpy(copy, samples[i].bytes, samples[i].size);
-            for (int k = 0; k < 3; k++) copy[random_bits(&random) % samples[i].size] = (unsigned char)random_bits(&random);
+            for (int k = 0; k < 3; k++)
+                copy[random_bits(&random) % samples[i].size] = (unsigned char)random_bits(&random);
             struct image_file_info info;
             fnl_image image = {0};
-            if (image_peek(&host, copy, samples[i].size, "x", &info) == FNL_OK && (uint64_t)info.width * info.height < 1 << 22)
+            if (image_peek(&host, copy, samples[i].size, "x", &info) == FNL_OK &&
+                (uint64_t)info.width * info.height < 1 << 22)
                 image_decode(&host, copy, samples[i].size, "x", false, &image);
             fnl_image_free(&host, &image);
             assert_int_equal(watch.live, 0);
@@ -263,7 +270,8 @@ static bool set_size(struct image_sample *sample, uint32_t width, uint32_t heigh
 
 static void test_impossible_sizes_are_refused(void **state) {
     UNUSED(state);
-    static const uint32_t impossible[][2] = {{0, 5}, {5, 0}, {32769, 1}, {1, 40000}, {32768, 32768}, {32768, 8192}, {30000, 8000}};
+    static const uint32_t impossible[][2] = {{0, 5},         {5, 0},        {32769, 1},   {1, 40000},
+                                             {32768, 32768}, {32768, 8192}, {30000, 8000}};
     for (uint32_t s = 0; s < COUNT_OF(impossible); s++) {
         struct image_sample samples[IMAGE_SAMPLES_MAX];
         uint32_t count = image_samples_make(samples, 9, 3);
@@ -271,11 +279,14 @@ static void test_impossible_sizes_are_refused(void **state) {
             struct watch watch;
             fnl_host host = watch_host(&watch);
             /* DWA's best case reaches far: a few hundred bytes may stand for these sizes. */
-            if (!set_size(&samples[i], impossible[s][0], impossible[s][1]) || strncmp(samples[i].name, "dwa", 3) == 0) continue;
+            if (!set_size(&samples[i], impossible[s][0], impossible[s][1]) || strncmp(samples[i].name, "dwa", 3) == 0)
+                continue;
             fnl_image image;
             fnl_result result = image_decode(&host, samples[i].bytes, samples[i].size, samples[i].name, false, &image);
-            if (result == FNL_OK) fail_msg("%s as %u x %u was read", samples[i].name, impossible[s][0], impossible[s][1]);
-            if (watch.largest > 1 << 24) fail_msg("%s asked for %zu bytes: %s", samples[i].name, watch.largest, watch.line);
+            if (result == FNL_OK)
+                fail_msg("%s as %u x %u was read", samples[i].name, impossible[s][0], impossible[s][1]);
+            if (watch.largest > 1 << 24)
+                fail_msg("%s asked for %zu bytes: %s", samples[i].name, watch.largest, watch.line);
             assert_int_equal(watch.live, 0);
             assert_int_equal(watch.lines, 1);
             assert_non_null(strstr(watch.line, samples[i].name));
@@ -326,7 +337,8 @@ static void decode_one(void *context, uint32_t index) {
     struct image_sample *sample = &work->samples[index % work->count];
     fnl_image image;
     fnl_result result = image_decode(&work->host, sample->bytes, sample->size, sample->name, false, &image);
-    if (result != sample->result || (result == FNL_OK && !near(&image, &sample->expected, sample->tolerance))) work->wrong++;
+    if (result != sample->result || (result == FNL_OK && !near(&image, &sample->expected, sample->tolerance)))
+        work->wrong++;
     fnl_image_free(&work->host, &image);
 }
 
@@ -376,7 +388,8 @@ static void round_trip(const char *name, const fnl_image *image, double relative
         /* RGBE: half a step of the pixel's greatest component */
         double greatest = 0, exact = value_at(image, i);
         for (size_t c = 0; c < 3; c++) greatest = fmax(greatest, value_at(image, i / 4 * 4 + c));
-        if (fabs(value_at(&back, i) - exact) > relative * greatest) fail_msg("%s: %g became %g", name, exact, value_at(&back, i));
+        if (fabs(value_at(&back, i) - exact) > relative * greatest)
+            fail_msg("%s: %g became %g", name, exact, value_at(&back, i));
     }
     fnl_image_free(&host, &back);
     assert_int_equal(watch.live, 0);
@@ -395,6 +408,13 @@ static void test_what_is_saved_is_read_again(void **state) {
                 if (is_float) round_trip("a.hdr", &image, 0.5 / 127);
                 free(image.pixels);
             }
+}
+
+static void test_hdr_splits_long_runs(void **state) {
+    UNUSED(state);
+    static float values[300 * 2 * 4];
+    for (uint32_t i = 0; i < COUNT_OF(values); i++) values[i] = i / 4 % 300 < 3 ? (float)(i / 4 % 300 + 1) : 1;
+    round_trip("a.hdr", &(fnl_image){300, 2, FNL_PIXEL_FORMAT_RGBA32F, values}, 0);
 }
 
 static void test_exr_keeps_what_is_not_finite(void **state) {
@@ -450,7 +470,8 @@ static void test_exr_planes(void **state) {
     assert_int_equal(fnl_image_load(&host, path_of("planes.exr"), &image), FNL_OK);
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
         const float *pixel = (const float *)image.pixels + (size_t)i * 4;
-        assert_true(pixel[0] == values[i * 6 + 1] && pixel[1] == values[i] && pixel[2] == values[i * 6 + 3] && pixel[3] == 1);
+        assert_true(pixel[0] == values[i * 6 + 1] && pixel[1] == values[i] && pixel[2] == values[i * 6 + 3] &&
+                    pixel[3] == 1);
     }
     fnl_image_free(&host, &image);
 
@@ -615,6 +636,7 @@ int main(void) {
         cmocka_unit_test(test_unknown_and_unsupported_contents),
         cmocka_unit_test(test_decoders_run_in_parallel),
         cmocka_unit_test(test_what_is_saved_is_read_again),
+        cmocka_unit_test(test_hdr_splits_long_runs),
         cmocka_unit_test(test_exr_keeps_what_is_not_finite),
         cmocka_unit_test(test_hdr_clamps_what_it_cannot_hold),
         cmocka_unit_test(test_png_says_srgb_and_drops_full_alpha),

@@ -15,8 +15,8 @@
 /* A file of endless tiny scans over a large picture would take hours. Encoders make about ten; each component may be
    refined in at most 13 steps for each of 64 coefficients, but nothing in use comes near this. */
 #define SCANS_MAX 200
-/* Each block of 8x8 samples takes at least one bit in its first scan, and a component may lack the full size on each axis
-   by up to the factor four in one direction. */
+/* Each block of 8x8 samples takes at least one bit in its first scan, and a component may lack the full size on each
+   axis by up to the factor four in one direction. */
 #define PIXELS_PER_BYTE_MAX 2048u
 
 struct decoder {
@@ -99,8 +99,7 @@ static void read_pixels(struct decoder *decoder) {
     if (result != FNL_OK) escape(decoder, result);
     jpeg->out_color_space = cmyk ? JCS_CMYK : JCS_EXT_RGBA;
     jpeg_start_decompress(jpeg);
-    if (cmyk)
-        decoder->cmyk_row = jpeg->mem->alloc_sarray((j_common_ptr)jpeg, JPOOL_IMAGE, jpeg->output_width * 4, 1);
+    if (cmyk) decoder->cmyk_row = jpeg->mem->alloc_sarray((j_common_ptr)jpeg, JPOOL_IMAGE, jpeg->output_width * 4, 1);
     size_t stride = (size_t)jpeg->output_width * 4;
     while (jpeg->output_scanline < jpeg->output_height) {
         uint8_t *row = (uint8_t *)decoder->image.pixels + jpeg->output_scanline * stride;

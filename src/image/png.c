@@ -4,7 +4,7 @@
 
 #include <spng.h>
 
-/* No compressed byte gives more than this many (RFC 1951: 258 bytes from two bits), with room for the rounding of rows. */
+/* No compressed byte gives more than this (RFC 1951: 258 bytes from two bits), with room for the rounding of rows. */
 #define DEFLATE_RATIO_MAX 1040u
 /* Limit of one ancillary chunk (text, colour profile) and of all of them together, decompressed. */
 #define CHUNK_BYTES_MAX (64u << 20)
@@ -73,12 +73,13 @@ fnl_result image_png_decode(const struct image_source *source, bool force_rgba8,
     TRY(open_png(source, &png, &header));
     bool wide = header.bit_depth == 16;
     fnl_image image = {0};
-    fnl_result result = image_allocate(source, header.width, header.height,
-                                       wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8, held_pixels(source, &header),
-                                       &image);
+    fnl_result result =
+        image_allocate(source, header.width, header.height, wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8,
+                       held_pixels(source, &header), &image);
     if (result == FNL_OK) {
         size_t size = (size_t)image.width * image.height * fnl_pixel_size(image.format);
-        int error = spng_decode_image(png, image.pixels, size, wide ? SPNG_FMT_RGBA16 : SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
+        int error =
+            spng_decode_image(png, image.pixels, size, wide ? SPNG_FMT_RGBA16 : SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
         /* Read on to the end mark: without it the file has been cut off. */
         if (!error) error = spng_decode_chunks(png);
         if (error) result = fail(source, error);

@@ -23,7 +23,8 @@ static fnl_result fail(const struct image_source *source, VP8StatusCode status) 
 static fnl_result read_features(const struct image_source *source, WebPBitstreamFeatures *features) {
     VP8StatusCode status = WebPGetFeatures(source->bytes, source->size, features);
     if (status != VP8_STATUS_OK) return fail(source, status);
-    if (features->has_animation) return image_fail(source, FNL_ERROR_UNSUPPORTED, "is an animated WebP, not a still picture");
+    if (features->has_animation)
+        return image_fail(source, FNL_ERROR_UNSUPPORTED, "is an animated WebP, not a still picture");
     return image_check_size(source, (uint64_t)features->width, (uint64_t)features->height);
 }
 
@@ -36,12 +37,9 @@ fnl_result image_webp_peek(const struct image_source *source, struct image_file_
 
 fnl_result image_webp_decode(const struct image_source *source, fnl_image *out) {
     WebPDecoderConfig config;
-    if (!WebPInitDecoderConfig(&config)) return image_fail(source, FNL_ERROR_UNSUPPORTED, "libwebp's version does not fit");
+    if (!WebPInitDecoderConfig(&config))
+        return image_fail(source, FNL_ERROR_UNSUPPORTED, "libwebp's version does not fit");
     TRY(read_features(source, &config.input));
-    /* The container's length, after "RIFF"; the decoder itself would pass over a lost end. */
-    const unsigned char *b = source->bytes;
-    uint64_t length = 8 + ((uint64_t)b[4] | (uint64_t)b[5] << 8 | (uint64_t)b[6] << 16 | (uint64_t)b[7] << 24);
-    if (length > source->size) return fail(source, VP8_STATUS_NOT_ENOUGH_DATA);
     fnl_image image;
     /* A lossless file of one colour has a few bytes for any size: nothing to judge by. */
     TRY(image_allocate(source, (uint32_t)config.input.width, (uint32_t)config.input.height, FNL_PIXEL_FORMAT_RGBA8,

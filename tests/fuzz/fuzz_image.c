@@ -15,7 +15,8 @@ static void drop_line(void *user, fnl_log_level level, const char *line) {
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     fnl_host host = host_resolve(&(fnl_host){.log = drop_line});
     struct image_file_info info;
-    if (image_peek(&host, bytes, size, "input", &info) != FNL_OK || (uint64_t)info.width * info.height > PIXELS_MAX) return 0;
+    if (image_peek(&host, bytes, size, "input", &info) != FNL_OK || (uint64_t)info.width * info.height > PIXELS_MAX)
+        return 0;
     fnl_image image;
     if (image_decode(&host, bytes, size, "input", size % 2, &image) != FNL_OK) {
         if (image.pixels) abort();
