@@ -7,6 +7,7 @@
 #define SEED {"seed", 0, UINT32_MAX, 1}
 
 static const struct builtin_scene scenes[] = {
+    {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
     {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},
@@ -136,6 +137,18 @@ void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, 
     light.outer_cone_angle = angle;
     light.inner_cone_angle = 0.6f * angle;
     add_light(b, &light);
+}
+
+void builtin_fill(struct builtin *b, uint64_t count, vec3 low, vec3 high, float overlap, float range) {
+    if (!count) return;
+    vec3 size = vec3_sub(high, low);
+    range = fminf(range, cbrtf(overlap * size.x * size.y * size.z * 3 / (4 * PI * (float)count)));
+    for (uint64_t i = 0; i < count; i++) {
+        float x = random_range(&b->random, low.x, high.x), y = random_range(&b->random, low.y, high.y);
+        vec3 p = {x, y, random_range(&b->random, low.z, high.z)};
+        vec3 color = vec3_lerp(LIGHT_WARM, builtin_hue(random_float(&b->random), 0.7f), random_float(&b->random) * 0.6f);
+        builtin_point(b, p, color, 1.2f * range * range, range);
+    }
 }
 
 void builtin_camera(struct builtin *b, const char *name, vec3 position, vec3 target, float fov) {

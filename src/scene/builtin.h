@@ -75,6 +75,7 @@ const struct builtin_scene *builtin_scene_at(uint32_t index);
 
 /* ---- the scenes ---- */
 
+void builtin_make_hall(struct builtin *b, const uint64_t *values);
 void builtin_make_spheres(struct builtin *b, const uint64_t *values);
 void builtin_make_pole(struct builtin *b, const uint64_t *values);
 void builtin_make_lamps(struct builtin *b, const uint64_t *values);
@@ -116,6 +117,12 @@ void builtin_flush(struct builtin *b);
 void builtin_point(struct builtin *b, vec3 position, vec3 color, float intensity, float range);
 /** `angle`: half angle of the cone in radians; full intensity within 60% of it. */
 void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, float intensity, float range, float angle);
+
+/**
+ * `count` small random point lights in a box, tinted by LIGHT_WARM and hues, whose range lets about `overlap` of them reach a
+ * point of the box, but is at most `range`; their intensity follows from it.
+ */
+void builtin_fill(struct builtin *b, uint64_t count, vec3 low, vec3 high, float overlap, float range);
 
 /** A perspective camera; `fov`: vertical, radians. */
 void builtin_camera(struct builtin *b, const char *name, vec3 position, vec3 target, float fov);

@@ -79,17 +79,17 @@ void builtin_make_pole(struct builtin *b, const uint64_t *values) {
        range holds them though they light nothing there. */
     for (uint64_t i = 0; i < values[0]; i++) {
         vec3 low = {-1, 0.2f, -5}, high = {1.4f, 3.5f, -3};
-        float range = 1.2f, intensity = 1.5f;
+        float range = 1.2f, intensity = 6;
         if (i % 3 == 1) {
             low = vec3_make(-50, 0.5f, -59);
             high = vec3_make(50, 26, -56);
             range = 7;
-            intensity = 60;
+            intensity = 400;
         } else if (i % 3 == 2) {
             low = vec3_make(-6, 4, -50);
             high = vec3_make(6, 9, -10);
             range = 3.5f;
-            intensity = 20;
+            intensity = 90;
         }
         vec3 p = random_in_box(b, low, high);
         builtin_point(b, p, random_hue(b, 0.6f), intensity, range);
@@ -116,7 +116,7 @@ void builtin_make_lamps(struct builtin *b, const uint64_t *values) {
     for (uint64_t i = 0; i < count; i++) {
         float z = -3 - spacing * (float)i;
         builtin_place(b, lamp, builtin_at(0, 2.2f, z, 0, 1));
-        builtin_point(b, vec3_make(0, 2.2f, z), LIGHT_WARM, 30, 8);
+        builtin_point(b, vec3_make(0, 2.2f, z), LIGHT_WARM, 160, 9);
     }
     b->scene->ambient_sky = vec3_make(0.15f, 0.2f, 0.35f);
     b->scene->background = vec3_make(0.02f, 0.03f, 0.06f);
@@ -144,7 +144,7 @@ void builtin_make_grass(struct builtin *b, const uint64_t *values) {
     }
     for (uint64_t i = 0; i < values[0]; i++) { /* fireflies and lanterns */
         vec3 p = random_in_box(b, vec3_make(-20, 0.3f, -42), vec3_make(20, 1.8f, 2));
-        builtin_point(b, p, vec3_lerp(LIGHT_WARM, random_hue(b, 0.8f), 0.4f), 6, random_range(&b->random, 1.5f, 4));
+        builtin_point(b, p, vec3_lerp(LIGHT_WARM, random_hue(b, 0.8f), 0.4f), 30, random_range(&b->random, 1.5f, 4));
     }
     b->scene->ambient_sky = vec3_make(0.5f, 0.6f, 0.9f);
     b->scene->background = vec3_make(0.06f, 0.08f, 0.16f);
@@ -180,7 +180,7 @@ void builtin_make_nearplane(struct builtin *b, const uint64_t *values) {
         builtin_place(b, ball, builtin_at(1.5f * (float)i, -0.6f, -4 + 0.7f * (float)(i & 1), 0, 1));
     for (uint64_t i = 0; i < values[0]; i++) {
         vec3 color = random_hue(b, 0.5f), p;
-        float range = random_range(&b->random, 0.5f, 3), share = 12.0f / sqrtf((float)values[0] + 16);
+        float range = random_range(&b->random, 0.5f, 3), share = 60.0f / sqrtf((float)values[0] + 16);
         float tile_x = 16 * floorf(random_range(&b->random, 0, 81)), tile_y = 16 * floorf(random_range(&b->random, 0, 46));
         float depth = random_range(&b->random, 1, 8.5f);
         switch (i % 4) {
@@ -248,7 +248,7 @@ void builtin_make_glass(struct builtin *b, const uint64_t *values) {
         if (i % 4 == 2) low = vec3_make(-3, 0.3f, -9.5f), high = vec3_make(3, 2.6f, -2.6f);
         if (i % 4 == 3) low = vec3_make(-4, 0.3f, -2.4f), high = vec3_make(4, 3, 0);
         vec3 p = random_in_box(b, low, high);
-        builtin_point(b, p, random_hue(b, 0.5f), 3, random_range(&b->random, 1, 2.5f));
+        builtin_point(b, p, random_hue(b, 0.5f), 12, random_range(&b->random, 1, 2.5f));
     }
     b->scene->ambient_sky = b->scene->ambient_ground = vec3_make(0.5f, 0.5f, 0.55f);
     b->scene->background = vec3_make(0.1f, 0.12f, 0.2f);

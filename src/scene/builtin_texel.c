@@ -10,12 +10,15 @@ static uint32_t mix_bits(uint32_t x) {
     return x ^ (x >> 16);
 }
 
-float noise_hash(int x, int y, uint32_t seed) {
-    uint32_t h = mix_bits((uint32_t)x * 0x9e3779b9u + mix_bits((uint32_t)y * 0x85ebca6bu + mix_bits(seed + 0x68bc21ebu)));
-    return (float)(h >> 8) * 0x1p-24f;
+static uint32_t lattice_bits(int x, int y, uint32_t seed) {
+    return mix_bits((uint32_t)x * 0x9e3779b9u + (uint32_t)y * 0x85ebca6bu + (seed + 1) * 0xc2b2ae35u);
 }
 
+float noise_hash(int x, int y, uint32_t seed) { return (float)(lattice_bits(x, y, seed) >> 8) * 0x1p-24f; }
+
+/** Quick when x is in range, as it nearly always is. */
 static int wrap(int x, int period) {
+    if (x >= 0 && x < period) return x;
     int r = x % period;
     return r < 0 ? r + period : r;
 }
@@ -27,7 +30,8 @@ float smooth_step(float low, float high, float x) {
 
 float noise_value(float u, float v, int columns, int rows, uint32_t seed) {
     float x = u * (float)columns, y = v * (float)rows, fx = floorf(x), fy = floorf(y);
-    int x0 = wrap((int)fx, columns), y0 = wrap((int)fy, rows), x1 = wrap(x0 + 1, columns), y1 = wrap(y0 + 1, rows);
+    int x0 = wrap((int)fx, columns), y0 = wrap((int)fy, rows);
+    int x1 = x0 + 1 == columns ? 0 : x0 + 1, y1 = y0 + 1 == rows ? 0 : y0 + 1;
     float s = x - fx, t = y - fy;
     s = s * s * (3 - 2 * s);
     t = t * t * (3 - 2 * t);
@@ -46,23 +50,24 @@ float noise_fractal(float u, float v, int columns, int rows, int octaves, uint32
 }
 
 struct noise_cell noise_cells(float u, float v, int columns, int rows, uint32_t seed) {
-    float x = u * (float)columns, y = v * (float)rows;
-    int cx = (int)floorf(x), cy = (int)floorf(y);
-    struct noise_cell cell = {9, 9, 0};
+    float x = u * (float)columns, y = v * (float)rows, first = 9, second = 9;
+    int cx = (int)floorf(x), cy = (int)floorf(y), nearest_x = 0, nearest_y = 0;
     for (int j = cy - 1; j <= cy + 1; j++)
         for (int i = cx - 1; i <= cx + 1; i++) {
             int wx = wrap(i, columns), wy = wrap(j, rows);
-            float dx = (float)i + noise_hash(wx, wy, seed) - x, dy = (float)j + noise_hash(wx, wy, seed + 1) - y;
-            float d = sqrtf(dx * dx + dy * dy);
-            if (d < cell.first) {
-                cell.second = cell.first;
-                cell.first = d;
-                cell.id = noise_hash(wx, wy, seed + 2);
+            uint32_t bits = lattice_bits(wx, wy, seed);
+            float dx = (float)i + (float)(bits & 0xffff) * 0x1p-16f - x, dy = (float)j + (float)(bits >> 16) * 0x1p-16f - y;
+            float d = dx * dx + dy * dy;
+            if (d < first) {
+                second = first;
+                first = d;
+                nearest_x = wx;
+                nearest_y = wy;
             } else {
-                cell.second = fminf(cell.second, d);
+                second = fminf(second, d);
             }
         }
-    return cell;
+    return (struct noise_cell){sqrtf(first), sqrtf(second), noise_hash(nearest_x, nearest_y, seed + 1)};
 }
 
 /* ---- masonry: rows of blocks with joints ---- */
