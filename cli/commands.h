@@ -4,5 +4,6 @@
 #define FNL_CLI_COMMANDS_H
 
 int command_compare(int argc, char **argv);
+int command_info(int argc, char **argv);
 
 #endif

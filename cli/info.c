@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+/* fanal info: what a scene consists of. */
+#include "commands.h"
+
+#include "fanal/scene.h"
+
+#include <getopt.h>
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXIT_GOOD = 0, EXIT_ERROR = 2 };
+
+static const char *const light_kinds[] = {"directional", "point", "spot"};
+
+static void print_help(void) {
+    puts("Usage: fanal info [OPTIONS] SCENE\n"
+         "\n"
+         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the extensions it uses and how\n"
+         "each is treated, and what is wrong with it. SCENE is a .gltf or .glb file or builtin:NAME?key=value&...\n"
+         "\n"
+         "  --json            prints JSON\n"
+         "  -h, --help        prints this text\n"
+         "\n"
+         "Exit status: 0 when the scene was loaded (with or without warnings), 2 on an error.\n"
+         "\n"
+         "Examples:\n"
+         "  fanal info helmet.glb\n"
+         "  fanal info builtin:city?lights=4096 --json");
+}
+
+/** Warnings are listed by the command itself; only errors go out while loading. */
+static void log_errors(void *user, fnl_log_level level, const char *line) {
+    (void)user;
+    if (level == FNL_LOG_ERROR) fprintf(stderr, "fanal: error: %s\n", line);
+}
+
+/* ---- text ---- */
+
+/** Digits in groups of three. */
+static const char *grouped(uint64_t value, char out[32]) {
+    char digits[24];
+    int length = snprintf(digits, sizeof digits, "%" PRIu64, value), used = 0;
+    for (int i = 0; i < length; i++) {
+        if (i > 0 && (length - i) % 3 == 0) out[used++] = ' ';
+        out[used++] = digits[i];
+    }
+    out[used] = 0;
+    return out;
+}
+
+static void print_count(const char *name, uint64_t value, const char *note) {
+    char text[32];
+    printf("  %-12s %12s%s%s\n", name, grouped(value, text), *note ? "  " : "", note);
+}
+
+static void print_counts(const fnl_scene_info *info) {
+    char note[128], number[32];
+    snprintf(note, sizeof note, "(%s in the meshes, each counted once)", grouped(info->unique_triangle_count, number));
+    print_count("triangles", info->triangle_count, note);
+    print_count("vertices", info->unique_vertex_count, "");
+    print_count("instances", info->instance_count, "");
+    print_count("nodes", info->node_count, "");
+    snprintf(note, sizeof note, "(%u primitives)", info->primitive_count);
+    print_count("meshes", info->mesh_count, note);
+    print_count("materials", info->material_count, "");
+    print_count("images", info->image_count, "");
+    snprintf(note, sizeof note, "(%u directional, %u point, %u spot)", info->directional_count, info->point_count, info->spot_count);
+    print_count("lights", info->light_count, info->light_count ? note : "");
+    print_count("cameras", info->camera_count, "");
+    print_count("animations", info->animation_count, "");
+    print_count("skins", info->skin_count, "");
+    fnl_vec3 low = info->bounds_low, high = info->bounds_high;
+    if (low.x > high.x) {
+        puts("  extent       nothing is shown");
+        return;
+    }
+    printf("  %-12s %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n", "extent", (double)(high.x - low.x),
+           (double)(high.y - low.y), (double)(high.z - low.z), (double)low.x, (double)low.y, (double)low.z, (double)high.x,
+           (double)high.y, (double)high.z);
+}
+
+/** Long lists are cut in the text, not in the JSON. */
+#define LIST_MAX 40u
+
+static void print_rest(uint32_t count) {
+    if (count > LIST_MAX) printf("  and %u more (--json lists all)\n", count - LIST_MAX);
+}
+
+static int column_width(const fnl_scene *scene, uint32_t count) {
+    int width = 0;
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_image_info image;
+        fnl_scene_query_image(scene, i, &image);
+        int length = (int)strlen(image.name);
+        if (length > width) width = length;
+    }
+    return width;
+}
+
+static void print_images(const fnl_scene *scene, uint32_t count) {
+    if (count) puts("\nImages");
+    int width = column_width(scene, count);
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_image_info image;
+        fnl_scene_query_image(scene, i, &image);
+        printf("  %-*s  %-9s  %5u x %u\n", width, image.name, image.file_kind, image.width, image.height);
+    }
+    print_rest(count);
+}
+
+static void print_lights(const fnl_scene *scene, uint32_t count) {
+    if (count) puts("\nLights");
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_light_params light;
+        fnl_scene_query_light(scene, i, &light);
+        bool directional = light.kind == FNL_LIGHT_DIRECTIONAL;
+        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", light_kinds[light.kind], (double)light.intensity,
+               directional ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
+        if (!directional) {
+            printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
+            if (isinf(light.range)) printf("  range derived");
+            else printf("  range %.4g m", (double)light.range);
+        }
+        if (light.kind == FNL_LIGHT_SPOT)
+            printf("  cone %.1f to %.1f degrees", (double)light.inner_cone_angle * 180 / 3.14159265358979,
+                   (double)light.outer_cone_angle * 180 / 3.14159265358979);
+        putchar('\n');
+    }
+    print_rest(count);
+}
+
+static void print_cameras(const fnl_scene *scene, uint32_t count) {
+    if (count) puts("\nCameras");
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_camera camera;
+        fnl_scene_query_camera(scene, i, &camera);
+        printf("  %3u  %-24s  ", i, fnl_scene_camera_name(scene, i));
+        if (camera.orthographic) printf("orthographic, %.4g m high", (double)camera.vertical_extent);
+        else printf("perspective, %.1f degrees", (double)camera.vertical_fov * 180 / 3.14159265358979);
+        printf("  at %8.3f %8.3f %8.3f\n", (double)camera.position.x, (double)camera.position.y, (double)camera.position.z);
+    }
+    print_rest(count);
+}
+
+static void print_animations(const fnl_scene *scene, uint32_t count) {
+    if (count) puts("\nAnimations");
+    for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
+        fnl_animation_info animation;
+        fnl_scene_query_animation(scene, i, &animation);
+        printf("  %3u  %-24s  %8.3f s  %5u channels\n", i, animation.name, animation.duration, animation.channel_count);
+    }
+    print_rest(count);
+}
+
+static void print_text(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
+    puts(source);
+    print_counts(info);
+    print_images(scene, info->image_count);
+    print_lights(scene, info->light_count);
+    print_cameras(scene, info->camera_count);
+    print_animations(scene, info->animation_count);
+    if (info->extension_count) puts("\nExtensions");
+    for (uint32_t i = 0; i < info->extension_count; i++) {
+        fnl_extension_info extension;
+        fnl_scene_query_extension(scene, i, &extension);
+        printf("  %-36s  %-8s  %s\n", extension.name, extension.required ? "required" : "used", extension.treatment);
+    }
+    if (info->message_count) puts("\nWarnings");
+    for (uint32_t i = 0; i < info->message_count; i++) printf("  %s\n", fnl_scene_message(scene, i));
+}
+
+/* ---- JSON ---- */
+
+static json_t *json_vec3(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
+
+static json_t *json_count(uint64_t value) { return json_integer((json_int_t)value); }
+
+static json_t *json_counts(const fnl_scene_info *info) {
+    json_t *object = json_object();
+    json_object_set_new(object, "triangles", json_count(info->triangle_count));
+    json_object_set_new(object, "unique_triangles", json_count(info->unique_triangle_count));
+    json_object_set_new(object, "unique_vertices", json_count(info->unique_vertex_count));
+    json_object_set_new(object, "instances", json_count(info->instance_count));
+    json_object_set_new(object, "nodes", json_count(info->node_count));
+    json_object_set_new(object, "meshes", json_count(info->mesh_count));
+    json_object_set_new(object, "primitives", json_count(info->primitive_count));
+    json_object_set_new(object, "materials", json_count(info->material_count));
+    json_object_set_new(object, "images", json_count(info->image_count));
+    json_object_set_new(object, "lights", json_count(info->light_count));
+    json_object_set_new(object, "cameras", json_count(info->camera_count));
+    json_object_set_new(object, "animations", json_count(info->animation_count));
+    json_object_set_new(object, "skins", json_count(info->skin_count));
+    return object;
+}
+
+static json_t *json_light(const fnl_light_params *light) {
+    json_t *object = json_pack("{s:s,s:f,s:[f,f,f]}", "kind", light_kinds[light->kind], "intensity", (double)light->intensity, "color",
+                               (double)light->color[0], (double)light->color[1], (double)light->color[2]);
+    if (light->kind != FNL_LIGHT_DIRECTIONAL) {
+        json_object_set_new(object, "position", json_vec3(light->position));
+        json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
+    }
+    if (light->kind != FNL_LIGHT_POINT) json_object_set_new(object, "direction", json_vec3(light->direction));
+    if (light->kind == FNL_LIGHT_SPOT) {
+        json_object_set_new(object, "inner_cone_angle", json_real((double)light->inner_cone_angle));
+        json_object_set_new(object, "outer_cone_angle", json_real((double)light->outer_cone_angle));
+    }
+    return object;
+}
+
+static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
+    fnl_camera camera;
+    fnl_scene_query_camera(scene, index, &camera);
+    json_t *object = json_object();
+    json_object_set_new(object, "name", json_string(fnl_scene_camera_name(scene, index)));
+    json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
+    json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
+                        json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));
+    json_object_set_new(object, "position", json_vec3(camera.position));
+    json_object_set_new(object, "target", json_vec3(camera.target));
+    return object;
+}
+
+static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
+    json_t *root = json_object(), *images = json_array(), *lights = json_array(), *cameras = json_array(), *animations = json_array(),
+           *extensions = json_array(), *warnings = json_array();
+    for (uint32_t i = 0; i < info->image_count; i++) {
+        fnl_image_info image;
+        fnl_scene_query_image(scene, i, &image);
+        json_array_append_new(images, json_pack("{s:s,s:s,s:I,s:I}", "name", image.name, "kind", image.file_kind, "width",
+                                                (json_int_t)image.width, "height", (json_int_t)image.height));
+    }
+    for (uint32_t i = 0; i < info->light_count; i++) {
+        fnl_light_params light;
+        fnl_scene_query_light(scene, i, &light);
+        json_array_append_new(lights, json_light(&light));
+    }
+    for (uint32_t i = 0; i < info->camera_count; i++) json_array_append_new(cameras, json_camera(scene, i));
+    for (uint32_t i = 0; i < info->animation_count; i++) {
+        fnl_animation_info animation;
+        fnl_scene_query_animation(scene, i, &animation);
+        json_array_append_new(animations, json_pack("{s:s,s:f,s:I}", "name", animation.name, "duration", animation.duration, "channels",
+                                                    (json_int_t)animation.channel_count));
+    }
+    for (uint32_t i = 0; i < info->extension_count; i++) {
+        fnl_extension_info extension;
+        fnl_scene_query_extension(scene, i, &extension);
+        json_array_append_new(extensions, json_pack("{s:s,s:b,s:s}", "name", extension.name, "required", extension.required, "treatment",
+                                                    extension.treatment));
+    }
+    for (uint32_t i = 0; i < info->message_count; i++) json_array_append_new(warnings, json_string(fnl_scene_message(scene, i)));
+    bool empty = info->bounds_low.x > info->bounds_high.x;
+    json_object_set_new(root, "source", json_string(source));
+    json_object_set_new(root, "counts", json_counts(info));
+    json_object_set_new(root, "extent", empty ? json_null() : json_pack("{s:o,s:o}", "low", json_vec3(info->bounds_low), "high", json_vec3(info->bounds_high)));
+    json_object_set_new(root, "images", images);
+    json_object_set_new(root, "lights", lights);
+    json_object_set_new(root, "cameras", cameras);
+    json_object_set_new(root, "animations", animations);
+    json_object_set_new(root, "extensions", extensions);
+    json_object_set_new(root, "warnings", warnings);
+    return root;
+}
+
+static int print_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
+    json_t *root = make_json(scene, source, info);
+    int failed = json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(root);
+    if (failed) fprintf(stderr, "fanal: error: the JSON could not be written\n");
+    return failed ? EXIT_ERROR : EXIT_GOOD;
+}
+
+int command_info(int argc, char **argv) {
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    bool json = false;
+    optind = 0; /* a full restart: several commands may run in one process */
+    for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+        switch (option) {
+        case 'j': json = true; break;
+        case 'h': print_help(); return EXIT_GOOD;
+        default: fputs("fanal: see 'fanal info --help'\n", stderr); return EXIT_ERROR;
+        }
+    }
+    if (argc - optind != 1) {
+        fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal info --help'\n", argc - optind);
+        return EXIT_ERROR;
+    }
+    const char *source = argv[optind];
+    fnl_host host = fnl_host_default();
+    host.log = log_errors;
+    fnl_scene *scene = NULL;
+    fnl_scene_info info;
+    int status = EXIT_ERROR;
+    if (fnl_scene_load(&host, source, &scene) == FNL_OK && fnl_scene_query_info(scene, &info) == FNL_OK) {
+        status = EXIT_GOOD;
+        if (json) status = print_json(scene, source, &info);
+        else print_text(scene, source, &info);
+    }
+    fnl_scene_destroy(&scene);
+    return status;
+}
