@@ -72,9 +72,7 @@ static VkImageLayout layout_of(enum use_layout layout, VkFormat format) {
     return VK_IMAGE_LAYOUT_UNDEFINED;
 }
 
-bool graph_is_depth_format(VkFormat format) {
-    return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT_S8_UINT;
-}
+bool graph_is_depth_format(VkFormat format) { return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT; }
 
 /* ---- errors and handles ---- */
 

@@ -249,13 +249,16 @@ static void add_barriers(struct graph *graph, struct graph_step *step, struct gr
     bool transition = resource->is_image && state->layout != use->layout;
 
     if (transition && step->queue == GPU_QUEUE_COMPUTE && is_attachment_layout(state->layout)) {
-        /* A compute queue may not know how to leave an attachment's layout: the graphics queue does it at its batch's end. */
+        /* A compute queue may not know how to leave an attachment's layout: the graphics queue does, at its batch's end. */
         struct graph_barriers *after = &graph->plan.batches[state->write_batch].after;
-        VkPipelineStageFlags2 from = state->write_stages ? state->write_stages : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+        /* Later reads of the graphics queue need nothing more. */
+        const VkPipelineStageFlags2 all = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
         add_image(graph, after,
-                  &(struct graph_barrier){NULL, use->resource, from, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                          state->write_access, 0, from_layout, use->layout});
-        state->write_stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+                  &(struct graph_barrier){NULL, use->resource, state->write_stages ? state->write_stages : all, all,
+                                          state->write_access, VK_ACCESS_2_MEMORY_READ_BIT, from_layout, use->layout});
+        state->visible_stages = ~0ull;
+        state->visible_access = ~WRITE_ACCESS;
+        state->write_stages = all;
         state->write_access = 0;
         state->layout = use->layout;
         transition = false;
@@ -284,7 +287,7 @@ static void add_barriers(struct graph *graph, struct graph_step *step, struct gr
         from_stages |= former_stages;
         from_access |= former_access;
         /* An image barrier flushes the new image only; the former tenant's writes need a global one. */
-        if (resource->is_image && former_stages)
+        if (resource->is_image && former_access)
             add_memory(graph, &step->before, use->resource, former_stages, former_access, to_stages, to_access);
     }
 

@@ -17,7 +17,7 @@ struct recorder {
     struct segment *segments;
     struct gpu_commands **commands; /* by segment */
     uint32_t segment_count;
-    bool timers, one_queue;
+    bool timers;
 };
 
 /** What graph_get_image and graph_get_buffer find behind the context that a pass was given. */
@@ -143,10 +143,8 @@ static void record_chunk(void *context, uint32_t chunk) {
         const struct segment *segment = &recorder->segments[i];
         if (segment->chunk != chunk) continue;
         const struct graph_batch *batch = &plan->batches[segment->batch];
-        struct gpu_commands *commands =
-            gpu_commands_begin(recorder->graph->device, recorder->one_queue ? GPU_QUEUE_GRAPHICS : batch->queue, chunk);
+        struct gpu_commands *commands = gpu_commands_begin(recorder->graph->device, batch->queue, chunk);
         recorder->commands[i] = commands;
-        if (!commands) continue;
         if (segment->batch == 0 && segment->starts_batch)
             gpu_barrier(commands, NULL, 0, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                         VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
@@ -192,7 +190,7 @@ static fnl_result submit(const struct recorder *recorder, const struct gpu_exter
     if (!batches) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0, segment = 0; i < plan->batch_count; i++) {
         const struct graph_batch *batch = &plan->batches[i];
-        batches[i] = (struct gpu_batch){.queue = recorder->one_queue ? GPU_QUEUE_GRAPHICS : batch->queue,
+        batches[i] = (struct gpu_batch){.queue = batch->queue,
                                         .commands = &recorder->commands[segment],
                                         .wait_batch = batch->wait == GRAPH_NONE ? GPU_NO_INDEX : batch->wait};
         while (segment < recorder->segment_count && recorder->segments[segment].batch == i)
@@ -235,7 +233,7 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     struct jobs *jobs = gpu_jobs(graph->device);
     uint32_t threads = params->record_threads ? params->record_threads : jobs_thread_count(jobs);
     uint32_t chunks = CLAMP(threads, 1u, MAX(1u, MIN((uint32_t)GPU_MAX_CHUNKS, graph->plan.step_count)));
-    struct recorder recorder = {.graph = graph, .timers = params->timers, .one_queue = params->force_async_on_graphics};
+    struct recorder recorder = {.graph = graph, .timers = params->timers};
     if (!make_segments(&recorder, chunks) || !name_timers(graph, params->timers))
         return give_up(graph, params->external, FNL_ERROR_MEMORY);
     jobs_parallel_for(jobs, chunks, record_chunk, &recorder);

@@ -1,0 +1,761 @@
+/* SPDX-License-Identifier: MIT */
+/** Plans as text, misuse, and the cost of compiling, on the null back end. */
+#include "graph/graph.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+/* ---- a host that keeps the log and counts allocations ---- */
+
+static char logged[8192];
+static uint64_t allocation_count;
+
+static void keep_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    UNUSED(level);
+    size_t length = strlen(logged);
+    snprintf(logged + length, sizeof logged - length, "%s\n", line);
+}
+
+static void *count_allocations(void *user, void *old, size_t old_size, size_t new_size) {
+    UNUSED(user);
+    UNUSED(old_size);
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    allocation_count++;
+    return realloc(old, new_size);
+}
+
+static struct graph *make_graph(void) {
+    fnl_host host = {.log = keep_log, .reallocate = count_allocations};
+    struct graph *graph;
+    assert_int_equal(graph_create(&host, NULL, &graph), FNL_OK);
+    logged[0] = 0;
+    graph_begin(graph);
+    return graph;
+}
+
+static void expect_plan(struct graph *graph, const char *expected) {
+    static char text[16384], again[16384];
+    fnl_result result = graph_compile(graph);
+    if (result != FNL_OK) fail_msg("not compiled: %s", logged);
+    size_t length = graph_print(graph, text, sizeof text);
+    assert_true(length < sizeof text && length == strlen(text));
+    if (strcmp(text, expected) != 0) {
+        print_error("the plan is\n");
+        for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) print_error("%s\n", line);
+        fail_msg("it differs from the expected one");
+    }
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    graph_print(graph, again, sizeof again);
+    assert_string_equal(text, again);
+    char cut[10];
+    assert_int_equal(graph_print(graph, cut, sizeof cut), length);
+    assert_memory_equal(cut, text, sizeof cut - 1);
+    assert_int_equal(cut[9], 0);
+    graph_destroy(&graph);
+    assert_null(graph);
+}
+
+static graph_image color_image(struct graph *graph, const char *name, uint32_t width) {
+    return graph_create_image(
+        graph, &(struct graph_image_params){.name = name, .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width, .height = 64});
+}
+
+static graph_image depth_image(struct graph *graph, const char *name, uint32_t samples) {
+    return graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = name, .format = VK_FORMAT_D32_SFLOAT, .width = 64, .height = 64, .samples = samples});
+}
+
+static struct graph_pass *pass_of(struct graph *graph, const char *name) {
+    return graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+}
+
+static struct graph_pass *async_pass_of(struct graph *graph, const char *name) {
+    return graph_add_pass(graph, name, GRAPH_QUEUE_ASYNC, NULL, NULL, 0);
+}
+
+static struct gpu_image output_image = {.params = {.name = "output",
+                                                   .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                                   .width = 64,
+                                                   .height = 64,
+                                                   .layers = 1,
+                                                   .mips = 1,
+                                                   .samples = 1}};
+static struct gpu_buffer readback_buffer = {.size = 1024}, lights_buffer = {.size = 4096};
+
+static graph_image import_output(struct graph *graph) {
+    return graph_import_image(graph, &output_image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+}
+
+/* ---- plans ---- */
+
+#define FRAME_BARRIER "  barrier frame (ALL_COMMANDS/MEMORY_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+
+static void test_chain(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_image hdr = color_image(graph, "hdr", 64), depth = depth_image(graph, "depth", 1), output = import_output(graph);
+    struct graph_pass *draw = pass_of(graph, "draw");
+    graph_color(draw, hdr, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_depth(draw, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    struct graph_pass *tonemap = pass_of(graph, "tonemap");
+    graph_use_image(tonemap, hdr, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(tonemap, output, GRAPH_WRITE_COMPUTE);
+    expect_plan(graph, "2 passes, 0 culled, 6 barriers, 1 batches, 32768 bytes (32768 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'draw' graphics:\n"
+                       "    barrier hdr UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    barrier depth UNDEFINED->DEPTH_ATTACHMENT_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/NONE -> "
+                       "EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_READ|DEPTH_ATTACHMENT_WRITE)\n"
+                       "    writes hdr in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "    writes depth in DEPTH_ATTACHMENT_OPTIMAL\n"
+                       "  pass 1 'tonemap' graphics:\n"
+                       "    barrier hdr COLOR_ATTACHMENT_OPTIMAL->SHADER_READ_ONLY_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier output UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads hdr in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes output in GENERAL\n"
+                       "  at the end: barrier output GENERAL->TRANSFER_SRC_OPTIMAL "
+                       "(COMPUTE_SHADER/SHADER_STORAGE_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 32768 bytes\n"
+                       "  at 0, 16384 bytes, passes 0 to 1: hdr\n"
+                       "  at 16384, 16384 bytes, passes 0 to 0: depth\n");
+}
+
+static void test_diamond_merges_reads(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_image a = color_image(graph, "a", 64), b = color_image(graph, "b", 64), c = color_image(graph, "c", 64),
+                output = import_output(graph);
+    graph_use_image(pass_of(graph, "make a"), a, GRAPH_WRITE_COMPUTE);
+    struct graph_pass *left = pass_of(graph, "left"), *right = pass_of(graph, "right"), *join = pass_of(graph, "join");
+    graph_use_image(left, a, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(left, b, GRAPH_WRITE_COMPUTE);
+    graph_color(right, c, VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
+    graph_use_image(right, a, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(join, b, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(join, c, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(join, output, GRAPH_WRITE_COMPUTE);
+    expect_plan(graph, "4 passes, 0 culled, 9 barriers, 1 batches, 49152 bytes (49152 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'make a' graphics:\n"
+                       "    barrier a UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    writes a in GENERAL\n"
+                       "  pass 1 'left' graphics:\n"
+                       "    barrier a GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "FRAGMENT_SHADER|COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier b UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads a in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes b in GENERAL\n"
+                       "  pass 2 'right' graphics:\n"
+                       "    barrier c UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    writes c in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "    reads a in SHADER_READ_ONLY_OPTIMAL\n"
+                       "  pass 3 'join' graphics:\n"
+                       "    barrier b GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier c COLOR_ATTACHMENT_OPTIMAL->SHADER_READ_ONLY_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier output UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads b in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    reads c in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes output in GENERAL\n"
+                       "  at the end: barrier output GENERAL->TRANSFER_SRC_OPTIMAL "
+                       "(COMPUTE_SHADER/SHADER_STORAGE_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 49152 bytes\n"
+                       "  at 0, 16384 bytes, passes 0 to 2: a\n"
+                       "  at 16384, 16384 bytes, passes 1 to 3: b\n"
+                       "  at 32768, 16384 bytes, passes 2 to 3: c\n");
+}
+
+static void test_buffers_share_one_barrier_and_reads_hold_back_writes(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_buffer counts = graph_create_buffer(graph, "counts", 256), list = graph_create_buffer(graph, "list", 1000);
+    graph_buffer lights = graph_import_buffer(graph, "lights", &lights_buffer),
+                 readback = graph_import_buffer(graph, "readback", &readback_buffer);
+    struct graph_pass *clear = pass_of(graph, "clear"), *count = pass_of(graph, "count"), *fill = pass_of(graph, "fill");
+    struct graph_pass *again = pass_of(graph, "clear again"), *copy = pass_of(graph, "copy");
+    graph_use_buffer(clear, counts, GRAPH_COPY_TO);
+    graph_use_buffer(count, lights, GRAPH_READ_COMPUTE);
+    graph_use_buffer(count, counts, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(count, list, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(fill, counts, GRAPH_INDIRECT);
+    graph_use_buffer(fill, list, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(again, counts, GRAPH_COPY_TO);
+    graph_use_buffer(copy, counts, GRAPH_COPY_FROM);
+    graph_use_buffer(copy, list, GRAPH_COPY_FROM);
+    graph_use_buffer(copy, readback, GRAPH_COPY_TO);
+    graph_use_buffer(copy, readback, GRAPH_READ_HOST);
+    expect_plan(graph, "5 passes, 0 culled, 6 barriers, 1 batches, 1280 bytes (1280 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'clear' graphics:\n"
+                       "    writes counts\n"
+                       "  pass 1 'count' graphics:\n"
+                       "    barrier memory of counts (ALL_TRANSFER/TRANSFER_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_READ|SHADER_STORAGE_WRITE)\n"
+                       "    reads lights\n"
+                       "    reads, writes counts\n"
+                       "    writes list\n"
+                       "  pass 2 'fill' graphics:\n"
+                       "    barrier memory of counts, list (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "DRAW_INDIRECT|COMPUTE_SHADER/INDIRECT_COMMAND_READ|SHADER_STORAGE_READ|"
+                       "SHADER_STORAGE_WRITE)\n"
+                       "    reads counts\n"
+                       "    reads, writes list\n"
+                       "  pass 3 'clear again' graphics:\n"
+                       "    barrier memory of counts (DRAW_INDIRECT/NONE -> ALL_TRANSFER/TRANSFER_WRITE)\n"
+                       "    writes counts\n"
+                       "  pass 4 'copy' graphics:\n"
+                       "    barrier memory of counts, list "
+                       "(COMPUTE_SHADER|ALL_TRANSFER/SHADER_STORAGE_WRITE|TRANSFER_WRITE -> "
+                       "ALL_TRANSFER/TRANSFER_READ)\n"
+                       "    reads counts\n"
+                       "    reads list\n"
+                       "    writes readback\n"
+                       "  at the end: barrier memory of readback (ALL_TRANSFER/TRANSFER_WRITE -> HOST/HOST_READ)\n"
+                       "memory of buffers, types 0x1: 1280 bytes\n"
+                       "  at 0, 1000 bytes, passes 1 to 4: list\n"
+                       "  at 1024, 256 bytes, passes 0 to 4: counts\n");
+}
+
+static void test_culling(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_image unused = color_image(graph, "unused", 64), feeds = color_image(graph, "feeds", 64),
+                replaced = color_image(graph, "replaced", 64);
+    graph_buffer kept = graph_create_buffer(graph, "kept", 64);
+    graph_image output = import_output(graph);
+    graph_use_image(pass_of(graph, "feeds unused"), feeds, GRAPH_WRITE_COMPUTE);
+    struct graph_pass *dead = pass_of(graph, "unused");
+    graph_use_image(dead, feeds, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(dead, unused, GRAPH_WRITE_COMPUTE);
+    graph_color(pass_of(graph, "overdrawn"), replaced, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_color(pass_of(graph, "clears"), replaced, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_color(pass_of(graph, "adds"), replaced, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
+    struct graph_pass *copy = pass_of(graph, "copy");
+    graph_use_image(copy, replaced, GRAPH_COPY_FROM);
+    graph_use_image(copy, output, GRAPH_COPY_TO);
+    struct graph_pass *probe = pass_of(graph, "probe");
+    graph_use_buffer(probe, kept, GRAPH_WRITE_COMPUTE);
+    graph_keep(probe);
+    expect_plan(graph, "4 passes, 3 culled, 6 barriers, 1 batches, 16448 bytes (16640 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'clears' graphics:\n"
+                       "    barrier replaced UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    writes replaced in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "  pass 1 'adds' graphics:\n"
+                       "    barrier replaced COLOR_ATTACHMENT_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    reads, writes replaced in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "  pass 2 'copy' graphics:\n"
+                       "    barrier replaced COLOR_ATTACHMENT_OPTIMAL->TRANSFER_SRC_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> ALL_TRANSFER/TRANSFER_READ)\n"
+                       "    barrier output UNDEFINED->TRANSFER_DST_OPTIMAL (ALL_TRANSFER/NONE -> "
+                       "ALL_TRANSFER/TRANSFER_WRITE)\n"
+                       "    reads replaced in TRANSFER_SRC_OPTIMAL\n"
+                       "    writes output in TRANSFER_DST_OPTIMAL\n"
+                       "  pass 3 'probe' graphics:\n"
+                       "    writes kept\n"
+                       "  at the end: barrier output TRANSFER_DST_OPTIMAL->TRANSFER_SRC_OPTIMAL "
+                       "(ALL_TRANSFER/TRANSFER_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 16384 bytes\n"
+                       "  at 0, 16384 bytes, passes 0 to 2: replaced\n"
+                       "memory of buffers, types 0x1: 64 bytes\n"
+                       "  at 0, 64 bytes, passes 3 to 3: kept\n");
+}
+
+static void test_aliasing(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_image chain[4] = {color_image(graph, "a", 64), color_image(graph, "b", 32), color_image(graph, "c", 64),
+                            color_image(graph, "d", 32)};
+    const char *names[4] = {"write a", "a to b", "b to c", "c to d"};
+    for (uint32_t i = 0; i < 4; i++) {
+        struct graph_pass *pass = pass_of(graph, names[i]);
+        if (i > 0) graph_use_image(pass, chain[i - 1], GRAPH_SAMPLE_COMPUTE);
+        graph_use_image(pass, chain[i], GRAPH_WRITE_COMPUTE);
+    }
+    struct graph_pass *last = pass_of(graph, "d to output");
+    graph_use_image(last, chain[3], GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(last, import_output(graph), GRAPH_WRITE_COMPUTE);
+    expect_plan(graph, "5 passes, 0 culled, 11 barriers, 1 batches, 24576 bytes (49152 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'write a' graphics:\n"
+                       "    barrier a UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    writes a in GENERAL\n"
+                       "  pass 1 'a to b' graphics:\n"
+                       "    barrier a GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier b UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads a in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes b in GENERAL\n"
+                       "  pass 2 'b to c' graphics:\n"
+                       "    barrier b GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier c UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads b in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes c in GENERAL\n"
+                       "  pass 3 'c to d' graphics:\n"
+                       "    barrier c GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier d UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads c in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes d in GENERAL\n"
+                       "  pass 4 'd to output' graphics:\n"
+                       "    barrier d GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier output UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads d in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes output in GENERAL\n"
+                       "  at the end: barrier output GENERAL->TRANSFER_SRC_OPTIMAL "
+                       "(COMPUTE_SHADER/SHADER_STORAGE_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 24576 bytes\n"
+                       "  at 0, 16384 bytes, passes 0 to 1: a\n"
+                       "  at 0, 16384 bytes, passes 2 to 3: c\n"
+                       "  at 16384, 8192 bytes, passes 1 to 2: b\n"
+                       "  at 16384, 8192 bytes, passes 3 to 4: d\n");
+}
+
+static void test_resolve_and_depth_read_by_its_own_pass(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    struct graph_image_params params = {
+        .name = "color 4x", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = 64, .height = 64, .samples = 4};
+    graph_image color = graph_create_image(graph, &params), depth = depth_image(graph, "depth 4x", 4),
+                output = import_output(graph);
+    graph_depth(pass_of(graph, "prepass"), depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    struct graph_pass *shade = pass_of(graph, "shade");
+    graph_color(shade, color, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 1});
+    graph_resolve(shade, 0, output);
+    graph_depth_read_only(shade, depth);
+    graph_use_image(shade, depth, GRAPH_SAMPLE_FRAGMENT);
+    expect_plan(graph, "2 passes, 0 culled, 6 barriers, 1 batches, 131072 bytes (131072 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'prepass' graphics:\n"
+                       "    barrier depth 4x UNDEFINED->DEPTH_ATTACHMENT_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/NONE -> "
+                       "EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_READ|DEPTH_ATTACHMENT_WRITE)\n"
+                       "    writes depth 4x in DEPTH_ATTACHMENT_OPTIMAL\n"
+                       "  pass 1 'shade' graphics:\n"
+                       "    barrier color 4x UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    barrier output UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    barrier depth 4x DEPTH_ATTACHMENT_OPTIMAL->DEPTH_READ_ONLY_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_WRITE -> "
+                       "EARLY_FRAGMENT_TESTS|FRAGMENT_SHADER|LATE_FRAGMENT_TESTS/SHADER_SAMPLED_READ|"
+                       "DEPTH_ATTACHMENT_READ)\n"
+                       "    writes color 4x in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "    writes output in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "    reads depth 4x in DEPTH_READ_ONLY_OPTIMAL\n"
+                       "  at the end: barrier output COLOR_ATTACHMENT_OPTIMAL->TRANSFER_SRC_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 131072 bytes\n"
+                       "  at 0, 65536 bytes, passes 0 to 1: depth 4x\n"
+                       "  at 65536, 65536 bytes, passes 1 to 1: color 4x\n");
+}
+
+static void test_async(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_image depth = depth_image(graph, "depth", 1), shadow = depth_image(graph, "shadow", 1),
+                hdr = color_image(graph, "hdr", 64);
+    graph_buffer lists = graph_create_buffer(graph, "lists", 4096);
+    graph_depth(pass_of(graph, "prepass"), depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    struct graph_pass *cull = async_pass_of(graph, "light lists");
+    graph_use_image(cull, depth, GRAPH_SAMPLE_COMPUTE);
+    graph_use_buffer(cull, lists, GRAPH_WRITE_COMPUTE);
+    graph_depth(pass_of(graph, "shadows"), shadow, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    struct graph_pass *shade = pass_of(graph, "shade");
+    graph_color(shade, hdr, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_depth_read_only(shade, depth);
+    graph_use_image(shade, shadow, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_buffer(shade, lists, GRAPH_READ_FRAGMENT);
+    struct graph_pass *post = async_pass_of(graph, "post");
+    graph_use_image(post, hdr, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(post, import_output(graph), GRAPH_WRITE_COMPUTE);
+    expect_plan(graph, "5 passes, 0 culled, 9 barriers, 7 batches, 53248 bytes (53248 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "batch 1 graphics:\n"
+                       "  pass 0 'prepass' graphics:\n"
+                       "    barrier depth UNDEFINED->DEPTH_ATTACHMENT_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/NONE -> "
+                       "EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_READ|DEPTH_ATTACHMENT_WRITE)\n"
+                       "    writes depth in DEPTH_ATTACHMENT_OPTIMAL\n"
+                       "  at the end: barrier depth DEPTH_ATTACHMENT_OPTIMAL->DEPTH_READ_ONLY_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_WRITE -> "
+                       "ALL_COMMANDS/MEMORY_READ)\n"
+                       "batch 2 compute, waits for batch 1:\n"
+                       "  pass 1 'light lists' compute:\n"
+                       "    reads depth in DEPTH_READ_ONLY_OPTIMAL\n"
+                       "    writes lists\n"
+                       "batch 3 graphics:\n"
+                       "  pass 2 'shadows' graphics:\n"
+                       "    barrier shadow UNDEFINED->DEPTH_ATTACHMENT_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/NONE -> "
+                       "EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_READ|DEPTH_ATTACHMENT_WRITE)\n"
+                       "    writes shadow in DEPTH_ATTACHMENT_OPTIMAL\n"
+                       "batch 4 graphics, waits for batch 2:\n"
+                       "  pass 3 'shade' graphics:\n"
+                       "    barrier hdr UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    barrier shadow DEPTH_ATTACHMENT_OPTIMAL->DEPTH_READ_ONLY_OPTIMAL "
+                       "(EARLY_FRAGMENT_TESTS|LATE_FRAGMENT_TESTS/DEPTH_ATTACHMENT_WRITE -> "
+                       "FRAGMENT_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    writes hdr in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "    reads depth in DEPTH_READ_ONLY_OPTIMAL\n"
+                       "    reads shadow in DEPTH_READ_ONLY_OPTIMAL\n"
+                       "    reads lists\n"
+                       "  at the end: barrier hdr COLOR_ATTACHMENT_OPTIMAL->SHADER_READ_ONLY_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> ALL_COMMANDS/MEMORY_READ)\n"
+                       "batch 5 compute, waits for batch 4:\n"
+                       "  pass 4 'post' compute:\n"
+                       "    barrier output UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads hdr in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes output in GENERAL\n"
+                       "batch 6 graphics, waits for batch 5:\n"
+                       "  at the end: barrier output GENERAL->TRANSFER_SRC_OPTIMAL (ALL_COMMANDS/MEMORY_WRITE -> "
+                       "ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "memory of images, types 0x1: 49152 bytes\n"
+                       "  at 0, 16384 bytes, passes 0 to 4: depth\n"
+                       "  at 16384, 16384 bytes, passes 0 to 4: hdr\n"
+                       "  at 32768, 16384 bytes, passes 2 to 3: shadow\n"
+                       "memory of buffers, types 0x1: 4096 bytes\n"
+                       "  at 0, 4096 bytes, passes 0 to 4: lists\n");
+}
+
+static void declare_history(struct graph *graph, uint32_t width, bool write) {
+    struct graph_image_params params = {.name = "average", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width, .height = 64};
+    struct graph_history history = graph_history(graph, &params);
+    struct graph_pass *pass = pass_of(graph, "accumulate");
+    if (history.previous.id) graph_use_image(pass, history.previous, GRAPH_SAMPLE_COMPUTE);
+    if (write) graph_use_image(pass, history.current, GRAPH_WRITE_COMPUTE);
+    graph_keep(pass);
+}
+
+static bool has_previous(struct graph *graph, uint32_t width, bool write) {
+    graph_begin(graph);
+    struct graph_image_params params = {.name = "average", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width, .height = 64};
+    struct graph_history first = graph_history(graph, &params), second = graph_history(graph, &params);
+    assert_true(first.current.id != 0 && first.current.id == second.current.id && first.previous.id == second.previous.id);
+    declare_history(graph, width, write);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    return first.previous.id != 0;
+}
+
+static void test_history(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    assert_false(has_previous(graph, 64, true)); /* the first frame */
+    assert_true(has_previous(graph, 64, true));
+    assert_false(has_previous(graph, 32, true)); /* another size */
+    assert_true(has_previous(graph, 32, false));
+    assert_false(has_previous(graph, 32, true)); /* nobody wrote it in the last frame */
+    graph_begin(graph);
+    assert_false(has_previous(graph, 32, true)); /* not used in the last frame */
+    for (uint32_t i = 0; i < 6; i++) graph_begin(graph);
+    assert_false(has_previous(graph, 32, true));
+    graph_begin(graph);
+    declare_history(graph, 32, true);
+    expect_plan(graph, "1 passes, 0 culled, 3 barriers, 1 batches, 0 bytes (0 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'accumulate' graphics:\n"
+                       "    barrier average (previous) GENERAL->SHADER_READ_ONLY_OPTIMAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_SAMPLED_READ)\n"
+                       "    barrier average UNDEFINED->GENERAL (COMPUTE_SHADER/NONE -> "
+                       "COMPUTE_SHADER/SHADER_STORAGE_WRITE)\n"
+                       "    reads average (previous) in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    writes average in GENERAL\n");
+}
+
+static void test_imports(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    struct gpu_image untouched_image = output_image, texture_image = output_image;
+    untouched_image.params.name = "untouched";
+    texture_image.params.name = "texture";
+    graph_import_image(graph, &untouched_image, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    graph_image texture =
+        graph_import_image(graph, &texture_image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_UNDEFINED);
+    graph_image same =
+        graph_import_image(graph, &texture_image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_UNDEFINED);
+    assert_int_equal(texture.id, same.id);
+    graph_buffer lights = graph_import_buffer(graph, "lights", &lights_buffer);
+    assert_int_equal(lights.id, graph_import_buffer(graph, "lights", &lights_buffer).id);
+    assert_int_equal(graph_buffer_size(graph, lights), 4096);
+    assert_int_equal(graph_image_info(graph, texture).samples, 1);
+    struct graph_pass *draw = pass_of(graph, "draw");
+    graph_use_image(draw, texture, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_buffer(draw, lights, GRAPH_READ_FRAGMENT);
+    graph_color(draw, import_output(graph), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    expect_plan(graph, "1 passes, 0 culled, 4 barriers, 1 batches, 0 bytes (0 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'draw' graphics:\n"
+                       "    barrier output UNDEFINED->COLOR_ATTACHMENT_OPTIMAL (COLOR_ATTACHMENT_OUTPUT/NONE -> "
+                       "COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_READ|COLOR_ATTACHMENT_WRITE)\n"
+                       "    reads texture in SHADER_READ_ONLY_OPTIMAL\n"
+                       "    reads lights\n"
+                       "    writes output in COLOR_ATTACHMENT_OPTIMAL\n"
+                       "  at the end: barrier untouched GENERAL->PRESENT_SRC (ALL_COMMANDS/NONE -> "
+                       "ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n"
+                       "  at the end: barrier output COLOR_ATTACHMENT_OPTIMAL->TRANSFER_SRC_OPTIMAL "
+                       "(COLOR_ATTACHMENT_OUTPUT/COLOR_ATTACHMENT_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n");
+}
+
+static void test_empty_frame(void **state) {
+    UNUSED(state);
+    expect_plan(make_graph(), "0 passes, 0 culled, 1 barriers, 1 batches, 0 bytes (0 without aliasing)\n"
+                              "batch 0 graphics:\n" FRAME_BARRIER);
+}
+
+/* ---- misuse ---- */
+
+static void expect_misuse(struct graph *graph, const char *message) {
+    assert_int_equal(graph_compile(graph), FNL_ERROR_INVALID);
+    if (!strstr(logged, message)) fail_msg("the log is\n%s\nand lacks\n%s", logged, message);
+    char text[100];
+    graph_print(graph, text, sizeof text);
+    assert_string_equal(text, "no plan: the graph is not compiled\n");
+    /* The next frame is not concerned. */
+    logged[0] = 0;
+    graph_begin(graph);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_string_equal(logged, "");
+    graph_destroy(&graph);
+}
+
+static void test_misuse_of_resources(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    graph_use_image(pass_of(graph, "x"), color_image(graph, "y", 64), GRAPH_SAMPLE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' reads 'y', which nobody wrote before");
+
+    graph = make_graph();
+    graph_color(pass_of(graph, "x"), color_image(graph, "y", 64), VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
+    expect_misuse(graph, "graph: pass 'x' reads 'y', which nobody wrote before");
+
+    graph = make_graph();
+    graph_image stale = color_image(graph, "y", 64);
+    graph_begin(graph);
+    color_image(graph, "z", 64);
+    graph_use_image(pass_of(graph, "x"), stale, GRAPH_WRITE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' is given image handle 0x100001 of an earlier frame");
+
+    graph = make_graph();
+    graph_use_image(pass_of(graph, "x"), (graph_image){0}, GRAPH_WRITE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' is given no image (its handle is 0)");
+
+    graph = make_graph();
+    graph_use_buffer(pass_of(graph, "x"), (graph_buffer){color_image(graph, "y", 64).id}, GRAPH_WRITE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' is given 0x100001, which is no buffer handle");
+
+    graph = make_graph();
+    graph_use_buffer(pass_of(graph, "x"), graph_create_buffer(graph, "y", 4), GRAPH_SAMPLE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' uses 'y' as GRAPH_SAMPLE_COMPUTE, which is not for buffers");
+
+    graph = make_graph();
+    graph_use_buffer(pass_of(graph, "x"), graph_create_buffer(graph, "y", 4), GRAPH_READ_HOST);
+    expect_misuse(graph, "graph: pass 'x': the host cannot read 'y', which is not imported");
+
+    graph = make_graph();
+    graph_use_image(async_pass_of(graph, "x"), color_image(graph, "y", 64), GRAPH_SAMPLE_FRAGMENT);
+    expect_misuse(graph, "graph: pass 'x' uses 'y' as GRAPH_SAMPLE_FRAGMENT, which a compute queue cannot do");
+
+    graph = make_graph();
+    graph_image twice = import_output(graph);
+    graph_use_image(pass_of(graph, "x"), twice, GRAPH_WRITE_COMPUTE);
+    struct graph_pass *pass = pass_of(graph, "z");
+    graph_use_image(pass, twice, GRAPH_READ_COMPUTE);
+    graph_use_image(pass, twice, GRAPH_SAMPLE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'z' uses 'output' in two layouts at once");
+
+    graph = make_graph();
+    color_image(graph, "y", 0);
+    expect_misuse(graph, "graph: image 'y' is 0x64 with format 37");
+
+    graph = make_graph();
+    import_output(graph);
+    graph_import_image(graph, &output_image, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_GENERAL);
+    expect_misuse(graph, "graph: image 'output' is imported twice with different layouts");
+
+    graph = make_graph();
+    assert_false(has_previous(graph, 64, true));
+    graph_begin(graph);
+    struct graph_image_params params = {.name = "average", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = 64, .height = 64};
+    graph_use_image(pass_of(graph, "x"), graph_history(graph, &params).previous, GRAPH_WRITE_COMPUTE);
+    expect_misuse(graph, "graph: pass 'x' writes the previous frame's 'average'");
+}
+
+static void test_misuse_of_passes(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    pass_of(graph, "x");
+    pass_of(graph, "x");
+    expect_misuse(graph, "graph: two passes are called 'x'");
+
+    graph = make_graph();
+    struct graph_pass *pass = pass_of(graph, "x");
+    graph_color(pass, color_image(graph, "a", 64), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_color(pass, color_image(graph, "b", 32), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    expect_misuse(graph, "graph: pass 'x' has attachments of different sizes: 'a' is 64x64, 1 layers, 1 samples, 'b' is "
+                         "32x64, 1 layers, 1 samples");
+
+    graph = make_graph();
+    pass = pass_of(graph, "x");
+    graph_color(pass, color_image(graph, "a", 64), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_depth(pass, depth_image(graph, "b", 4), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    expect_misuse(graph, "'a' is 64x64, 1 layers, 1 samples, 'b' is 64x64, 1 layers, 4 samples");
+
+    graph = make_graph();
+    graph_color(pass_of(graph, "x"), depth_image(graph, "a", 1), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    expect_misuse(graph, "graph: pass 'x' takes 'a' as a colour attachment, but its format is 126");
+
+    graph = make_graph();
+    graph_depth(async_pass_of(graph, "x"), depth_image(graph, "a", 1), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    expect_misuse(graph, "graph: pass 'x' has the attachment 'a', but a compute queue cannot draw");
+
+    graph = make_graph();
+    pass = pass_of(graph, "x");
+    graph_depth(pass, depth_image(graph, "a", 1), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_depth(pass, depth_image(graph, "b", 1), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    expect_misuse(graph, "graph: pass 'x' has two depth attachments");
+
+    graph = make_graph();
+    pass = pass_of(graph, "x");
+    graph_resolve(pass, 0, color_image(graph, "a", 64));
+    expect_misuse(graph, "graph: pass 'x' resolves colour attachment 0 into 'a', but it has 0 of them");
+
+    graph = make_graph();
+    pass = pass_of(graph, "x");
+    graph_color(pass, color_image(graph, "a", 64), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    graph_resolve(pass, 0, color_image(graph, "b", 64));
+    expect_misuse(graph, "graph: pass 'x' cannot resolve 'a' (1 samples, format 37) into 'b' (1 samples, format 37)");
+
+    graph = make_graph();
+    pass = pass_of(graph, "x");
+    for (uint32_t i = 0; i <= GPU_MAX_COLORS; i++)
+        graph_color(pass, color_image(graph, "a", 64), VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+    expect_misuse(graph, "graph: pass 'x' has more than 8 colour attachments");
+
+    graph = make_graph();
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
+    graph_destroy(&graph);
+}
+
+/* ---- memory running out, and cost ---- */
+
+static uint64_t allocations_left;
+
+static void *run_out_of_memory(void *user, void *old, size_t old_size, size_t new_size) {
+    if (new_size && allocations_left-- == 0) {
+        allocations_left = 0;
+        return NULL;
+    }
+    return count_allocations(user, old, old_size, new_size);
+}
+
+/* A frame of `pass_count` passes: draws and dispatches over a few dozen images and buffers. */
+static void declare_frame(struct graph *graph, uint32_t pass_count) {
+    static char names[400][16];
+    graph_image previous = {0}, depth = depth_image(graph, "depth", 1);
+    graph_buffer list = graph_create_buffer(graph, "list", 1 << 20);
+    for (uint32_t i = 0; i < pass_count; i++) {
+        snprintf(names[i], sizeof names[i], "p%u", i);
+        struct graph_pass *pass =
+            graph_add_pass(graph, names[i], i % 7 == 5 && i % 4 ? GRAPH_QUEUE_ASYNC : GRAPH_QUEUE_GRAPHICS, NULL, names, 64);
+        graph_image image = i + 1 == pass_count ? import_output(graph) : color_image(graph, "image", 64 + i % 3);
+        if (i % 3 == 0) graph_use_buffer(pass, list, i ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE);
+        if (i % 4 == 0) {
+            if (i % 3 == 0) graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+            graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+            if (previous.id) graph_use_image(pass, previous, GRAPH_SAMPLE_FRAGMENT);
+            if (i % 3 != 0) graph_use_buffer(pass, list, GRAPH_READ_FRAGMENT);
+        } else {
+            graph_use_image(pass, image, GRAPH_WRITE_COMPUTE);
+            if (previous.id) graph_use_image(pass, previous, GRAPH_SAMPLE_COMPUTE);
+        }
+        previous = image;
+    }
+}
+
+static void test_running_out_of_memory(void **state) {
+    UNUSED(state);
+    fnl_host host = {.log = keep_log, .reallocate = run_out_of_memory};
+    uint32_t failures = 0;
+    for (uint64_t budget = 0;; budget++) {
+        allocations_left = budget;
+        logged[0] = 0;
+        struct graph *graph;
+        fnl_result result = graph_create(&host, NULL, &graph);
+        if (result == FNL_OK) {
+            graph_begin(graph);
+            declare_frame(graph, 12);
+            result = graph_compile(graph);
+            graph_destroy(&graph);
+        }
+        if (result == FNL_OK) break;
+        assert_true(result == FNL_ERROR_MEMORY || result == FNL_ERROR_INVALID); /* a handle that could not be made is 0 */
+        assert_non_null(strstr(logged, "out of memory"));
+        failures++;
+    }
+    assert_true(failures > 4);
+}
+
+static void test_compile_is_quick_and_allocates_nothing(void **state) {
+    UNUSED(state);
+    struct graph *graph = make_graph();
+    double best = 1e9;
+    for (uint32_t frame = 0; frame < 60; frame++) {
+        if (frame == 4) allocation_count = 0;
+        graph_begin(graph);
+        declare_frame(graph, 40);
+        assert_int_equal(graph_compile(graph), FNL_OK);
+        best = MIN(best, graph_query_stats(graph).compile_milliseconds);
+    }
+    assert_int_equal(allocation_count, 0);
+    struct graph_stats stats = graph_query_stats(graph);
+    print_message("compiling %u passes takes %.3f ms; %u barriers, %u batches, %llu of %llu bytes\n", stats.pass_count, best,
+                  stats.barrier_count, stats.batch_count, (unsigned long long)stats.transient_bytes,
+                  (unsigned long long)stats.transient_bytes_unaliased);
+    assert_int_equal(stats.pass_count, 40);
+#ifdef NDEBUG
+    assert_true(best < 3 * 0.3);
+#endif
+    graph_begin(graph);
+    declare_frame(graph, 400);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    print_message("compiling 400 passes takes %.3f ms\n", graph_query_stats(graph).compile_milliseconds);
+    graph_destroy(&graph);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_diamond_merges_reads),
+        cmocka_unit_test(test_buffers_share_one_barrier_and_reads_hold_back_writes),
+        cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_aliasing),
+        cmocka_unit_test(test_resolve_and_depth_read_by_its_own_pass),
+        cmocka_unit_test(test_async),
+        cmocka_unit_test(test_history),
+        cmocka_unit_test(test_imports),
+        cmocka_unit_test(test_empty_frame),
+        cmocka_unit_test(test_misuse_of_resources),
+        cmocka_unit_test(test_misuse_of_passes),
+        cmocka_unit_test(test_running_out_of_memory),
+        cmocka_unit_test(test_compile_is_quick_and_allocates_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
