@@ -4,7 +4,8 @@
 /* ---- results ---- */
 
 const char *gpu_result_text(VkResult result) {
-#define ENTRY(name) {name, #name}
+#define ENTRY(name)                                                                                                         \
+    { name, #name }
     static const struct {
         VkResult result;
         const char *text;

@@ -150,6 +150,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     VkSampleCountFlags counts =
         properties.limits.framebufferColorSampleCounts & properties.limits.framebufferDepthSampleCounts;
     for (info->max_msaa = 64; info->max_msaa > 1 && !(counts & info->max_msaa);) info->max_msaa /= 2;
+    info->msaa_counts = counts & 0xfu;
     query_queues(instance, out);
     query_extensions(instance, out);
 

@@ -31,6 +31,7 @@ struct gpu_instance {
     struct gpu_instance_functions vk;
     VkDebugUtilsMessengerEXT messenger;
     atomic_ullong message_count;
+    uint32_t layer_version; /* with validation: Vulkan's version as the layer knows it */
 };
 
 /**

@@ -5,11 +5,22 @@
 
 static const char validation_layer[] = "VK_LAYER_KHRONOS_validation";
 
+/**
+ * Layers before 1.3.270 take it that a shader which indexes a descriptor array accesses every image in it, so with bindless
+ * arrays each hazard against a shader's image access is suspect (Vulkan-ValidationLayers issue 3450; ended by pull requests
+ * 6605 and 6743). All such accesses have "_SHADER_SHADER_" in their names. Attachments, copies and layouts stay checked.
+ */
+static bool is_false_alarm(const struct gpu_instance *instance, const VkDebugUtilsMessengerCallbackDataEXT *data) {
+    return instance->layer_version < VK_MAKE_API_VERSION(0, 1, 3, 270) && data->pMessageIdName &&
+           strncmp(data->pMessageIdName, "SYNC-HAZARD-", 12) == 0 && strstr(data->pMessage, "_SHADER_SHADER_");
+}
+
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                  VkDebugUtilsMessageTypeFlagsEXT types,
                                                  const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
     UNUSED(types);
     struct gpu_instance *instance = user;
+    if (is_false_alarm(instance, data)) return VK_FALSE;
     char line[1900]; /* the host's log takes lines without breaks */
     size_t length = 0;
     for (const char *text = data->pMessage; *text && length + 1 < sizeof line; text++)
@@ -31,20 +42,22 @@ static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct gpu_instance *in
     };
 }
 
-static bool has_layer(const struct gpu_instance *instance, const char *name) {
+/** The version of Vulkan that the validation layer was made for; 0 when it is not installed. */
+static uint32_t find_layer_version(const struct gpu_instance *instance) {
     PFN_vkEnumerateInstanceLayerProperties enumerate =
         (PFN_vkEnumerateInstanceLayerProperties)instance->get_proc(NULL, "vkEnumerateInstanceLayerProperties");
-    uint32_t count = 0;
-    if (!enumerate || enumerate(&count, NULL) != VK_SUCCESS || count == 0) return false;
+    uint32_t count = 0, version = 0;
+    if (!enumerate || enumerate(&count, NULL) != VK_SUCCESS || count == 0) return 0;
     uint32_t capacity = count;
     VkLayerProperties *layers = host_allocate(&instance->host, capacity * sizeof *layers);
-    if (!layers) return false;
-    bool found = false;
+    if (!layers) return 0;
     if (enumerate(&count, layers) >= 0) {
-        for (uint32_t i = 0; i < count && !found; i++) found = strcmp(layers[i].layerName, name) == 0;
+        for (uint32_t i = 0; i < count; i++) {
+            if (strcmp(layers[i].layerName, validation_layer) == 0) version = layers[i].specVersion;
+        }
     }
     host_free(&instance->host, layers, capacity * sizeof *layers);
-    return found;
+    return version;
 }
 
 static bool has_extension(const struct gpu_instance *instance, const char *layer, const char *name) {
@@ -85,7 +98,8 @@ static fnl_result create_instance(struct gpu_instance *instance, bool validate) 
     uint32_t extension_count = 0;
     bool debug = has_extension(instance, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (validate) {
-        if (!has_layer(instance, validation_layer)) {
+        instance->layer_version = find_layer_version(instance);
+        if (instance->layer_version == 0) {
             log_error(&instance->host,
                       "validation was asked for, but the layer %s is not installed (Debian: vulkan-validationlayers)",
                       validation_layer);
@@ -172,6 +186,7 @@ fnl_result gpu_instance_import(struct gpu_instance *out, const fnl_host *host, P
                   VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
         return FNL_ERROR_UNSUPPORTED;
     }
+    out->layer_version = find_layer_version(out);
     return create_messenger(out);
 }
 

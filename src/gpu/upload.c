@@ -334,6 +334,7 @@ fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, c
     uint64_t row_bytes = (uint64_t)params->width * texel_size(params->format);
     REQUIRE(host, image->handle != VK_NULL_HANDLE);
     REQUIRE(host, params->usage & VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    REQUIRE(host, params->usage & VK_IMAGE_USAGE_SAMPLED_BIT);
     REQUIRE(host, params->samples == 1);
     REQUIRE(host, row_bytes > 0 && size == row_bytes * params->height);
     if (generate_mips && params->mips > 1) {
