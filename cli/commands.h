@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status. */
+/** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status: 0, 1 (compare: over a limit) or 2. */
 #ifndef FNL_CLI_COMMANDS_H
 #define FNL_CLI_COMMANDS_H
 
 int command_compare(int argc, char **argv);
+int command_devices(int argc, char **argv);
 int command_info(int argc, char **argv);
+int command_render(int argc, char **argv);
 
 #endif

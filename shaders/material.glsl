@@ -11,7 +11,7 @@ layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec4 in_tangent;
 layout(location = 3) centroid in vec4 in_uv;
 layout(location = 4) centroid in vec4 in_color;
-layout(location = 5) flat in uvec2 in_ids;
+layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors
 
 #define TEXTURE_BASE_COLOR 0
 #define TEXTURE_METALLIC_ROUGHNESS 1
@@ -43,8 +43,17 @@ bool material_cut(material_array materials, uint material, float alpha) {
     return (materials.at[material].flags & GPU_MATERIAL_MASK) != 0u && alpha < materials.at[material].alpha_cutoff;
 }
 
-surface material_surface(material_array materials, uint material, bool front_facing) {
+// Windings are told apart here, not by pipeline state, so that mirrored and plain instances can share a draw.
+bool material_front_facing() { return gl_FrontFacing != (in_ids.z == 1u); }
+
+// True for the back of a single-sided surface, where the pipeline culls nothing.
+bool material_culled(material_array materials, uint material) {
+    return !material_front_facing() && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u;
+}
+
+surface material_surface(material_array materials, uint material) {
     gpu_material m = materials.at[material];
+    bool front_facing = material_front_facing();
     vec4 base = material_base_color(materials, material);
     surface s;
     s.position = in_position;

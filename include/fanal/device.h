@@ -39,6 +39,7 @@ typedef struct fnl_device_info {
     bool usable;                    /**< has all that Fanal needs */
     char missing[512];              /**< what it lacks, comma-separated; empty when usable */
     uint64_t memory_bytes;          /**< largest device-local heap */
+    uint32_t msaa_counts;           /**< sample counts that work for colour and depth, as bits: 1, 2, 4, 8 */
     uint32_t max_msaa;              /**< highest sample count for colour and depth */
     bool async_compute;             /**< has a second queue that can compute */
     bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate, multiview, pipeline_statistics; /**< optional features */

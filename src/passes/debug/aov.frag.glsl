@@ -16,7 +16,7 @@ layout(location = 2) out vec4 out_position; // world space position, item id + 1
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x, gl_FrontFacing);
+    surface s = material_surface(materials, in_ids.x);
     vec4 base = material_base_color(materials, in_ids.x);
     if (material_cut(materials, in_ids.x, base.a)) discard;
     out_albedo = vec4(base.rgb, s.roughness);

@@ -16,7 +16,7 @@ layout(location = 1) centroid out vec3 out_normal;
 layout(location = 2) centroid out vec4 out_tangent;
 layout(location = 3) centroid out vec4 out_uv; // uv0, uv1
 layout(location = 4) centroid out vec4 out_color;
-layout(location = 5) flat out uvec2 out_ids; // material, item
+layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the instance mirrors
 
 invariant gl_Position;
 
@@ -38,5 +38,5 @@ void main() {
     out_tangent = vec4(transform_direction(instance, tangent.xyz), tangent.w * mirror);
     out_uv = vec4(a.uv0, a.uv1);
     out_color = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
-    out_ids = uvec2(push.scene.scene.primitives.at[item.primitive].material, item_index);
+    out_ids = uvec3(push.scene.scene.primitives.at[item.primitive].material, item_index, mirror < 0.0 ? 1u : 0u);
 }

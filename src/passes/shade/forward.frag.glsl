@@ -13,8 +13,8 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x, gl_FrontFacing);
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    surface s = material_surface(materials, in_ids.x);
+    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     float view_depth = view_depth_of(push.view, gl_FragCoord.z);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(gl_FragCoord.xy), view_depth);
     // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).

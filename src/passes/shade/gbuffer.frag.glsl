@@ -18,7 +18,7 @@ layout(location = 3) out vec4 out_dielectric;
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x, gl_FrontFacing);
+    surface s = material_surface(materials, in_ids.x);
     if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     gbuffer g = gbuffer_pack(s);
     out_radiance = vec4(min(s.emissive, vec3(push.view.view.hdr_max)), 1.0);

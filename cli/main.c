@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+#include "commands.h"
+
+#include "fanal/base.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"render", "render a scene and write the picture and the numbers", command_render},
+    {"info", "print what a scene consists of", command_info},
+    {"devices", "list the Vulkan devices and what each offers", command_devices},
+    {"compare", "measure how far two pictures are apart", command_compare},
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+static void print_help(FILE *out) {
+    fputs("Fanal renders scenes with thousands of lights on Vulkan.\n\nUsage: fanal COMMAND [OPTIONS] …\n\n", out);
+    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+    fputs("\n'fanal COMMAND --help' tells more; 'fanal --version' prints the version.\n\n"
+          "Example:\n  fanal render \"builtin:city?lights=4096\" --size 1280x720 -o city.png\n", out);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        print_help(stderr);
+        return 2;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_help(stdout);
+        return 0;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("fanal %s\n", fnl_version());
+        return 0;
+    }
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(argv[1], commands[i].name) == 0) return commands[i].run(argc - 1, argv + 1);
+    fprintf(stderr, "fanal: error: there is no command '%s'; see 'fanal --help'\n", argv[1]);
+    return 2;
+}

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: MIT */
+/* fanal render: loads a scene, renders it, writes pictures and numbers. */
+#include "render.h"
+
+#include "commands.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+static void print_help(void) {
+    puts("Usage: fanal render SCENE -o OUT.png|OUT.exr [-o ...] [OPTIONS]\n"
+         "\n"
+         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall wall spheres pole lamps grass onetile\n"
+         "nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
+         "\n"
+         "Picture\n"
+         "  -o, --output FILE          where to write; may be given several times\n"
+         "  --size WxH                 pixels (1280x720)\n"
+         "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
+         "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
+         "  --exposure EV|auto|none    EV100 (auto)\n"
+         "  --tonemap KIND             none khronos-neutral aces agx (khronos-neutral)\n"
+         "  --background R,G,B         radiance where nothing is, cd/m^2\n"
+         "  --debug VIEW               albedo normal depth roughness lights cells overdraw, instead of the picture\n"
+         "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
+         "\n"
+         "Scene\n"
+         "  --lights N                 scatters N point and spot lights through the scene\n"
+         "  --light-seed S             where they fall (1)\n"
+         "  --time SECONDS             pose of the animation (0)\n"
+         "  --animation NAME|INDEX     which animation (0)\n"
+         "\n"
+         "Method\n"
+         "  --shading KIND             forward forward-prepass deferred (deferred; with MSAA forward-prepass)\n"
+         "  --lists KIND               all tiled clustered clustered-cpu (clustered)\n"
+         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
+         "\n"
+         "Run\n"
+         "  --frames N                 renders N frames and reports medians (1)\n"
+         "  --stats FILE.json          writes the numbers\n"
+         "  --plan                     prints the frame graph\n"
+         "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
+         "  --validate                 Vulkan validation; any message makes the command fail\n"
+         "  -q, --quiet                prints nothing but errors\n"
+         "  -h, --help                 prints this text\n"
+         "\n"
+         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind.\n"
+         "\n"
+         "Examples:\n"
+         "  fanal render helmet.glb --lights 500 -o helmet.png\n"
+         "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o city.png\n"
+         "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
+}
+
+/* ---- reading arguments ---- */
+
+static bool bad_value(const char *option, const char *value, const char *wanted) {
+    fprintf(stderr, "fanal: error: --%s: '%s' is not %s\n", option, value, wanted);
+    return false;
+}
+
+static bool parse_integer(const char *option, const char *text, long long low, long long high, long long *out) {
+    char *end;
+    *out = strtoll(text, &end, 10);
+    if (*text && !*end && *out >= low && *out <= high) return true;
+    char wanted[96];
+    snprintf(wanted, sizeof wanted, "a whole number from %lld to %lld", low, high);
+    return bad_value(option, text, wanted);
+}
+
+static bool parse_number(const char *option, const char *text, double *out) {
+    char *end;
+    *out = strtod(text, &end);
+    return (*text && !*end && isfinite(*out)) || bad_value(option, text, "a number");
+}
+
+static bool parse_vector(const char *option, const char *text, fnl_vec3 *out) {
+    int used = 0;
+    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) && isfinite(out->y) && isfinite(out->z))
+        return true;
+    return bad_value(option, text, "three numbers such as 1,2.5,-3");
+}
+
+static bool parse_size(const char *text, fnl_frame *frame) {
+    int used = 0;
+    if (sscanf(text, "%ux%u%n", &frame->width, &frame->height, &used) == 2 && !text[used] && frame->width >= 1 && frame->height >= 1 &&
+        frame->width <= 16384 && frame->height <= 16384)
+        return true;
+    return bad_value("size", text, "a size such as 1280x720, with sides from 1 to 16384");
+}
+
+/* Index of `text` among the names that `name_of` gives for 0, 1, 2 … until NULL. */
+static bool parse_name(const char *option, const char *text, const char *(*name_of)(int), int *out) {
+    char wanted[256] = "one of";
+    for (int i = 0; name_of(i); i++) {
+        if (strcmp(text, name_of(i)) == 0) {
+            *out = i;
+            return true;
+        }
+        size_t length = strlen(wanted);
+        snprintf(wanted + length, sizeof wanted - length, " %s", name_of(i));
+    }
+    return bad_value(option, text, wanted);
+}
+
+static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
+static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
+static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
+static const char *aov_name(int i) {
+    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position"};
+    return i < RENDER_AOV_COUNT ? names[i] : NULL;
+}
+
+static bool parse_aov(const char *text, uint32_t *aovs) {
+    char copy[128];
+    if (strlen(text) >= sizeof copy) return bad_value("aov", text, "a list such as depth,normal");
+    strcpy(copy, text);
+    for (char *part = strtok(copy, ","); part; part = strtok(NULL, ",")) {
+        int index;
+        if (!parse_name("aov", part, aov_name, &index)) return false;
+        *aovs |= 1u << index;
+    }
+    return true;
+}
+
+static bool parse_exposure(const char *text, fnl_frame *frame) {
+    double ev = 0;
+    frame->exposure = strcmp(text, "auto") == 0 ? FNL_EXPOSURE_AUTO : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE : FNL_EXPOSURE_EV;
+    if (frame->exposure == FNL_EXPOSURE_EV && !parse_number("exposure", text, &ev)) return false;
+    frame->ev = (float)ev;
+    return true;
+}
+
+static bool has_extension(const char *path, const char *extension) {
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, extension) == 0;
+}
+
+static bool add_output(struct render_options *o, const char *path) {
+    if (!has_extension(path, "png") && !has_extension(path, "exr")) return bad_value("output", path, "a file that ends in .png or .exr");
+    if (o->output_count == RENDER_MAX_OUTPUTS) return bad_value("output", path, "among the first 16 outputs");
+    o->outputs[o->output_count++] = path;
+    return true;
+}
+
+enum { OPTION_FIRST = 256 };
+enum { O_SIZE = OPTION_FIRST, O_CAMERA, O_EYE, O_LOOK_AT, O_FOV, O_SHADING, O_LISTS, O_MSAA, O_LIGHTS, O_LIGHT_SEED, O_EXPOSURE, O_TONEMAP,
+       O_BACKGROUND, O_TIME, O_ANIMATION, O_FRAMES, O_DEVICE, O_VALIDATE, O_DEBUG, O_AOV, O_STATS, O_PLAN };
+
+static bool parse_option(struct render_options *o, int option, const char *value) {
+    long long integer;
+    double number;
+    int index;
+    switch (option) {
+    case 'o': return add_output(o, value);
+    case 'q': o->quiet = true; return true;
+    case O_SIZE: return parse_size(value, &o->frame);
+    case O_CAMERA: o->camera = value; return true;
+    case O_EYE: o->has_eye = true; return parse_vector("eye", value, &o->eye);
+    case O_LOOK_AT: o->has_look_at = true; return parse_vector("look-at", value, &o->look_at);
+    case O_FOV:
+        if (!parse_number("fov", value, &number)) return false;
+        if (!(number > 0 && number < 180)) return bad_value("fov", value, "an angle between 0 and 180 degrees");
+        o->fov = (float)(number * 3.14159265358979323846 / 180);
+        return true;
+    case O_SHADING:
+        o->has_shading = true;
+        if (!parse_name("shading", value, shading_name, &index)) return false;
+        o->frame.shading = (fnl_shading)index;
+        return true;
+    case O_LISTS:
+        if (!parse_name("lists", value, lists_name, &index)) return false;
+        o->frame.lists = (fnl_light_lists)index;
+        return true;
+    case O_MSAA:
+        if (!parse_integer("msaa", value, 1, 8, &integer) || (integer & (integer - 1))) return bad_value("msaa", value, "one of 1 2 4 8");
+        o->frame.msaa = (uint32_t)integer;
+        return true;
+    case O_LIGHTS:
+        if (!parse_integer("lights", value, 0, 1 << 24, &integer)) return false;
+        o->light_count = (uint32_t)integer;
+        return true;
+    case O_LIGHT_SEED:
+        if (!parse_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
+        o->light_seed = (uint64_t)integer;
+        return true;
+    case O_EXPOSURE: return parse_exposure(value, &o->frame);
+    case O_TONEMAP:
+        if (!parse_name("tonemap", value, tonemap_name, &index)) return false;
+        o->frame.tonemap = (fnl_tonemap)index;
+        return true;
+    case O_BACKGROUND: o->has_background = true; return parse_vector("background", value, &o->background);
+    case O_TIME: return parse_number("time", value, &o->time);
+    case O_ANIMATION: o->animation = value; return true;
+    case O_FRAMES:
+        if (!parse_integer("frames", value, 1, 1000000, &integer)) return false;
+        o->frame_count = (uint32_t)integer;
+        return true;
+    case O_DEVICE: o->device = value; return true;
+    case O_VALIDATE: o->validate = true; return true;
+    case O_DEBUG:
+        if (!parse_name("debug", value, debug_name, &index)) return false;
+        o->frame.debug = (fnl_debug_view)index;
+        return true;
+    case O_AOV: return parse_aov(value, &o->aovs);
+    case O_STATS: o->stats = value; return true;
+    case O_PLAN: o->plan = true; return true;
+    default: return false;
+    }
+}
+
+static const struct option long_options[] = {
+    {"output", required_argument, NULL, 'o'}, {"quiet", no_argument, NULL, 'q'}, {"help", no_argument, NULL, 'h'},
+    {"size", required_argument, NULL, O_SIZE}, {"camera", required_argument, NULL, O_CAMERA}, {"eye", required_argument, NULL, O_EYE},
+    {"look-at", required_argument, NULL, O_LOOK_AT}, {"fov", required_argument, NULL, O_FOV},
+    {"shading", required_argument, NULL, O_SHADING}, {"lists", required_argument, NULL, O_LISTS}, {"msaa", required_argument, NULL, O_MSAA},
+    {"lights", required_argument, NULL, O_LIGHTS}, {"light-seed", required_argument, NULL, O_LIGHT_SEED},
+    {"exposure", required_argument, NULL, O_EXPOSURE}, {"tonemap", required_argument, NULL, O_TONEMAP},
+    {"background", required_argument, NULL, O_BACKGROUND}, {"time", required_argument, NULL, O_TIME},
+    {"animation", required_argument, NULL, O_ANIMATION}, {"frames", required_argument, NULL, O_FRAMES},
+    {"device", required_argument, NULL, O_DEVICE}, {"validate", no_argument, NULL, O_VALIDATE}, {"debug", required_argument, NULL, O_DEBUG},
+    {"aov", required_argument, NULL, O_AOV}, {"stats", required_argument, NULL, O_STATS}, {"plan", no_argument, NULL, O_PLAN},
+    {NULL, 0, NULL, 0}};
+
+/* What only makes sense together. */
+static bool check_options(struct render_options *o) {
+    const char *problem = NULL;
+    bool has_exr = false;
+    for (int i = 0; i < o->output_count; i++) has_exr = has_exr || has_extension(o->outputs[i], "exr");
+    if (o->output_count == 0 && !o->stats && !o->plan) problem = "no output was asked for: give -o FILE, --stats FILE or --plan";
+    if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
+    if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
+    if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
+    if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);
+    return !problem;
+}
+
+int command_render(int argc, char **argv) {
+    struct render_options o = {.frame = fnl_frame_default(), .light_seed = 1, .frame_count = 1};
+    optind = 0;
+    for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+        if (option == 'h') {
+            print_help();
+            return 0;
+        }
+        if (option == '?') {
+            fputs("fanal: see 'fanal render --help'\n", stderr);
+            return 2;
+        }
+        if (!parse_option(&o, option, optarg)) return 2;
+    }
+    if (argc - optind != 1) {
+        fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal render --help'\n", argc - optind);
+        return 2;
+    }
+    o.scene = argv[optind];
+    if (!check_options(&o)) return 2;
+    if (!o.has_shading && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    return render_run(&o);
+}

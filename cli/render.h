@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/** What `fanal render` was asked for, and the parts that do it. */
+#ifndef FNL_CLI_RENDER_H
+#define FNL_CLI_RENDER_H
+
+#include "fanal/fanal.h"
+
+enum { RENDER_MAX_OUTPUTS = 16 };
+enum render_aov { RENDER_AOV_DEPTH, RENDER_AOV_NORMAL, RENDER_AOV_ALBEDO, RENDER_AOV_ROUGHNESS, RENDER_AOV_ID, RENDER_AOV_POSITION, RENDER_AOV_COUNT };
+
+struct render_options {
+    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
+    int output_count;
+    fnl_frame frame;
+    bool has_eye, has_look_at, has_shading, has_background, validate, quiet, plan;
+    fnl_vec3 eye, look_at, background;
+    float fov; /* radians; 0: the camera's */
+    uint32_t light_count, frame_count, aovs; /* aovs: bits 1 << enum render_aov */
+    uint64_t light_seed;
+    double time;
+};
+
+/** Loads, renders, writes; returns the exit status. */
+int render_run(const struct render_options *options);
+
+/** Times and counts over the frames of a run. */
+struct render_report {
+    fnl_device_info device;
+    fnl_scene_info scene;
+    fnl_frame frame;
+    fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
+    uint32_t frame_count, pass_count;
+    const char **names;    /* pass_count */
+    double *pass_times;    /* pass_count * frame_count: times of one pass in a row */
+    double *cpu_times, *gpu_times; /* frame_count */
+};
+
+void report_print(const struct render_report *report);
+/** False with a message when the file cannot be written. */
+bool report_save(const struct render_report *report, const char *path);
+
+#endif

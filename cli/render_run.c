@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+#include "render.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+/* ---- progress ---- */
+
+static void show_progress(const struct render_options *o, const char *what, uint32_t done, uint32_t total) {
+    if (o->quiet || !isatty(STDERR_FILENO)) return;
+    enum { WIDTH = 30 };
+    int filled = total ? (int)((uint64_t)done * WIDTH / total) : WIDTH;
+    fprintf(stderr, "\r%-10s [", what);
+    for (int i = 0; i < WIDTH; i++) fputc(i < filled ? '#' : '.', stderr);
+    fprintf(stderr, "] %u/%u ", done, total);
+    if (done == total) fputs("\r\033[K", stderr);
+    fflush(stderr);
+}
+
+/* ---- scene ---- */
+
+static bool find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
+    fnl_scene_info info;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
+    *out = 0;
+    if (!name) return true;
+    char *end;
+    unsigned long index = strtoul(name, &end, 10);
+    if (*name && !*end && index < info.animation_count) {
+        *out = (uint32_t)index;
+        return true;
+    }
+    for (uint32_t i = 0; i < info.animation_count; i++) {
+        fnl_animation_info animation;
+        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name && strcmp(animation.name, name) == 0) {
+            *out = i;
+            return true;
+        }
+    }
+    fprintf(stderr, "fanal: error: --animation: the scene has no animation '%s' (it has %u)\n", name, info.animation_count);
+    return false;
+}
+
+static bool choose_camera(const struct render_options *o, const fnl_scene *scene, fnl_camera *out) {
+    uint32_t index = 0, count = fnl_scene_camera_count(scene);
+    if (o->has_eye) {
+        *out = fnl_camera_default();
+        out->position = o->eye;
+        out->target = o->look_at;
+    } else if (o->camera) {
+        char *end;
+        unsigned long number = strtoul(o->camera, &end, 10);
+        if (*o->camera && !*end && number < count) index = (uint32_t)number;
+        else if (fnl_scene_find_camera(scene, o->camera, &index) != FNL_OK) return false;
+        if (fnl_scene_query_camera(scene, index, out) != FNL_OK) return false;
+    } else if (count > 0) {
+        if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
+    } else if (fnl_scene_query_framing_camera(scene, (float)o->frame.width / (float)o->frame.height, out) != FNL_OK) {
+        return false;
+    }
+    if (o->fov > 0) out->vertical_fov = o->fov;
+    return true;
+}
+
+static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
+    uint32_t animation;
+    if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
+    if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK) return false;
+    if (o->light_count && fnl_scene_scatter_lights(*scene, o->light_count, o->light_seed) != FNL_OK) return false;
+    if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
+    return choose_camera(o, *scene, camera);
+}
+
+/* ---- device ---- */
+
+static void choose_device(const struct render_options *o, fnl_device_params *params) {
+    params->validate = o->validate;
+    if (!o->device) return;
+    char *end;
+    long index = strtol(o->device, &end, 10);
+    if (*o->device && !*end) params->index = (int32_t)index;
+    else params->name = o->device;
+}
+
+/* ---- outputs ---- */
+
+static bool has_extension(const char *path, const char *extension) {
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, extension) == 0;
+}
+
+static uint32_t wanted_outputs(const struct render_options *o) {
+    uint32_t outputs = 0;
+    for (int i = 0; i < o->output_count; i++) outputs |= has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
+    if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
+    if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
+    if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
+    return outputs;
+}
+
+/* Pictures read back so far, by bit number of fnl_output. */
+struct pictures { fnl_image images[5]; };
+
+static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
+    static const struct { const char *name; int aov, picture, component; } layout[] = {
+        {"R", -1, 1, 0}, {"G", -1, 1, 1}, {"B", -1, 1, 2}, {"A", -1, 1, 3},
+        {"depth.Z", RENDER_AOV_DEPTH, 3, 3}, {"normal.X", RENDER_AOV_NORMAL, 3, 0}, {"normal.Y", RENDER_AOV_NORMAL, 3, 1},
+        {"normal.Z", RENDER_AOV_NORMAL, 3, 2}, {"albedo.R", RENDER_AOV_ALBEDO, 2, 0}, {"albedo.G", RENDER_AOV_ALBEDO, 2, 1},
+        {"albedo.B", RENDER_AOV_ALBEDO, 2, 2}, {"roughness.Y", RENDER_AOV_ROUGHNESS, 2, 3}, {"id.Y", RENDER_AOV_ID, 4, 3},
+        {"position.X", RENDER_AOV_POSITION, 4, 0}, {"position.Y", RENDER_AOV_POSITION, 4, 1}, {"position.Z", RENDER_AOV_POSITION, 4, 2}};
+    fnl_exr_channel channels[sizeof layout / sizeof *layout];
+    uint32_t count = 0;
+    for (size_t i = 0; i < sizeof layout / sizeof *layout; i++)
+        if (layout[i].aov < 0 || (o->aovs & 1u << layout[i].aov))
+            channels[count++] = (fnl_exr_channel){layout[i].name, (const float *)p->images[layout[i].picture].pixels + layout[i].component, 4};
+    return fnl_exr_save(host, path, o->frame.width, o->frame.height, channels, count) == FNL_OK;
+}
+
+static bool save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer) {
+    struct pictures p = {0};
+    uint32_t outputs = wanted_outputs(o);
+    bool good = true;
+    for (int i = 0; i < 5 && good; i++)
+        if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
+    int written = 0;
+    for (; written < o->output_count && good; written++) {
+        const char *path = o->outputs[written];
+        good = has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK : save_exr(o, host, path, &p);
+    }
+    if (!good) /* all or nothing: the last one counted was not written */
+        for (int i = 0; i + 1 < written; i++) unlink(o->outputs[i]);
+    for (int i = 0; i < 5; i++) fnl_image_free(host, &p.images[i]);
+    return good;
+}
+
+/* ---- frames ---- */
+
+static bool note_frame(struct render_report *report, uint32_t index, const fnl_frame_stats *stats) {
+    if (index == 0) {
+        report->pass_count = stats->pass_count;
+        report->names = calloc(stats->pass_count + 1, sizeof *report->names);
+        report->pass_times = calloc((size_t)stats->pass_count * report->frame_count + 1, sizeof *report->pass_times);
+        if (!report->names || !report->pass_times) return false;
+        for (uint32_t i = 0; i < stats->pass_count; i++) report->names[i] = stats->passes[i].name;
+    }
+    for (uint32_t i = 0; i < report->pass_count && i < stats->pass_count; i++)
+        report->pass_times[(size_t)i * report->frame_count + index] = stats->passes[i].milliseconds;
+    report->cpu_times[index] = stats->cpu_milliseconds;
+    report->gpu_times[index] = stats->gpu_milliseconds;
+    return true;
+}
+
+/* The timed frames; then one more that counts light evaluations, which is also the one that is saved. */
+static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report) {
+    report->frame_count = o->frame_count;
+    report->cpu_times = calloc(o->frame_count, sizeof(double));
+    report->gpu_times = calloc(o->frame_count, sizeof(double));
+    if (!report->cpu_times || !report->gpu_times) return false;
+    bool counts = o->stats || !o->quiet;
+    uint32_t warm_up = o->frame_count > 1 ? 1 : 0, total = o->frame_count + warm_up + counts;
+    fnl_frame timed = frame;
+    if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
+    for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
+        show_progress(o, "rendering", i, total);
+        if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK) return false;
+        if (i >= warm_up && !note_frame(report, i - warm_up, &report->stats)) return false;
+    }
+    if (counts) {
+        show_progress(o, "counting", total - 1, total);
+        frame.count_lights = true;
+        frame.timers = false;
+        if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK) return false;
+    }
+    show_progress(o, "done", total, total);
+    return true;
+}
+
+static void print_plan(const fnl_renderer *renderer) {
+    size_t length = fnl_renderer_print_plan(renderer, NULL, 0);
+    char *text = malloc(length + 1);
+    if (!text) return;
+    fnl_renderer_print_plan(renderer, text, length + 1);
+    fputs(text, stdout);
+    free(text);
+}
+
+int render_run(const struct render_options *o) {
+    fnl_host host = fnl_host_default();
+    fnl_scene *scene = NULL;
+    fnl_device *device = NULL;
+    fnl_renderer *renderer = NULL;
+    struct render_report report = {0};
+    fnl_frame frame = o->frame;
+    frame.outputs = wanted_outputs(o);
+    fnl_device_params device_params = fnl_device_params_default();
+    choose_device(o, &device_params);
+    bool good = load_scene(o, &host, &scene, &frame.camera) && fnl_device_create(&device_params, &device) == FNL_OK &&
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK && run_frames(o, renderer, frame, &report);
+    if (good) {
+        report.frame = frame;
+        good = fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+    }
+    if (good && o->validate && fnl_device_validation_count(device)) {
+        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(device));
+        good = false;
+    }
+    if (good && o->plan) print_plan(renderer);
+    if (good && o->output_count) good = save_outputs(o, &host, renderer);
+    if (good && o->stats) good = report_save(&report, o->stats);
+    if (good && !o->quiet && !o->plan) report_print(&report);
+    free((void *)report.names);
+    free(report.pass_times);
+    free(report.cpu_times);
+    free(report.gpu_times);
+    fnl_renderer_destroy(&renderer);
+    fnl_device_destroy(&device);
+    fnl_scene_destroy(&scene);
+    return good ? 0 : 2;
+}

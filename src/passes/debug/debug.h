@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/** Debug views, and the surface as numbers (AOVs). */
+#ifndef FNL_PASSES_DEBUG_H
+#define FNL_PASSES_DEBUG_H
+
+#include "passes/debug/debug_shared.h"
+#include "passes/geometry/geometry.h"
+#include "passes/lights/light_list.h"
+
+/** RGBA32F images of the nearest opaque surface: base colour and roughness; normal and view depth; position and item id + 1. */
+struct aov_images { graph_image albedo, normal, position; };
+struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                          VkDeviceAddress view, uint32_t width, uint32_t height);
+
+/** Counts the fragments of all opaque items in `counters`, one uint per pixel, which the pass clears. */
+graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                          VkDeviceAddress view, uint32_t width, uint32_t height);
+
+/** Writes the view `mode` (GPU_DEBUG_…) to a storage image. `overdraw` is needed by GPU_DEBUG_OVERDRAW alone. */
+void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer overdraw,
+                    VkDeviceAddress view, graph_image target, bool swap);
+
+#endif

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/geometry/cull_shared.h"
+
+#include "passes/geometry/geometry.h"
+#include "passes/geometry/prefix_sum.h"
+#include "shaders.h"
+
+struct cull_data { const struct geometry_scene *scene; VkDeviceAddress view; struct geometry_draws draws; const struct gpu_shader *shader; };
+
+static void execute_cull(const struct graph_context *context, const void *data) {
+    const struct cull_data *d = data;
+    bool fills = d->shader == &shader_cull_fill_comp;
+    struct gpu_compute_params params = {.shader = d->shader};
+    struct gpu_cull_push push = {
+        .view = d->view, .scene = d->scene->scene, .sums = graph_address(context, d->draws.sums),
+        .visible = fills ? graph_address(context, d->draws.visible) : 0, .draws = fills ? graph_address(context, d->draws.draws) : 0,
+        .item_count = d->scene->item_count, .group_count = d->scene->group_count};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->scene->item_count + 1, 64u), 1, 1);
+}
+
+struct sort_data {
+    const struct geometry_scene *scene;
+    VkDeviceAddress view;
+    graph_buffer sums, keys_in, keys_out, counts, draws, visible;
+    uint32_t shift, threads;
+    const struct gpu_shader *shader;
+};
+
+static VkDeviceAddress address_or_zero(const struct graph_context *context, graph_buffer buffer) {
+    return buffer.id ? graph_address(context, buffer) : 0;
+}
+
+static void execute_sort(const struct graph_context *context, const void *data) {
+    const struct sort_data *d = data;
+    struct gpu_compute_params params = {.shader = d->shader};
+    struct gpu_sort_push push = {
+        .view = d->view, .scene = d->scene->scene, .keys_in = address_or_zero(context, d->keys_in),
+        .keys_out = address_or_zero(context, d->keys_out), .counts = address_or_zero(context, d->counts),
+        .sums = address_or_zero(context, d->sums), .draws = address_or_zero(context, d->draws),
+        .visible = address_or_zero(context, d->visible), .first_item = d->scene->blend_first_item,
+        .item_count = d->scene->blend_item_count, .run_count = DIVIDE_UP(d->scene->blend_item_count, SORT_RUN), .shift = d->shift};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->threads, 64u), 1, 1);
+}
+
+static struct graph_pass *add_sort_pass(struct graph *graph, const char *name, const struct sort_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_sort, data, sizeof *data);
+    if (data->keys_in.id) graph_use_buffer(pass, data->keys_in, GRAPH_READ_COMPUTE);
+    if (data->keys_out.id) graph_use_buffer(pass, data->keys_out, GRAPH_WRITE_COMPUTE);
+    if (data->sums.id) graph_use_buffer(pass, data->sums, GRAPH_READ_COMPUTE);
+    return pass;
+}
+
+#define SORT_STEPS 8
+#define SORT_NAMES(n) {"sort count " n, "sort scatter " n, "sort counts " n, "sort keys " n}
+static const struct { const char *count, *scatter, *counts, *keys; } sort_names[SORT_STEPS] = {
+    SORT_NAMES("1"), SORT_NAMES("2"), SORT_NAMES("3"), SORT_NAMES("4"), SORT_NAMES("5"), SORT_NAMES("6"), SORT_NAMES("7"), SORT_NAMES("8")};
+static const struct prefix_sum_names sort_sum_names[SORT_STEPS] = {
+    PREFIX_SUM_NAMES("sort 1"), PREFIX_SUM_NAMES("sort 2"), PREFIX_SUM_NAMES("sort 3"), PREFIX_SUM_NAMES("sort 4"),
+    PREFIX_SUM_NAMES("sort 5"), PREFIX_SUM_NAMES("sort 6"), PREFIX_SUM_NAMES("sort 7"), PREFIX_SUM_NAMES("sort 8")};
+
+static void add_sort(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view, struct geometry_draws *draws) {
+    uint32_t count = scene->blend_item_count, run_count = DIVIDE_UP(count, SORT_RUN);
+    graph_buffer keys = graph_create_buffer(graph, "sort keys", count * 8ull);
+    struct graph_pass *keys_pass = add_sort_pass(graph, "sort keys", &(struct sort_data){.scene = scene, .view = view, .sums = draws->sums, .keys_out = keys,
+                                                          .threads = count, .shader = &shader_sort_keys_comp});
+    graph_use_buffer(keys_pass, scene->vertices, GRAPH_READ_COMPUTE);
+    for (uint32_t step = 0; step < SORT_STEPS; step++) {
+        struct sort_data data = {.scene = scene, .keys_in = keys, .shift = step * 4, .threads = run_count,
+                                 .counts = graph_create_buffer(graph, sort_names[step].counts, run_count * SORT_DIGITS * 4ull),
+                                 .shader = &shader_sort_count_comp};
+        graph_use_buffer(add_sort_pass(graph, sort_names[step].count, &data), data.counts, GRAPH_WRITE_COMPUTE);
+        prefix_sum_add(graph, &sort_sum_names[step], data.counts, run_count * SORT_DIGITS);
+        data.keys_out = graph_create_buffer(graph, sort_names[step].keys, count * 8ull);
+        data.shader = &shader_sort_scatter_comp;
+        graph_use_buffer(add_sort_pass(graph, sort_names[step].scatter, &data), data.counts, GRAPH_READ_COMPUTE);
+        keys = data.keys_out;
+    }
+    draws->blend_draws = graph_create_buffer(graph, "blend draws", count * sizeof(struct gpu_draw));
+    draws->blend_visible = graph_create_buffer(graph, "blend visible", count * 4ull);
+    struct sort_data data = {.scene = scene, .keys_in = keys, .draws = draws->blend_draws, .visible = draws->blend_visible,
+                             .threads = count, .shader = &shader_sort_draws_comp};
+    struct graph_pass *pass = add_sort_pass(graph, "sort draws", &data);
+    graph_use_buffer(pass, draws->blend_draws, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, draws->blend_visible, GRAPH_WRITE_COMPUTE);
+}
+
+struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view) {
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("cull");
+    struct geometry_draws draws = {
+        .sums = graph_create_buffer(graph, "visible sums", (scene->item_count + 1) * 4ull),
+        .visible = graph_create_buffer(graph, "visible items", MAX(scene->item_count, 1u) * 4ull),
+        .draws = graph_create_buffer(graph, "draws", MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
+    struct cull_data data = {.scene = scene, .view = view, .draws = draws, .shader = &shader_cull_mark_comp};
+    struct graph_pass *pass = graph_add_pass(graph, "cull mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, draws.sums, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, &names, draws.sums, scene->item_count + 1);
+    data.shader = &shader_cull_fill_comp;
+    pass = graph_add_pass(graph, "cull fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    graph_use_buffer(pass, draws.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, draws.visible, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, draws.draws, GRAPH_WRITE_COMPUTE);
+    if (scene->blend_item_count) add_sort(graph, scene, view, &draws);
+    return draws;
+}

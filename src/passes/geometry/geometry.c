@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/geometry/geometry.h"
+
+#include "shaders.h"
+
+static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
+    return bucket->blend == (set == GEOMETRY_BLEND);
+}
+
+static bool bucket_is_sorted(const struct geometry_bucket *bucket) {
+    return bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+}
+
+void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws, enum geometry_set set) {
+    graph_use_buffer(pass, scene->vertices, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, draws->visible, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, draws->draws, GRAPH_INDIRECT);
+    if (set == GEOMETRY_BLEND && draws->blend_draws.id) {
+        graph_use_buffer(pass, draws->blend_visible, GRAPH_READ_VERTEX);
+        graph_use_buffer(pass, draws->blend_draws, GRAPH_INDIRECT);
+    }
+}
+
+void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                   enum geometry_set set, const struct gpu_graphics_params *state, const struct gpu_shader *mask_fragment,
+                   struct gpu_geometry_push push) {
+    gpu_bind_indices(context->commands, scene->indices, 0);
+    struct gpu_graphics_params params = *state;
+    params.vertex = &shader_geometry_vert;
+    push.scene = scene->scene;
+    push.visible = graph_address(context, draws->visible);
+    for (uint32_t i = 0; i < scene->bucket_count; i++) {
+        const struct geometry_bucket *bucket = &scene->buckets[i];
+        if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
+        params.topology = bucket->topology;
+        params.cull = bucket->double_sided ? VK_CULL_MODE_NONE : bucket->mirrored ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT;
+        params.fragment = state->fragment ? state->fragment : bucket->mask ? mask_fragment : NULL;
+        gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws),
+                                  bucket->first_group * sizeof(struct gpu_draw), bucket->group_count);
+    }
+    if (set == GEOMETRY_BLEND && scene->blend_item_count) {
+        /* One order over all states: the fragment shader culls back faces itself. */
+        params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+        params.cull = VK_CULL_MODE_NONE;
+        params.fragment = state->fragment;
+        push.visible = graph_address(context, draws->blend_visible);
+        gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0, scene->blend_item_count);
+    }
+}
+
+uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set) {
+    uint32_t count = set == GEOMETRY_BLEND && scene->blend_item_count ? 1 : 0;
+    for (uint32_t i = 0; i < scene->bucket_count; i++)
+        count += bucket_in_set(&scene->buckets[i], set) && !bucket_is_sorted(&scene->buckets[i]);
+    return count;
+}
+
+struct prepass_data { const struct geometry_scene *scene; struct geometry_draws draws; VkDeviceAddress view; uint32_t samples; };
+
+static void execute_prepass(const struct graph_context *context, const void *data) {
+    const struct prepass_data *d = data;
+    struct gpu_graphics_params state = {.depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER, .samples = d->samples};
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, &shader_depth_frag, (struct gpu_geometry_push){.view = d->view});
+}
+
+void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
+    struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples};
+    struct graph_pass *pass = graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Drawing the scene from GPU-culled lists. Items (primitives of instances) are sorted into buckets of equal pipeline state; each
+ * bucket is one multi-draw-indirect whose draws are groups of items of one primitive. Culling keeps the items in order, so
+ * every frame draws the same triangles in the same order.
+ */
+#ifndef FNL_PASSES_GEOMETRY_H
+#define FNL_PASSES_GEOMETRY_H
+
+#include "graph/graph.h"
+#include "passes/geometry/geometry_shared.h"
+#include "scene_shared.h"
+
+struct geometry_bucket {
+    VkPrimitiveTopology topology;
+    bool mask, blend, double_sided, mirrored;
+    uint32_t first_item, item_count, first_group, group_count;
+};
+
+/** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
+struct geometry_scene {
+    VkDeviceAddress scene; /* struct gpu_scene */
+    const struct gpu_buffer *indices;
+    graph_buffer vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
+    const struct geometry_bucket *buckets;
+    uint32_t bucket_count, item_count, group_count;
+    uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
+};
+
+/** Result of culling: which items are drawn, as indirect draws. */
+struct geometry_draws {
+    graph_buffer sums;    /* item_count + 1 prefix sums of visibility; the last is the number of visible items */
+    graph_buffer visible, draws;
+    graph_buffer blend_visible, blend_draws; /* id 0 when nothing blends */
+};
+
+/**
+ * Culls items against the view and writes draws; sorts the blended ones by the depth of their centre, farthest first.
+ * `view` is the address of a struct gpu_view. Cost: a few reads and writes per item; sorting 8 passes over blended items.
+ */
+struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view);
+
+enum geometry_set {
+    GEOMETRY_OPAQUE, /* opaque and cutout items */
+    GEOMETRY_BLEND,  /* blended items, back to front */
+};
+
+/** Declares the buffers that a drawing pass reads. */
+void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws, enum geometry_set set);
+
+/**
+ * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only,
+ * and cutouts then use `mask_fragment`. push->visible is filled in here.
+ */
+void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                   enum geometry_set set, const struct gpu_graphics_params *state, const struct gpu_shader *mask_fragment,
+                   struct gpu_geometry_push push);
+/** Number of indirect draw calls that geometry_draw makes. */
+uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
+
+/** Depth of the opaque set, single- or multisampled; clears first. */
+void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
+
+/** The depth format of all passes and its reversed comparison. */
+#define GEOMETRY_DEPTH_FORMAT VK_FORMAT_D32_SFLOAT
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/lights/light_list.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "passes/lights/cells.h"
+#include "shaders.h"
+
+void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use) {
+    graph_use_buffer(pass, list->lights, use);
+    if (list->cells.id) graph_use_buffer(pass, list->cells, use);
+    if (list->ids.id) graph_use_buffer(pass, list->ids, use);
+}
+
+struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
+    struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
+    *out_address = slice.address;
+    if (slice.data)
+        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){
+            .directional_count = input->directional_count, .local_count = input->local_count, .tile_size = 1, .tiles_x = 1,
+            .tiles_y = 1, .slices = 1, .lights = input->lights};
+    return slice.data;
+}
+
+struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
+    UNUSED(graph);
+    struct light_list list = {.kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count}};
+    light_list_header(device, input, &list.header);
+    return list;
+}
+
+/* ---- lights in view ---- */
+
+struct view_data { struct light_input input; struct lights_in_view in_view; VkDeviceAddress header; const struct gpu_shader *shader; };
+
+static void execute_lights(const struct graph_context *context, const void *data) {
+    const struct view_data *d = data;
+    bool gathers = d->shader == &shader_lights_gather_comp;
+    struct gpu_compute_params params = {.shader = d->shader};
+    struct gpu_lights_push push = {.view = d->input.view, .list = d->header, .sums = graph_address(context, d->in_view.sums),
+                                   .ids = gathers ? graph_address(context, d->in_view.ids) : 0,
+                                   .bounds = gathers ? graph_address(context, d->in_view.bounds) : 0,
+                                   .light_count = d->input.local_count};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u), 1, 1);
+}
+
+struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("lights");
+    uint64_t count = MAX(input->local_count, 1u);
+    struct view_data data = {.input = *input, .shader = &shader_lights_mark_comp};
+    data.in_view.sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull);
+    data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
+    data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
+    light_list_header(device, input, &data.header);
+    struct graph_pass *pass = graph_add_pass(graph, "lights mark", GRAPH_QUEUE_ASYNC, execute_lights, &data, sizeof data);
+    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.in_view.sums, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, &names, data.in_view.sums, input->local_count + 1);
+    data.shader = &shader_lights_gather_comp;
+    pass = graph_add_pass(graph, "lights gather", GRAPH_QUEUE_ASYNC, execute_lights, &data, sizeof data);
+    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, data.in_view.bounds, GRAPH_WRITE_COMPUTE);
+    return data.in_view;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Light lists: which lights reach which pixel. A builder turns lights and a view into a struct light_list; every shading order reads it
+ * through shaders/lights/iterate.glsl and never knows which builder made it.
+ *
+ * All builders keep the contract: lists ascend by light index, hold every light whose volume touches a pixel's surface, are counted
+ * exactly, and a cell that the pool cannot hold uses all lights in that frame.
+ */
+#ifndef FNL_PASSES_LIGHT_LIST_H
+#define FNL_PASSES_LIGHT_LIST_H
+
+#include "graph/graph.h"
+#include "lights/lights_shared.h"
+
+/** Lights on the device: directional ones first. */
+struct light_input {
+    graph_buffer buffer;    /* the lights, for their hazards */
+    VkDeviceAddress lights; /* struct gpu_light[directional_count + local_count] */
+    uint32_t directional_count, local_count;
+    VkDeviceAddress view;   /* struct gpu_view */
+    uint32_t width, height;
+};
+
+struct light_list {
+    uint32_t kind;           /* GPU_LIST_…: specialisation constant 0 of shaders that iterate */
+    VkDeviceAddress header;  /* struct gpu_light_list */
+    graph_buffer lights;     /* light_input.buffer */
+    graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
+    uint32_t cell_count;
+    uint64_t byte_count;     /* of cells and pool */
+    /* Where the counts of this frame are found: on the GPU in `totals` (struct light_totals), or already known. */
+    graph_buffer totals;
+    bool totals_known;
+    struct light_totals { uint32_t in_view, entries, overflow_cells; } known;
+};
+
+/** Declares that a pass iterates over the list in fragment or compute shaders. */
+void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use);
+
+/** The reference: every light, every pixel. */
+struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);
+
+/** Lights in view, shared by all builders of a frame. */
+struct lights_in_view {
+    graph_buffer sums;   /* local_count + 1; the last is the number in view */
+    graph_buffer ids;    /* ascending */
+    graph_buffer bounds; /* struct gpu_bound, view space */
+};
+struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
+
+struct tiled_params {
+    uint32_t tile_size;       /* pixels, a multiple of 8; default 16 */
+    bool min_depth, max_depth; /* cull lights in front of the nearest / behind the farthest pixel (ES-43); default true */
+    uint32_t pool_capacity;   /* entries that the ids of all tiles may take; default 2^20 */
+    bool second;              /* another list of the same frame (transparent surfaces); default false */
+};
+struct tiled_params tiled_params_default(void);
+/**
+ * Tiles of the screen (Olsson & Assarsson 2011, Harada 2012). `depth` is the depth of everything that will look lights up (id 0: none,
+ * then tiles reach from the viewer to infinity); single- or multisampled.
+ */
+struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                            const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);
+
+struct clustered_params {
+    uint32_t tile_size;     /* pixels; default 64 */
+    uint32_t slices;        /* 1 .. 1024; default 24 */
+    float near, far;        /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
+    uint32_t pool_capacity; /* default 2^20 */
+};
+struct clustered_params clustered_params_default(void);
+/** Exponential clusters (Olsson et al. 2012; Persson 2013), counted and filled on the GPU. Needs no depth. */
+struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                                const struct lights_in_view *in_view, const struct clustered_params *params);
+
+/** Writes the header of a list whose buffers the graph owns; for builders, inside a pass. */
+struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
+
+#endif

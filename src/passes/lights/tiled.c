@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/lights/cells.h"
+#include "shaders.h"
+
+struct tiled_params tiled_params_default(void) {
+    return (struct tiled_params){.tile_size = 16, .min_depth = true, .max_depth = true, .pool_capacity = 1u << 20};
+}
+
+struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                            const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
+    static const struct cells_names names[2] = {CELLS_NAMES("tiled"), CELLS_NAMES("tiled blend")};
+    struct cells_build build = {.names = &names[params->second], .bounds_shader = &shader_tiled_bounds_comp, .depth = depth,
+                                .flags = (params->min_depth ? CELLS_MIN_DEPTH : 0) | (params->max_depth ? CELLS_MAX_DEPTH : 0),
+                                .pool_capacity = params->pool_capacity,
+                                .bounds_samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
+    build.header = light_list_header(device, input, &build.header_address);
+    build.bounds_groups_x = DIVIDE_UP(input->width, params->tile_size);
+    build.bounds_groups_y = DIVIDE_UP(input->height, params->tile_size);
+    if (build.header) {
+        build.header->tile_size = params->tile_size;
+        build.header->tiles_x = build.bounds_groups_x;
+        build.header->tiles_y = build.bounds_groups_y;
+    }
+    struct light_list list = cells_add(graph, input, in_view, &build);
+    list.kind = GPU_LIST_TILES;
+    return list;
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/** The shading orders: each turns geometry and a light list into radiance through the same shade_surface() (shaders/shade.glsl). */
+#ifndef FNL_PASSES_SHADE_H
+#define FNL_PASSES_SHADE_H
+
+#include "passes/geometry/geometry.h"
+#include "passes/lights/light_list.h"
+
+struct shade_input {
+    const struct geometry_scene *scene;
+    const struct geometry_draws *draws;
+    const struct light_list *lights;
+    VkDeviceAddress view;
+    uint32_t width, height;
+    graph_buffer counters;  /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
+    float background[3];
+};
+
+/**
+ * Forward shading of a set into `radiance` (cd/m^2) with `depth`, both single- or multisampled. The opaque set either clears and
+ * fills depth itself, or with `prepass` tests for equality against a depth that is complete. The blended set is drawn over
+ * what is there, premultiplied, without writing depth. Cost: all fragments that pass the depth test are shaded.
+ */
+void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass, graph_image radiance, graph_image depth);
+
+/**
+ * Deferred shading of the opaque set: G-buffer (layout in shaders/gbuffer.glsl: 16 bytes a pixel beside depth and radiance), then
+ * one compute thread per pixel. Single-sampled. `lights` may depend on the depth, so the two halves are apart.
+ */
+struct gbuffer { graph_image color, normal, dielectric; };
+struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth);
+void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance, graph_image depth);
+
+#endif

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/device_scene.h"
+
+void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene) {
+    *d = (struct device_scene){.device = device, .host = *gpu_host(device), .scene = scene, .structure_version = UINT64_MAX,
+                               .transform_version = UINT64_MAX, .light_version = UINT64_MAX};
+}
+
+static void free_structure(struct device_scene *d) {
+    struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
+                                    &d->items, &d->groups, &d->table, &d->deforms, &d->influences, &d->morphs};
+    for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
+    for (uint32_t i = 0; i < d->images.count; i++)
+        if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
+    d->images.count = d->buckets.count = d->node_instances.count = d->deformed.count = d->deform_vertex_counts.count = 0;
+    d->item_count = d->group_count = d->blend_item_count = d->matrix_count = d->weight_count = 0;
+}
+
+void device_scene_finish(struct device_scene *d) {
+    free_structure(d);
+    gpu_buffer_destroy(d->device, &d->lights);
+    array_free(&d->host, &d->images);
+    array_free(&d->host, &d->buckets);
+    array_free(&d->host, &d->node_instances);
+    array_free(&d->host, &d->deformed);
+    array_free(&d->host, &d->deform_vertex_counts);
+    array_free(&d->host, &d->light_data);
+}
+
+static fnl_result prepare_structure(struct device_scene *d) {
+    free_structure(d);
+    TRY(device_images_upload(d, gpu_jobs(d->device)));
+    TRY(device_geometry_upload(d));
+    TRY(gpu_upload_flush(d->device));
+    d->structure_version = d->scene->structure_version;
+    d->transform_version = d->scene->transform_version;
+    d->bounds = scene_bounds(d->scene);
+    return FNL_OK;
+}
+
+fnl_result device_scene_prepare(struct device_scene *d) {
+    if (d->structure_version != d->scene->structure_version) TRY(prepare_structure(d));
+    /* The lights' buffer only grows; its contents are sent inside the frame. */
+    uint64_t needed = MAX(d->scene->lights.count, 1u) * sizeof(struct gpu_light);
+    if (d->lights.size < needed) {
+        gpu_buffer_destroy(d->device, &d->lights);
+        TRY(gpu_buffer_create(d->device, "lights", needed, GPU_MEMORY_DEVICE, &d->lights));
+        d->light_version = UINT64_MAX;
+    }
+    return FNL_OK;
+}
+
+/* ---- updates inside a frame ---- */
+
+struct copy_data { struct gpu_slice slice; struct gpu_buffer target; uint64_t size; };
+
+static void execute_copy(const struct graph_context *context, const void *data) {
+    const struct copy_data *d = data;
+    gpu_copy_buffer(context->commands, d->slice.buffer, d->slice.offset, &d->target, 0, d->size);
+}
+
+static fnl_result add_lights(struct device_scene *d, struct graph *graph, graph_buffer lights) {
+    if (d->light_version == d->scene->light_version) return FNL_OK;
+    TRY(device_lights_gather(d->scene, d));
+    struct copy_data copy = {.target = d->lights, .size = d->light_data.count * sizeof(struct gpu_light)};
+    if (copy.size) {
+        copy.slice = gpu_frame_allocate(d->device, copy.size);
+        if (!copy.slice.data) return gpu_status(d->device);
+        memcpy(copy.slice.data, d->light_data.data, copy.size);
+        struct graph_pass *pass = graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
+        graph_use_buffer(pass, lights, GRAPH_COPY_TO);
+    }
+    d->light_version = d->scene->light_version;
+    return FNL_OK;
+}
+
+struct move_data { struct device_scene *d; const uint32_t *nodes; uint32_t node_count; struct gpu_slice slice; };
+
+static void execute_move(const struct graph_context *context, const void *data) {
+    const struct move_data *m = data;
+    uint64_t offset = m->slice.offset;
+    for (uint32_t i = 0; i < m->node_count; i++) {
+        uint32_t first = m->d->node_instances.data[m->nodes[i]];
+        uint64_t size = m->d->scene->nodes.data[m->nodes[i]].instance_count * sizeof(struct gpu_instance);
+        gpu_copy_buffer(context->commands, m->slice.buffer, offset, &m->d->instances, first * sizeof(struct gpu_instance), size);
+        offset += size;
+    }
+}
+
+/* Sends the instances of nodes that moved: those of the last step, or all when a step was missed. */
+static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
+    const fnl_scene *scene = d->scene;
+    if (d->transform_version == scene->transform_version) return FNL_OK;
+    bool one_step = d->transform_version + 1 == scene->transform_version;
+    uint32_t candidate_count = one_step ? scene->moved.count : scene->nodes.count;
+    uint64_t size = 0;
+    uint32_t count = 0;
+    struct gpu_slice nodes = gpu_frame_allocate(d->device, MAX(candidate_count, 1u) * sizeof(uint32_t));
+    if (!nodes.data) return gpu_status(d->device);
+    for (uint32_t i = 0; i < candidate_count; i++) {
+        uint32_t n = one_step ? scene->moved.data[i] : i;
+        if (d->node_instances.data[n] == SCENE_NONE || scene->nodes.data[n].skin != SCENE_NONE) continue;
+        ((uint32_t *)nodes.data)[count++] = n;
+        size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);
+    }
+    d->transform_version = scene->transform_version;
+    d->bounds = scene_bounds(scene);
+    if (count == 0) return FNL_OK;
+    struct move_data move = {.d = d, .nodes = nodes.data, .node_count = count, .slice = gpu_frame_allocate(d->device, size)};
+    if (!move.slice.data) return gpu_status(d->device);
+    struct gpu_instance *out = move.slice.data;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct scene_node *node = &scene->nodes.data[move.nodes[i]];
+        device_scene_node_instances(node, out);
+        out += node->instance_count;
+    }
+    struct graph_pass *pass = graph_add_pass(graph, "update instances", GRAPH_QUEUE_GRAPHICS, execute_move, &move, sizeof move);
+    graph_use_buffer(pass, vertices, GRAPH_COPY_TO);
+    return FNL_OK;
+}
+
+static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
+    if (d->deformed.count == 0) return FNL_OK;
+    const fnl_scene *scene = d->scene;
+    struct gpu_slice matrices = gpu_frame_allocate(d->device, MAX(d->matrix_count, 1u) * sizeof(mat4));
+    struct gpu_slice weights = gpu_frame_allocate(d->device, MAX(d->weight_count, 1u) * sizeof(float));
+    if (!matrices.data || !weights.data) return gpu_status(d->device);
+    for (uint32_t i = 0; i < d->deformed.count; i++) {
+        const struct device_deform *deform = &d->deformed.data[i];
+        const struct scene_node *node = &scene->nodes.data[deform->node];
+        const float *values = node->morph_weights ? node->morph_weights : scene->meshes.data[node->mesh].morph_weights;
+        for (uint32_t w = 0; w < deform->weight_count; w++) ((float *)weights.data)[deform->first_weight + w] = values ? values[w] : 0;
+        if (deform->matrix_count) skin_matrices(scene, deform->skin, (mat4 *)matrices.data + deform->first_matrix);
+    }
+    struct skin_input input = {.vertices = vertices, .positions = d->positions.address, .attributes = d->attributes.address,
+                               .deforms = d->deforms.address, .influences = d->influences.address, .morphs = d->morphs.address,
+                               .weights = weights.address, .matrices = matrices.address,
+                               .vertex_counts = d->deform_vertex_counts.data, .deform_count = d->deform_vertex_counts.count};
+    skin_add(graph, &input);
+    return FNL_OK;
+}
+
+fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out) {
+    graph_buffer vertices = graph_import_buffer(graph, "scene vertices", &d->positions);
+    graph_buffer lights = graph_import_buffer(graph, "lights", &d->lights);
+    TRY(add_lights(d, graph, lights));
+    TRY(add_moves(d, graph, vertices));
+    TRY(add_deforms(d, graph, vertices));
+    out->geometry = (struct geometry_scene){
+        .scene = d->table.address, .indices = &d->indices, .vertices = vertices, .buckets = d->buckets.data, .bucket_count = d->buckets.count,
+        .item_count = d->item_count, .group_count = d->group_count, .blend_first_item = d->blend_first_item, .blend_item_count = d->blend_item_count};
+    out->lights = (struct light_input){.buffer = lights, .lights = d->lights.address, .directional_count = d->directional_count,
+                                       .local_count = d->light_data.count - d->directional_count};
+    return FNL_OK;
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * A scene in device memory: uploaded once, rebuilt when its structure changes, and kept in step with transforms and lights by copies
+ * inside the frame.
+ */
+#ifndef FNL_RENDER_DEVICE_SCENE_H
+#define FNL_RENDER_DEVICE_SCENE_H
+
+#include "passes/geometry/geometry.h"
+#include "passes/geometry/skin.h"
+#include "passes/lights/light_list.h"
+#include "scene/scene.h"
+
+/** One node that is skinned or morphed: its joint matrices and weights are sent with every frame. */
+struct device_deform { uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight; };
+
+struct device_scene {
+    gpu_device *device;
+    fnl_host host;
+    fnl_scene *scene;
+    uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
+
+    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, items, groups, table, deforms, influences, morphs;
+    ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
+    ARRAY(struct geometry_bucket) buckets;
+    ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
+    ARRAY(struct device_deform) deformed;
+    ARRAY(uint32_t) deform_vertex_counts;
+    uint32_t item_count, group_count, blend_first_item, blend_item_count, matrix_count, weight_count;
+
+    struct box bounds;             /* of the scene at the last transform_version */
+
+    struct gpu_buffer lights;
+    ARRAY(struct gpu_light) light_data; /* the same on the CPU */
+    uint32_t directional_count;
+};
+
+void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
+void device_scene_finish(struct device_scene *d);
+/** Uploads what changed in the scene's structure; blocks while images are decoded and copied. Call outside of frames. */
+fnl_result device_scene_prepare(struct device_scene *d);
+
+struct device_scene_frame {
+    struct geometry_scene geometry;
+    struct light_input lights; /* view, width and height are left to the caller */
+};
+/** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
+fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);
+
+/** In device_lights.c: the light array of a scene, directional ones first. */
+fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
+struct gpu_light device_light(const fnl_light_params *light);
+
+/** In device_images.c: decodes on all threads and uploads the images that materials use. */
+fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
+
+/** In device_geometry.c */
+fnl_result device_geometry_upload(struct device_scene *d);
+/** The device form of a node's instances, at its present pose. */
+void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
+
+#endif

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: MIT */
+/** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
+#include "passes/post/post.h"
+#include "passes/post/post_shared.h"
+#include "passes/shade/shade.h"
+#include "render/renderer_internal.h"
+
+/* What the parts of a frame hand to each other. */
+struct frame_state {
+    fnl_renderer *r;
+    const fnl_frame *frame;
+    struct graph *graph;
+    struct device_scene_frame *scene; /* the renderer's: passes look at it while they are recorded */
+    struct gpu_view view;
+    VkDeviceAddress view_address;
+    struct geometry_draws draws;
+    graph_image radiance, depth;
+    struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
+    graph_buffer counters, exposure;
+    struct aov_images aov;
+    graph_image color;
+};
+
+static bool is_deferred(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED; }
+static bool has_blend(const struct frame_state *f) {
+    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
+        if (f->scene->geometry.buckets[i].blend) return true;
+    return false;
+}
+
+static graph_image create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
+    return graph_create_image(f->graph, &(struct graph_image_params){.name = name, .format = format, .width = f->frame->width,
+                                                                     .height = f->frame->height, .samples = samples});
+}
+
+static fnl_result add_view(struct frame_state *f) {
+    f->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
+    f->view.ambient_sky = f->r->scene->ambient_sky;
+    f->view.ambient_ground = f->r->scene->ambient_ground;
+    f->view.hdr_max = f->frame->outputs & FNL_OUTPUT_RADIANCE ? FLT_MAX : 65504.0f;
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
+    if (!slice.data) return gpu_status(f->r->device);
+    memcpy(slice.data, &f->view, sizeof f->view);
+    f->view_address = slice.address;
+    f->scene->lights.view = slice.address;
+    f->scene->lights.width = f->frame->width;
+    f->scene->lights.height = f->frame->height;
+    return FNL_OK;
+}
+
+/* ---- light lists ---- */
+
+/* Slices reach as far as the scene does; nearer than a sixty-fourth of that they would be thin for nothing. */
+static struct clustered_params cluster_params(const struct frame_state *f) {
+    struct clustered_params params = clustered_params_default();
+    struct box bounds = f->r->device_scene.bounds;
+    float far = 1;
+    if (!box_is_empty(&bounds))
+        for (int i = 0; i < 8; i++) {
+            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y, i & 4 ? bounds.high.z : bounds.low.z};
+            far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
+        }
+    params.far = fminf(far, 1e6f);
+    params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 512), params.far * 0.5f);
+    params.pool_capacity = f->r->pool_capacity;
+    return params;
+}
+
+static void add_lists(struct frame_state *f) {
+    const struct light_input *input = &f->scene->lights;
+    gpu_device *device = f->r->device;
+    switch (f->frame->lists) {
+    case FNL_LISTS_TILED: {
+        struct lights_in_view in_view = lights_in_view_add(f->graph, device, input);
+        struct tiled_params params = tiled_params_default();
+        params.pool_capacity = f->r->pool_capacity;
+        f->lights = tiled_add(f->graph, device, input, &in_view, f->depth, &params);
+        f->blend_lights = f->lights;
+        if (f->depth.id && has_blend(f)) { /* glass stands in front of what the depth shows (ES-44) */
+            params.min_depth = false;
+            params.second = true;
+            f->blend_lights = tiled_add(f->graph, device, input, &in_view, f->depth, &params);
+        }
+        return;
+    }
+    case FNL_LISTS_CLUSTERED: {
+        struct lights_in_view in_view = lights_in_view_add(f->graph, device, input);
+        struct clustered_params params = cluster_params(f);
+        f->lights = clustered_add(f->graph, device, input, &in_view, &params);
+        break;
+    }
+    case FNL_LISTS_CLUSTERED_CPU: {
+        struct clustered_params params = cluster_params(f);
+        struct clustered_cpu_view view = {f->view.ndc_scale, f->view.ndc_offset, f->frame->camera.orthographic, f->frame->width, f->frame->height};
+        f->lights = clustered_cpu_add(&f->r->clustered_cpu, device, input, f->r->device_scene.light_data.data + input->directional_count,
+                                      &f->view.world_to_view, &view, &params);
+        break;
+    }
+    default: f->lights = light_list_all_add(f->graph, device, input); break;
+    }
+    f->blend_lights = f->lights;
+}
+
+/* ---- shading ---- */
+
+struct clear_data { graph_buffer buffer; uint64_t size; };
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct clear_data *d = data;
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
+}
+
+static void add_counters(struct frame_state *f) {
+    if (!f->frame->count_lights) return;
+    struct clear_data clear = {graph_import_buffer(f->graph, "light counters", &f->r->counters), f->r->counters.size};
+    struct graph_pass *pass = graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
+    graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
+    f->counters = clear.buffer;
+}
+
+static void add_shading(struct frame_state *f) {
+    uint32_t samples = f->frame->msaa;
+    VkFormat format = f->frame->outputs & FNL_OUTPUT_RADIANCE ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+    f->radiance = create_image(f, "radiance", format, samples);
+    graph_image depth = create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, samples);
+    vec3 background = f->r->scene->background;
+    struct shade_input input = {.scene = &f->scene->geometry, .draws = &f->draws, .lights = &f->lights, .view = f->view_address,
+                                .width = f->frame->width, .height = f->frame->height, .counters = f->counters,
+                                .background = {background.x, background.y, background.z}};
+    if (is_deferred(f->frame)) {
+        struct gbuffer gbuffer = gbuffer_add(f->graph, &input, f->radiance, depth);
+        f->depth = depth;
+        add_lists(f);
+        deferred_add(f->graph, &input, &gbuffer, f->radiance, depth);
+    } else {
+        bool prepass = f->frame->shading == FNL_SHADING_FORWARD_PREPASS;
+        if (prepass) {
+            prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
+            f->depth = depth; /* a single pass has no depth to bound its tiles with */
+        }
+        add_lists(f);
+        forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
+    }
+    if (has_blend(f)) {
+        input.lights = &f->blend_lights;
+        forward_add(f->graph, &input, GEOMETRY_BLEND, false, f->radiance, depth);
+    }
+}
+
+/* ---- the picture ---- */
+
+static bool needs_aov(const fnl_frame *frame) {
+    return frame->debug != FNL_DEBUG_NONE || (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
+}
+
+static void add_picture(struct frame_state *f, const struct frame_target *target) {
+    VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
+    bool swap = false, linear = false;
+    if (target) {
+        VkFormat wanted = target->image->params.format;
+        swap = wanted == VK_FORMAT_B8G8R8A8_UNORM || wanted == VK_FORMAT_B8G8R8A8_SRGB;
+        linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
+        if (linear) format = wanted;
+    }
+    f->color = create_image(f, "color", format, 1);
+    struct tonemap_params params = {.tonemap = (uint32_t)f->frame->tonemap, .factor = 1, .linear = linear, .swap = swap};
+    if (f->frame->exposure == FNL_EXPOSURE_EV) params.factor = 1 / (1.2f * exp2f(f->frame->ev));
+    if (f->frame->exposure == FNL_EXPOSURE_AUTO) params.exposure = f->exposure = exposure_add(f->graph, f->radiance);
+    if (f->frame->debug == FNL_DEBUG_NONE) {
+        tonemap_add(f->graph, f->radiance, f->color, &params);
+    } else {
+        graph_buffer overdraw = {0};
+        if (f->frame->debug == FNL_DEBUG_OVERDRAW)
+            overdraw = overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
+        debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, overdraw, f->view_address, f->color, swap);
+    }
+}
+
+struct copy_image_data { graph_image from, to; };
+
+static void execute_copy_image(const struct graph_context *context, const void *data) {
+    const struct copy_image_data *d = data;
+    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to));
+}
+
+static void add_target(struct frame_state *f, const struct frame_target *target) {
+    struct copy_image_data copy = {f->color, graph_import_image(f->graph, target->image, target->initial_layout, target->final_layout)};
+    struct graph_pass *pass = graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
+    graph_use_image(pass, copy.from, GRAPH_COPY_FROM);
+    graph_use_image(pass, copy.to, GRAPH_COPY_TO);
+}
+
+/* ---- what the CPU reads ---- */
+
+static const char *const output_names[OUTPUT_COUNT] = {"read color", "read radiance", "read surface", "read normal", "read position"};
+
+struct read_image_data { graph_image image; graph_buffer buffer; };
+
+static void execute_read_image(const struct graph_context *context, const void *data) {
+    const struct read_image_data *d = data;
+    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->image), graph_get_buffer(context, d->buffer), 0);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+/* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
+static void add_outputs(struct frame_state *f, bool readable_color) {
+    graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position};
+    if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
+        images[1] = create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
+        resolve_add(f->graph, f->radiance, images[1]);
+    }
+    graph_buffer buffers[OUTPUT_COUNT] = {0};
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++) {
+        if (!(f->frame->outputs & 1u << i) || (i == 0 && !readable_color)) continue;
+        struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i])};
+        struct graph_pass *pass = graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
+        graph_use_image(pass, data.image, GRAPH_COPY_FROM);
+        graph_use_buffer(pass, data.buffer, GRAPH_COPY_TO);
+        buffers[i] = data.buffer;
+    }
+    struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
+        if (buffers[i].id) graph_use_buffer(host, buffers[i], GRAPH_READ_HOST);
+}
+
+struct count_copy { graph_buffer from, to; uint64_t from_offset, to_offset, size; };
+struct counts_data { struct count_copy copies[5]; uint32_t count; };
+
+static void execute_counts(const struct graph_context *context, const void *data) {
+    const struct counts_data *d = data;
+    for (uint32_t i = 0; i < d->count; i++) {
+        const struct count_copy *c = &d->copies[i];
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, c->from), c->from_offset, graph_get_buffer(context, c->to), c->to_offset, c->size);
+    }
+}
+
+/* Exact counts of this very frame. */
+static void add_counts(struct frame_state *f) {
+    uint32_t slot = gpu_frame_slot(f->r->device);
+    graph_buffer counts = graph_import_buffer(f->graph, "frame counts", &f->r->counts[slot]), draws = {0};
+    struct counts_data data = {.count = 1};
+    data.copies[0] = (struct count_copy){f->draws.sums, counts, f->scene->geometry.item_count * 4ull, offsetof(struct frame_counts, visible_items), 4};
+    if (f->lights.totals.id)
+        data.copies[data.count++] = (struct count_copy){f->lights.totals, counts, 0, offsetof(struct frame_counts, lights), sizeof(struct light_totals)};
+    if (f->blend_lights.totals.id && f->blend_lights.totals.id != f->lights.totals.id)
+        data.copies[data.count++] = (struct count_copy){f->blend_lights.totals, counts, 0, offsetof(struct frame_counts, blend_lights), sizeof(struct light_totals)};
+    if (f->exposure.id) data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
+    if (f->frame->count_lights) {
+        draws = graph_import_buffer(f->graph, "read draws", &f->r->draws);
+        data.copies[data.count++] = (struct count_copy){f->draws.draws, draws, 0, 0, MAX(f->scene->geometry.group_count, 1u) * sizeof(struct gpu_draw)};
+    }
+    struct graph_pass *pass = graph_add_pass(f->graph, "read counts", GRAPH_QUEUE_GRAPHICS, execute_counts, &data, sizeof data);
+    for (uint32_t i = 0; i < data.count; i++) graph_use_buffer(pass, data.copies[i].from, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, counts, GRAPH_COPY_TO);
+    if (draws.id) graph_use_buffer(pass, draws, GRAPH_COPY_TO);
+    struct graph_pass *host = graph_add_pass(f->graph, "counts to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    graph_use_buffer(host, counts, GRAPH_READ_HOST);
+    if (draws.id) graph_use_buffer(host, draws, GRAPH_READ_HOST);
+    if (f->counters.id) graph_use_buffer(host, f->counters, GRAPH_READ_HOST);
+}
+
+/* What is known before the GPU has run. */
+static void note_stats(struct frame_state *f) {
+    fnl_renderer *r = f->r;
+    const struct geometry_scene *scene = &f->scene->geometry;
+    fnl_frame_stats *s = &r->stats;
+    *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count, .items = scene->item_count};
+    bool second = f->blend_lights.header != f->lights.header;
+    s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
+    s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
+    s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (f->frame->shading == FNL_SHADING_FORWARD_PREPASS ? 2 : 1) +
+               geometry_draw_count(scene, GEOMETRY_BLEND);
+    if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
+    r->totals_known = f->lights.totals_known;
+    r->known_totals = f->lights.known;
+}
+
+fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
+    struct frame_state f = {.r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame};
+    graph_begin(r->graph);
+    TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
+    TRY(add_view(&f));
+    f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
+    add_counters(&f);
+    add_shading(&f);
+    if (needs_aov(frame)) f.aov = aov_add(r->graph, &f.scene->geometry, &f.draws, f.view_address, frame->width, frame->height);
+    bool wants_color = target || (frame->outputs & FNL_OUTPUT_COLOR);
+    if (wants_color) add_picture(&f, target);
+    if (target) add_target(&f, target);
+    add_outputs(&f, !target);
+    add_counts(&f);
+    note_stats(&f);
+    return graph_compile(r->graph);
+}

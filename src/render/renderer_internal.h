@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_RENDER_RENDERER_INTERNAL_H
+#define FNL_RENDER_RENDERER_INTERNAL_H
+
+#include "fanal/renderer.h"
+#include "passes/debug/debug.h"
+#include "passes/lights/clustered.h"
+#include "render/device_scene.h"
+#include "render/view.h"
+
+/** What the GPU writes for the CPU in each frame. */
+struct frame_counts {
+    struct light_totals lights, blend_lights;
+    uint32_t visible_items, pad;
+    float exposure[2];
+};
+
+enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */
+
+struct fnl_renderer {
+    fnl_host host;
+    gpu_device *device;
+    fnl_scene *scene;
+    struct graph *graph;
+    struct device_scene device_scene;
+    struct device_scene_frame scene_frame; /* of the frame being made */
+    struct clustered_cpu clustered_cpu;
+    uint32_t pool_capacity; /* entries of the id pool; grows after an overflow */
+
+    /* The last frame, and where its results are. */
+    fnl_frame frame;
+    uint64_t frame_number; /* 0: none yet */
+    struct gpu_buffer outputs[OUTPUT_COUNT];
+    struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];
+    struct gpu_buffer draws, counters; /* read back with count_lights */
+    uint64_t slot_frames[GPU_FRAMES_IN_FLIGHT]; /* frame whose counts a slot holds */
+    fnl_frame_stats stats; /* the parts that the CPU knows */
+    struct light_totals known_totals;
+    bool totals_known;
+    ARRAY(fnl_pass_time) pass_times;
+    double cpu_milliseconds;
+};
+
+/** Where a frame goes besides the readback buffers. */
+struct frame_target { const struct gpu_image *image; VkImageLayout initial_layout, final_layout; };
+
+/** Declares the whole frame (frame.c). */
+fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
+
+
+#endif

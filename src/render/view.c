@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/view.h"
+
+bool camera_valid(const fnl_camera *c) {
+    if (!vec3_finite(c->position) || !vec3_finite(c->target) || !vec3_finite(c->up)) return false;
+    if (!(vec3_distance(c->position, c->target) > 0) || !isfinite(c->shift.x) || !isfinite(c->shift.y)) return false;
+    if (!(c->near_distance > 0) || !isfinite(c->near_distance)) return false;
+    if (c->orthographic) return c->vertical_extent > 0 && isfinite(c->vertical_extent) && c->far_distance > c->near_distance && isfinite(c->far_distance);
+    return c->vertical_fov > 0 && c->vertical_fov < PI;
+}
+
+/* A plane (row3 + sign * row) of the clip matrix, scaled so that its normal is unit. */
+static vec4 clip_plane(const mat4 *m, int row, float sign) {
+    float p[4];
+    for (int k = 0; k < 4; k++) p[k] = m->m[k * 4 + 3] + sign * m->m[k * 4 + row];
+    float length = sqrtf(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    float scale = length > 0 ? 1 / length : 0;
+    return (vec4){p[0] * scale, p[1] * scale, p[2] * scale, p[3] * scale};
+}
+
+struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height) {
+    struct gpu_view v = {.world_to_view = mat4_look_at(camera->position, camera->target, camera->up), .eye = camera->position,
+                         .near_distance = camera->near_distance, .orthographic = camera->orthographic,
+                         .size = {width, height}, .inverse_size = {1 / (float)width, 1 / (float)height}};
+    float aspect = (float)width / (float)height, near = camera->near_distance, far = camera->far_distance;
+    float *p = v.view_to_clip.m;
+    if (camera->orthographic) {
+        p[5] = 2 / camera->vertical_extent;
+        p[0] = p[5] / aspect;
+        p[10] = 1 / (far - near);
+        p[14] = far / (far - near);
+        p[12] = camera->shift.x;
+        p[13] = camera->shift.y;
+        p[15] = 1;
+        v.depth_decode = (vec4){far, near - far, 1, 0};
+    } else {
+        p[5] = 1 / tanf(camera->vertical_fov * 0.5f);
+        p[0] = p[5] / aspect;
+        p[8] = -camera->shift.x;
+        p[9] = -camera->shift.y;
+        p[14] = near;
+        p[11] = -1;
+        v.depth_decode = (vec4){near, 0, 0, 1};
+    }
+    v.ndc_scale = (vec2){1 / p[0], 1 / p[5]};
+    v.ndc_offset = (vec2){-camera->shift.x / p[0], -camera->shift.y / p[5]};
+    v.world_to_clip = mat4_mul(v.view_to_clip, v.world_to_view);
+    mat4_inverse(&v.world_to_view, &v.view_to_world);
+    v.back = (vec3){v.view_to_world.m[8], v.view_to_world.m[9], v.view_to_world.m[10]};
+    v.planes[0] = clip_plane(&v.world_to_clip, 0, 1);
+    v.planes[1] = clip_plane(&v.world_to_clip, 0, -1);
+    v.planes[2] = clip_plane(&v.world_to_clip, 1, 1);
+    v.planes[3] = clip_plane(&v.world_to_clip, 1, -1);
+    v.planes[4] = clip_plane(&v.world_to_clip, 2, -1);
+    return v;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/** From a camera to the matrices of a frame. */
+#ifndef FNL_RENDER_VIEW_H
+#define FNL_RENDER_VIEW_H
+
+#include "base/maths.h"
+#include "fanal/scene.h"
+#include "view_shared.h"
+
+/** Fills in everything of the camera; ambient light and the rest stay zero. The camera was checked with camera_valid. */
+struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height);
+/** All numbers finite and in their stated ranges. */
+bool camera_valid(const fnl_camera *camera);
+
+#endif
