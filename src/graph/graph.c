@@ -146,8 +146,10 @@ void graph_destroy(struct graph **handle) {
     array_free(&host, &graph->physicals);
     array_free(&host, &graph->histories);
     array_free(&host, &graph->requirements);
-    array_free(&host, &graph->timers);
-    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) array_free(&host, &graph->timer_slots[i].names);
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) {
+        array_free(&host, &graph->timer_slots[i].names);
+        array_free(&host, &graph->timer_slots[i].results);
+    }
     arena_finish(&graph->arena);
     host_free(&host, graph, sizeof *graph);
     *handle = NULL;

@@ -199,8 +199,29 @@ static fnl_result submit(const struct recorder *recorder, const struct gpu_exter
     return gpu_frame_end(graph->device, batches, plan->batch_count, external);
 }
 
+/* ---- timers of the frame ---- */
+
+/* The frame of the slot is over. */
+static void read_timers(struct graph *graph, uint32_t index) {
+    struct graph_timer_slot *slot = &graph->timer_slots[index];
+    uint64_t times[GPU_MAX_TIMESTAMPS];
+    uint32_t count = slot->names.count;
+    slot->results_frame = slot->frame_number;
+    slot->results.count = 0;
+    if (count == 0 || !gpu_frame_timestamps(graph->device, index, 2 * count, times)) return;
+    if (!array_reserve(&graph->host, &slot->results, count)) return;
+    for (uint32_t i = 0; i < count; i++) {
+        double nanoseconds = times[2 * i + 1] > times[2 * i] ? (double)(times[2 * i + 1] - times[2 * i]) : 0;
+        slot->results.data[i] = (struct graph_timer){slot->names.data[i], nanoseconds * 1e-6};
+    }
+    slot->results.count = count;
+}
+
+/* The slot's last frame is over since this one began: its results are kept before they are overwritten. */
 static bool name_timers(struct graph *graph, bool timers) {
-    struct graph_timer_slot *slot = &graph->timer_slots[gpu_frame_slot(graph->device)];
+    uint32_t index = gpu_frame_slot(graph->device);
+    struct graph_timer_slot *slot = &graph->timer_slots[index];
+    if (slot->results_frame != slot->frame_number) read_timers(graph, index);
     slot->frame_number = gpu_frame_number(graph->device);
     slot->names.count = 0;
     if (!timers) return true;
@@ -210,6 +231,8 @@ static bool name_timers(struct graph *graph, bool timers) {
     slot->names.count = count;
     return true;
 }
+
+/* ---- executing ---- */
 
 /* Nothing is submitted, but the frame must end for the next one to begin. */
 static fnl_result give_up(struct graph *graph, const struct gpu_external_semaphores *external, fnl_result result) {
@@ -248,20 +271,15 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count) {
     *out = NULL;
     *out_count = 0;
-    if (!graph->device) return false;
-    for (uint32_t slot = 0; slot < GPU_FRAMES_IN_FLIGHT; slot++) {
-        const struct graph_timer_slot *names = &graph->timer_slots[slot];
-        if (names->frame_number != frame_number || names->names.count == 0) continue;
-        uint64_t times[GPU_MAX_TIMESTAMPS];
-        uint32_t count = names->names.count;
-        if (!gpu_frame_timestamps(graph->device, slot, 2 * count, times)) return false;
-        if (!array_reserve(&graph->host, &graph->timers, count)) return false;
-        for (uint32_t i = 0; i < count; i++) {
-            double nanoseconds = times[2 * i + 1] > times[2 * i] ? (double)(times[2 * i + 1] - times[2 * i]) : 0;
-            graph->timers.data[i] = (struct graph_timer){names->names.data[i], nanoseconds * 1e-6};
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && graph->device; i++) {
+        struct graph_timer_slot *slot = &graph->timer_slots[i];
+        if (slot->frame_number == frame_number && slot->results_frame != frame_number && slot->names.count) {
+            if (gpu_frame_wait(graph->device, frame_number) != FNL_OK) return false;
+            read_timers(graph, i);
         }
-        *out = graph->timers.data;
-        *out_count = graph->timers.count = count;
+        if (slot->results_frame != frame_number || slot->results.count == 0) continue;
+        *out = slot->results.data;
+        *out_count = slot->results.count;
         return true;
     }
     return false;

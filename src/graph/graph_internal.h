@@ -174,10 +174,11 @@ struct graph_requirements {
     struct gpu_requirements requirements;
 };
 
-/** Names of the timers of a frame in flight. */
+/** Timers of the latest frame of a slot, and the results of that frame or, until it is over, of the one before. */
 struct graph_timer_slot {
-    uint64_t frame_number;
+    uint64_t frame_number, results_frame;
     ARRAY(const char *) names;
+    ARRAY(struct graph_timer) results;
 };
 
 struct graph {
@@ -196,7 +197,6 @@ struct graph {
     ARRAY(struct graph_history_entry) histories;
     ARRAY(struct graph_requirements) requirements;
     struct graph_timer_slot timer_slots[GPU_FRAMES_IN_FLIGHT];
-    ARRAY(struct graph_timer) timers;
 };
 
 /** Logs misuse and makes the frame fail. */

@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: MIT */
+/** Graphs that run on a device, with validation and synchronisation validation. */
+#include "base/jobs.h"
+#include "graph/graph.h"
+#include "shaders.h"
+
+#include <setjmp.h>
+#include <stdatomic.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 37, HEIGHT = 21, PIXELS = WIDTH * HEIGHT, STEPS = 6, BYTES = PIXELS * 4 };
+enum mode { FILL, TO_IMAGE, STEP, TO_BUFFER, ADD };
+
+static atomic_llong allocation_count;
+static char logged[4096];
+
+static void *count_allocations(void *user, void *old, size_t old_size, size_t new_size) {
+    UNUSED(user);
+    UNUSED(old_size);
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    atomic_fetch_add(&allocation_count, 1);
+    return realloc(old, new_size);
+}
+
+static void keep_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    if (level < FNL_LOG_WARNING) return;
+    if (strncmp(line, "validation", 10) == 0) print_error("%s\n", line);
+    size_t length = strlen(logged);
+    snprintf(logged + length, sizeof logged - length, "%s\n", line);
+}
+
+/* ---- one device and graph for each test ---- */
+
+struct world {
+    gpu_device *device;
+    struct graph *graph;
+    struct gpu_buffer readback;
+    graph_buffer output; /* of this frame */
+    graph_image images[STEPS + 1];
+};
+
+static int set_up(void **state) {
+    static struct world world;
+    memset(&world, 0, sizeof world);
+    logged[0] = 0;
+    fnl_device_params params = fnl_device_params_default();
+    params.host.reallocate = count_allocations;
+    params.host.log = keep_log;
+    params.host.thread_count = 4;
+    params.validate = true;
+    params.cache_folder = "";
+    assert_int_equal(fnl_device_create(&params, &world.device), FNL_OK);
+    assert_int_equal(graph_create(NULL, world.device, &world.graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(world.device, "readback", 2 * BYTES, GPU_MEMORY_READBACK, &world.readback), FNL_OK);
+    *state = &world;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    struct world *world = *state;
+    assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
+    graph_destroy(&world->graph);
+    gpu_buffer_destroy(world->device, &world->readback);
+    uint64_t messages = fnl_device_validation_count(world->device);
+    fnl_device_destroy(&world->device);
+    assert_int_equal(messages, 0);
+    return 0;
+}
+
+/* ---- passes ---- */
+
+struct dispatch {
+    enum mode mode;
+    graph_buffer from, to;
+    graph_image from_image, to_image;
+    float value;
+};
+
+static void execute_dispatch(const struct graph_context *context, const void *data) {
+    const struct dispatch *dispatch = data;
+    struct {
+        VkDeviceAddress from, to;
+        uint32_t from_image, to_image, width, count;
+        float value;
+    } push = {.width = WIDTH, .count = PIXELS, .value = dispatch->value};
+    if (dispatch->from.id) push.from = graph_address(context, dispatch->from);
+    if (dispatch->to.id) push.to = graph_address(context, dispatch->to);
+    if (dispatch->from_image.id) push.from_image = graph_sampled(context, dispatch->from_image);
+    if (dispatch->to_image.id) push.to_image = graph_storage(context, dispatch->to_image);
+    struct gpu_compute_params params;
+    memset(&params, 0, sizeof params);
+    params.shader = &shader_graph_test_comp;
+    params.constant_count = 1;
+    params.constants[0] = dispatch->mode;
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, (sizeof push + 3) / 4 * 4);
+    gpu_dispatch(context->commands, DIVIDE_UP(PIXELS, 64), 1, 1);
+}
+
+static void add_dispatch(struct graph *graph, const char *name, enum graph_queue queue, const struct dispatch *dispatch) {
+    struct graph_pass *pass = graph_add_pass(graph, name, queue, execute_dispatch, dispatch, sizeof *dispatch);
+    enum graph_use write = dispatch->mode == ADD ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE;
+    if (dispatch->from.id) graph_use_buffer(pass, dispatch->from, GRAPH_READ_COMPUTE);
+    if (dispatch->to.id) graph_use_buffer(pass, dispatch->to, write);
+    if (dispatch->from_image.id) graph_use_image(pass, dispatch->from_image, GRAPH_SAMPLE_COMPUTE);
+    if (dispatch->to_image.id) graph_use_image(pass, dispatch->to_image, write);
+}
+
+struct draw {
+    bool shades, tests_depth;
+    uint32_t samples, mode;
+    graph_image first, second;
+};
+
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct draw *draw = data;
+    struct gpu_graphics_params params;
+    memset(&params, 0, sizeof params);
+    params.vertex = &shader_graph_test_vert;
+    params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    params.samples = draw->samples;
+    params.constant_count = 1;
+    params.constants[0] = draw->mode;
+    if (draw->shades) {
+        params.fragment = &shader_graph_test_frag;
+        params.color_count = 1;
+        params.color_formats[0] = VK_FORMAT_R32_SFLOAT;
+    }
+    if (draw->tests_depth || !draw->shades) {
+        params.depth_format = VK_FORMAT_D32_SFLOAT;
+        params.depth_test = true;
+        params.depth_write = !draw->shades;
+        params.depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL;
+    }
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+    if (draw->shades) {
+        uint32_t push[2] = {graph_sampled(context, draw->first), draw->second.id ? graph_sampled(context, draw->second) : 0};
+        gpu_push(context->commands, push, sizeof push);
+    }
+    gpu_draw(context->commands, 3, 1, 0, 0);
+}
+
+struct copy {
+    graph_buffer output, readback;
+    graph_image lit;
+};
+
+static void execute_copy(const struct graph_context *context, const void *data) {
+    const struct copy *copy = data;
+    const struct gpu_buffer *readback = graph_get_buffer(context, copy->readback);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, copy->output), 0, readback, 0, BYTES);
+    if (copy->lit.id) gpu_copy_image_to_buffer(context->commands, graph_get_image(context, copy->lit), readback, BYTES);
+}
+
+static graph_image float_image(struct graph *graph, const char *name, uint32_t samples) {
+    return graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = name, .format = VK_FORMAT_R32_SFLOAT, .width = WIDTH, .height = HEIGHT, .samples = samples});
+}
+
+static void add_copy(struct world *world, graph_buffer output, graph_image lit) {
+    struct copy copy = {output, graph_import_buffer(world->graph, "readback", &world->readback), lit};
+    struct graph_pass *pass = graph_add_pass(world->graph, "copy", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
+    graph_use_buffer(pass, output, GRAPH_COPY_FROM);
+    if (lit.id) graph_use_image(pass, lit, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, copy.readback, GRAPH_COPY_TO);
+    graph_use_buffer(pass, copy.readback, GRAPH_READ_HOST);
+}
+
+/* Numbers, through a buffer, a chain of images that alias each other, a resolve and two draws, to the host. */
+static const char *const pass_names[] = {"fill",   "to image", "step 1", "step 2", "step 3", "step 4", "step 5",
+                                         "step 6", "prepass",  "draw",   "light",  "gather", "copy"};
+
+static void declare_all(struct world *world, float seed) {
+    struct graph *graph = world->graph;
+    static const char *const image_names[STEPS + 1] = {"image 0", "image 1", "image 2", "image 3",
+                                                       "image 4", "image 5", "image 6"};
+    graph_begin(graph);
+    graph_buffer input = graph_create_buffer(graph, "input", BYTES), output = graph_create_buffer(graph, "output", BYTES);
+    for (uint32_t i = 0; i <= STEPS; i++) world->images[i] = float_image(graph, image_names[i], 1);
+    graph_image color = float_image(graph, "color 4x", 4), resolved = float_image(graph, "resolved", 1),
+                lit = float_image(graph, "lit", 1);
+    graph_image depth = graph_create_image(
+        graph,
+        &(struct graph_image_params){.name = "depth", .format = VK_FORMAT_D32_SFLOAT, .width = WIDTH, .height = HEIGHT});
+
+    add_dispatch(graph, "fill", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = input, .value = seed});
+    add_dispatch(graph, "to image", GRAPH_QUEUE_ASYNC,
+                 &(struct dispatch){.mode = TO_IMAGE, .from = input, .to_image = world->images[0]});
+    for (uint32_t i = 1; i <= STEPS; i++)
+        add_dispatch(graph, pass_names[i + 1], i % 3 == 0 ? GRAPH_QUEUE_ASYNC : GRAPH_QUEUE_GRAPHICS,
+                     &(struct dispatch){
+                         .mode = STEP, .from_image = world->images[i - 1], .to_image = world->images[i], .value = (float)i});
+
+    struct draw prepass = {.samples = 1}, draw = {.shades = true, .samples = 4, .first = world->images[STEPS]};
+    struct draw light = {.shades = true, .tests_depth = true, .samples = 1, .mode = 1, .first = resolved, .second = depth};
+    struct graph_pass *pass = graph_add_pass(graph, "prepass", GRAPH_QUEUE_GRAPHICS, execute_draw, &prepass, sizeof prepass);
+    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    pass = graph_add_pass(graph, "draw", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+    graph_use_image(pass, world->images[STEPS], GRAPH_SAMPLE_FRAGMENT);
+    graph_color(pass, color, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){7, 7, 7, 7});
+    graph_resolve(pass, 0, resolved);
+    pass = graph_add_pass(graph, "light", GRAPH_QUEUE_GRAPHICS, execute_draw, &light, sizeof light);
+    graph_use_image(pass, resolved, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
+    graph_depth_read_only(pass, depth);
+    graph_color(pass, lit, VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
+    add_dispatch(graph, "gather", GRAPH_QUEUE_ASYNC, &(struct dispatch){.mode = TO_BUFFER, .from_image = lit, .to = output});
+    add_copy(world, output, lit);
+}
+
+static void run(struct world *world, const struct graph_execute_params *params) {
+    assert_int_equal(graph_compile(world->graph), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(graph_execute_frame(world->graph, params), FNL_OK);
+}
+
+static void check_all(struct world *world, float seed) {
+    assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
+    const float *found = world->readback.mapped;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        float expected = (float)i + seed;
+        for (uint32_t step = 1; step <= STEPS; step++) expected = expected * 2 + (float)step;
+        expected += 0.5f + 0.5f + 0.25f;
+        if (found[i] != expected || found[PIXELS + i] != expected)
+            fail_msg("pixel %u is %g and %g, not %g", i, (double)found[i], (double)found[PIXELS + i], (double)expected);
+    }
+    memset(world->readback.mapped, 0xff, 2 * BYTES);
+}
+
+/* ---- tests ---- */
+
+static void test_results_are_right_with_aliasing(void **state) {
+    struct world *world = *state;
+    for (uint32_t frame = 0; frame < 5; frame++) {
+        declare_all(world, (float)frame);
+        run(world, NULL);
+        check_all(world, (float)frame);
+    }
+    struct graph_stats stats = graph_query_stats(world->graph);
+    assert_int_equal(stats.pass_count, COUNT_OF(pass_names));
+    assert_true(4 * stats.transient_bytes < 3 * stats.transient_bytes_unaliased);
+}
+
+static void test_batches_of_the_compute_queue(void **state) {
+    struct world *world = *state;
+    for (uint32_t frame = 0; frame < 5; frame++) {
+        declare_all(world, (float)frame);
+        run(world,
+            &(struct graph_execute_params){.force_async_on_graphics = true, .timers = true, .record_threads = 1 + frame});
+        assert_true(graph_query_stats(world->graph).batch_count >= 8);
+        check_all(world, (float)frame);
+    }
+}
+
+static void test_frames_in_flight_do_not_disturb_each_other(void **state) {
+    struct world *world = *state;
+    for (uint32_t frame = 0; frame < 12; frame++) {
+        declare_all(world, (float)frame);
+        run(world, &(struct graph_execute_params){.force_async_on_graphics = frame % 2});
+    }
+    check_all(world, 11);
+}
+
+static void test_threads_do_not_change_the_bytes(void **state) {
+    struct world *world = *state;
+    static char first[2 * BYTES];
+    for (uint32_t threads = 1; threads <= 20; threads += threads < 4 ? 1 : 8) {
+        declare_all(world, 3);
+        run(world, &(struct graph_execute_params){.record_threads = threads});
+        assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
+        if (threads == 1) memcpy(first, world->readback.mapped, sizeof first);
+        assert_memory_equal(first, world->readback.mapped, sizeof first);
+        check_all(world, 3);
+    }
+}
+
+static void test_history_goes_back_and_forth(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    struct graph_image_params params = {.name = "history", .format = VK_FORMAT_R32_SFLOAT, .width = WIDTH, .height = HEIGHT};
+    float expected = 0;
+    for (uint32_t frame = 0; frame < 9; frame++) {
+        graph_begin(graph);
+        struct graph_history history = graph_history(graph, &params);
+        graph_buffer buffer = graph_create_buffer(graph, "buffer", BYTES);
+        assert_int_equal(history.previous.id != 0, frame != 0 && frame != 6);
+        if (history.previous.id) {
+            add_dispatch(
+                graph, "step", GRAPH_QUEUE_GRAPHICS,
+                &(struct dispatch){.mode = STEP, .from_image = history.previous, .to_image = history.current, .value = 1});
+            expected = expected * 2 + 1;
+        } else {
+            add_dispatch(graph, "fill", GRAPH_QUEUE_GRAPHICS,
+                         &(struct dispatch){.mode = FILL, .to = buffer, .value = (float)frame});
+            add_dispatch(graph, "start", GRAPH_QUEUE_GRAPHICS,
+                         &(struct dispatch){.mode = TO_IMAGE, .from = buffer, .to_image = history.current});
+            expected = (float)frame;
+        }
+        add_dispatch(graph, "gather", GRAPH_QUEUE_GRAPHICS,
+                     &(struct dispatch){.mode = TO_BUFFER, .from_image = history.current, .to = buffer});
+        add_copy(world, buffer, (graph_image){0});
+        run(world, NULL);
+        assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
+        assert_true(((const float *)world->readback.mapped)[0] == expected);
+        if (frame == 5) {
+            /* A frame without it loses the contents. */
+            declare_all(world, 1);
+            run(world, NULL);
+            check_all(world, 1);
+        }
+    }
+}
+
+static void test_imported_images_keep_their_contents(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    struct gpu_image image;
+    struct gpu_image_params params = {.name = "imported",
+                                      .format = VK_FORMAT_R32_SFLOAT,
+                                      .width = WIDTH,
+                                      .height = HEIGHT,
+                                      .layers = 1,
+                                      .mips = 1,
+                                      .samples = 1,
+                                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    assert_int_equal(gpu_image_create(world->device, &params, &image), FNL_OK);
+    for (uint32_t frame = 0; frame < 4; frame++) {
+        graph_begin(graph);
+        graph_buffer buffer = graph_create_buffer(graph, "buffer", BYTES);
+        graph_image imported =
+            graph_import_image(graph, &image, frame ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
+                               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+        if (frame == 0) {
+            add_dispatch(graph, "fill", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = buffer});
+            add_dispatch(graph, "start", GRAPH_QUEUE_GRAPHICS,
+                         &(struct dispatch){.mode = TO_IMAGE, .from = buffer, .to_image = imported});
+        } else
+            add_dispatch(graph, "add", GRAPH_QUEUE_ASYNC,
+                         &(struct dispatch){.mode = ADD, .to_image = imported, .value = 10});
+        add_dispatch(graph, "gather", GRAPH_QUEUE_GRAPHICS,
+                     &(struct dispatch){.mode = TO_BUFFER, .from_image = imported, .to = buffer});
+        add_copy(world, buffer, (graph_image){0});
+        run(world, NULL);
+    }
+    assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
+    for (uint32_t i = 0; i < PIXELS; i++) assert_true(((const float *)world->readback.mapped)[i] == (float)i + 30);
+    gpu_image_destroy(world->device, &image);
+}
+
+static void test_timers(void **state) {
+    struct world *world = *state;
+    const struct graph_timer *timers;
+    uint32_t count;
+    assert_false(graph_query_timers(world->graph, 0, &timers, &count));
+    for (uint32_t frame = 0; frame < 3; frame++) {
+        declare_all(world, 0);
+        run(world, &(struct graph_execute_params){.timers = true});
+        assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device) + 1, &timers, &count));
+        assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device), &timers, &count));
+        assert_int_equal(count, COUNT_OF(pass_names));
+        double sum = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            assert_string_equal(timers[i].name, pass_names[i]);
+            assert_true(timers[i].milliseconds >= 0 && timers[i].milliseconds < 10000);
+            sum += timers[i].milliseconds;
+        }
+        assert_true(sum > 0);
+    }
+    /* The two frames before are remembered, too; one without timers has none. */
+    declare_all(world, 0);
+    run(world, NULL);
+    assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 1, &timers, &count));
+    assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 2, &timers, &count));
+    assert_int_equal(count, COUNT_OF(pass_names));
+    assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device) - 3, &timers, &count));
+    assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device), &timers, &count));
+}
+
+static void test_steady_state_allocates_nothing(void **state) {
+    struct world *world = *state;
+    struct gpu_memory_stats before = {0};
+    for (uint32_t frame = 0; frame < 16; frame++) {
+        if (frame == 6) {
+            atomic_store(&allocation_count, 0);
+            before = gpu_memory_stats(world->device);
+        }
+        declare_all(world, 0);
+        run(world, &(struct graph_execute_params){.timers = true});
+        const struct graph_timer *timers;
+        uint32_t count;
+        if (frame > 2) assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 2, &timers, &count));
+    }
+    assert_int_equal(atomic_load(&allocation_count), 0);
+    struct gpu_memory_stats after = gpu_memory_stats(world->device);
+    assert_int_equal(after.used_bytes, before.used_bytes);
+    assert_int_equal(after.reserved_bytes, before.reserved_bytes);
+}
+
+/* Windows of other sizes: heaps grow at once and shrink again. */
+static void test_memory_follows_the_plan(void **state) {
+    struct world *world = *state;
+    uint64_t small = 0, big = 0;
+    for (uint32_t frame = 0; frame < 24; frame++) {
+        uint32_t size = frame >= 8 && frame < 12 ? 2048 : 256;
+        graph_begin(world->graph);
+        struct graph_image_params params = {.name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = size, .height = size};
+        graph_image image = graph_create_image(world->graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+        graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+        graph_keep(pass);
+        run(world, NULL);
+        if (frame == 7) small = gpu_memory_stats(world->device).used_bytes;
+        if (frame == 11) big = gpu_memory_stats(world->device).used_bytes;
+    }
+    assert_true(big > small + (8 << 20));
+    assert_int_equal(gpu_memory_stats(world->device).used_bytes, small);
+}
+
+static void execute_undeclared(const struct graph_context *context, const void *data) {
+    const graph_image *image = data;
+    assert_int_equal(graph_sampled(context, *image), GPU_NO_INDEX);
+}
+
+static void test_errors_end_the_frame_and_the_next_one_works(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    graph_begin(graph);
+    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
+    assert_non_null(strstr(logged, "not compiled"));
+
+    graph_begin(graph);
+    add_dispatch(graph, "bad", GRAPH_QUEUE_GRAPHICS,
+                 &(struct dispatch){.mode = TO_BUFFER, .from_image = float_image(graph, "nothing", 1)});
+    assert_int_equal(graph_compile(graph), FNL_ERROR_INVALID);
+    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
+
+    graph_begin(graph);
+    graph_image image = float_image(graph, "image", 1);
+    graph_keep(graph_add_pass(graph, "undeclared", GRAPH_QUEUE_GRAPHICS, execute_undeclared, &image, sizeof image));
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
+    assert_non_null(strstr(logged, "graph: pass 'undeclared' asks for 'image' without a declared use of it"));
+
+    declare_all(world, 5);
+    run(world, NULL);
+    check_all(world, 5);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_results_are_right_with_aliasing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_batches_of_the_compute_queue, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_frames_in_flight_do_not_disturb_each_other, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_threads_do_not_change_the_bytes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_history_goes_back_and_forth, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_imported_images_keep_their_contents, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_timers, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_steady_state_allocates_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_memory_follows_the_plan, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_errors_end_the_frame_and_the_next_one_works, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
