@@ -31,11 +31,11 @@ static void execute_step(const struct graph_context *context, const void *data) 
     }
     struct gpu_compute_params params = {.shader = d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
     push.visible_sums = graph_address(context, d->in_view.sums);
-    push.visible_ids = graph_address(context, d->in_view.ids);
     push.bounds = graph_address(context, d->in_view.bounds);
     push.sums = graph_address(context, d->sums);
     push.overflow = graph_address(context, d->overflow);
     if (d->step == STEP_FILL) {
+        push.visible_ids = graph_address(context, d->in_view.ids);
         push.ids = graph_address(context, d->ids);
         if (d->build.header) {
             d->build.header->cells = graph_address(context, d->cells);
