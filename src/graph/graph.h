@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * The frame graph. A frame is declared pass by pass: handles in, handles out. Compiling (pure CPU) drops passes that
- * nobody needs, derives every barrier and layout, lays transient resources over one another in memory, and splits the work
- * between the graphics and the compute queue. The plan prints as stable text. Executing records the passes, on several threads if
- * asked, and submits. The graph is declared anew each frame; in a steady state it allocates nothing.
+ * nobody needs, derives every barrier and layout, lays transient resources over one another in memory, and splits the
+ * work between the graphics and the compute queue. The plan prints as stable text. Executing records the passes, on
+ * several threads if asked, and submits. The graph is declared anew each frame; in a steady state it allocates nothing.
+ * docs/frame-graph.md tells more.
  */
 #ifndef FNL_GRAPH_GRAPH_H
 #define FNL_GRAPH_GRAPH_H
@@ -33,12 +34,18 @@ struct graph_image_params {
 };
 graph_image graph_create_image(struct graph *graph, const struct graph_image_params *params);
 graph_buffer graph_create_buffer(struct graph *graph, const char *name, uint64_t size);
-/** Resources that live outside of the graph. The graph leaves an image in `final_layout` (UNDEFINED: as it is). */
-graph_image graph_import_image(struct graph *graph, const struct gpu_image *image, VkImageLayout initial_layout, VkImageLayout final_layout);
+/**
+ * Resources that live outside of the graph; what they point to must stay until the frame is executed. Importing one twice
+ * gives the same handle. The graph leaves an image in `final_layout` (UNDEFINED: in that of its last use); an
+ * `initial_layout` of UNDEFINED means that its contents do not matter.
+ */
+graph_image graph_import_image(struct graph *graph, const struct gpu_image *image, VkImageLayout initial_layout,
+                               VkImageLayout final_layout);
 graph_buffer graph_import_buffer(struct graph *graph, const char *name, const struct gpu_buffer *buffer);
 /**
  * An image that is kept from frame to frame under its name: `current` is this frame's to write, `previous` the last
- * frame's to read. `previous.id` is 0 in the first frame, and after the size or format changed.
+ * frame's to read. `previous.id` is 0 in the first frame, after the size or format changed, and when the last frame did
+ * not declare or not write it.
  */
 struct graph_history { graph_image current, previous; };
 struct graph_history graph_history(struct graph *graph, const struct graph_image_params *params);
@@ -56,14 +63,20 @@ enum graph_queue {
 struct graph_context; /* what a pass gets to record with */
 typedef void graph_execute(const struct graph_context *context, const void *data);
 
-/** `name` is also the debug label and the timer's name; names must be unique in a frame. `data` (may be NULL) is copied. */
-struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute, const void *data, size_t data_size);
+/**
+ * `name` is also the debug label and the timer's name; names must be unique in a frame and live as long as the graph.
+ * `execute` may be NULL (a pass that only clears). `data` (may be NULL) is copied. Passes run in the order they are added
+ * in; those that may be on different queues only as far as their uses demand. NULL when memory ran out: the calls below
+ * accept that, and compiling then fails.
+ */
+struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute,
+                                  const void *data, size_t data_size);
 
 enum graph_use {
     GRAPH_SAMPLE_COMPUTE,   /* image: texture reads */
     GRAPH_SAMPLE_FRAGMENT,
     GRAPH_READ_COMPUTE,     /* storage image or buffer */
-    GRAPH_WRITE_COMPUTE,    /* whole contents are written; nothing old is kept for transient images on first use */
+    GRAPH_WRITE_COMPUTE,    /* what was there does not matter to the pass, but texels it does not write keep their values */
     GRAPH_READ_WRITE_COMPUTE,
     GRAPH_READ_VERTEX,      /* buffer, by address, in vertex shaders */
     GRAPH_READ_FRAGMENT,
@@ -73,8 +86,9 @@ enum graph_use {
     GRAPH_INDEX,            /* buffer: indices */
     GRAPH_COPY_FROM,
     GRAPH_COPY_TO,
-    GRAPH_READ_HOST,        /* buffer: read by the CPU after the frame */
+    GRAPH_READ_HOST,        /* imported buffer: read by the CPU after the frame; keeps the pass */
 };
+/** Several uses of one resource by one pass add up; those of an image must agree on the layout. */
 void graph_use_image(struct graph_pass *pass, graph_image image, enum graph_use use);
 void graph_use_buffer(struct graph_pass *pass, graph_buffer buffer, enum graph_use use);
 
@@ -90,25 +104,45 @@ void graph_keep(struct graph_pass *pass);
 
 /* ---- compile and execute ---- */
 
-/** Misuse (reading what was never written, a stale handle, attachments of different sizes …) fails with the pass and resource named. */
+/**
+ * Misuse (reading what was never written, a stale handle, attachments of different sizes …) fails with the pass and the
+ * resource named in the log; the next frame starts afresh. Without a device, plans are made as if there were a compute queue.
+ */
 fnl_result graph_compile(struct graph *graph);
-/** The compiled plan: passes in order with queue, barriers and layouts; batches with waits; memory with offsets and lifetimes. Stable: two compiles print the same. Writes at most `capacity` bytes with a terminating zero; returns the length it wants. */
+/**
+ * The compiled plan: passes in order with queue, barriers and layouts; batches with waits; memory with offsets and
+ * lifetimes. Stable: two compiles print the same. Writes at most `capacity` bytes with a terminating zero; returns the
+ * length it wants.
+ */
 size_t graph_print(const struct graph *graph, char *text, size_t capacity);
 
 struct graph_execute_params {
     uint32_t record_threads; /* 0: as many as the device's job pool has */
     bool timers;             /* write timestamps around every pass */
-    bool force_async_on_graphics; /* tests: run the batches of the compute queue on the graphics queue's hardware queue */
+    bool force_async_on_graphics; /* tests: compile for a compute queue although the device has none; its batches then go
+                                     to the graphics queue in their own submissions */
     const struct gpu_external_semaphores *external; /* or NULL */
 };
-/** Between gpu_frame_begin and the end of the frame: records all passes and calls gpu_frame_end. `params` may be NULL. */
+/**
+ * Between gpu_frame_begin and the end of the frame: records all passes and calls gpu_frame_end, after an error too.
+ * `params` may be NULL. Execute functions run on the threads of the device's job pool, several at once.
+ */
 fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_params *params);
 
-/** Timers of a finished frame, in pass order; false when there are none yet. Culled passes do not appear. Names are those given to graph_add_pass. */
+/**
+ * Timers of a frame, in pass order; false when there are none. Frame N - GPU_FRAMES_IN_FLIGHT, with N the latest executed,
+ * is at hand; a later one is waited for; an earlier one is forgotten. Culled passes and those after the 256th do not
+ * appear. `out` is valid until the next execute. Names are those given to graph_add_pass.
+ */
 struct graph_timer { const char *name; double milliseconds; };
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 
-struct graph_stats { uint32_t pass_count, culled_pass_count, barrier_count, batch_count; uint64_t transient_bytes, transient_bytes_unaliased; double compile_milliseconds; };
+struct graph_stats {
+    uint32_t pass_count, culled_pass_count, barrier_count, batch_count;
+    uint64_t transient_bytes, transient_bytes_unaliased;
+    double compile_milliseconds;
+};
+/** Of the last compile. */
 struct graph_stats graph_query_stats(const struct graph *graph);
 
 /* ---- inside a pass ---- */
@@ -118,10 +152,17 @@ struct graph_context {
     gpu_device *device;
     const struct graph *graph;
 };
+/** The context must be the one that the execute function was given. A resource that the pass did not declare is misuse. */
 const struct gpu_image *graph_get_image(const struct graph_context *context, graph_image image);
 const struct gpu_buffer *graph_get_buffer(const struct graph_context *context, graph_buffer buffer);
-static inline uint32_t graph_sampled(const struct graph_context *context, graph_image image) { return graph_get_image(context, image)->sampled_index; }
-static inline uint32_t graph_storage(const struct graph_context *context, graph_image image) { return graph_get_image(context, image)->storage_index; }
-static inline VkDeviceAddress graph_address(const struct graph_context *context, graph_buffer buffer) { return graph_get_buffer(context, buffer)->address; }
+static inline uint32_t graph_sampled(const struct graph_context *context, graph_image image) {
+    return graph_get_image(context, image)->sampled_index;
+}
+static inline uint32_t graph_storage(const struct graph_context *context, graph_image image) {
+    return graph_get_image(context, image)->storage_index;
+}
+static inline VkDeviceAddress graph_address(const struct graph_context *context, graph_buffer buffer) {
+    return graph_get_buffer(context, buffer)->address;
+}
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Graphs that run on a device, with validation and synchronisation validation. */
 #include "base/jobs.h"
-#include "graph/graph.h"
+#include "graph/graph_internal.h"
 #include "shaders.h"
 
 #include <setjmp.h>
@@ -422,6 +422,22 @@ static void test_memory_follows_the_plan(void **state) {
     assert_int_equal(gpu_memory_stats(world->device).used_bytes, small);
 }
 
+/* A window that is resized all the time: images of the sizes before are let go. */
+static void test_images_of_old_plans_are_released(void **state) {
+    struct world *world = *state;
+    for (uint32_t frame = 0; frame < 20; frame++) {
+        graph_begin(world->graph);
+        struct graph_image_params params = {
+            .name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = 200 - frame, .height = 100};
+        graph_image image = graph_create_image(world->graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+        graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
+        graph_keep(pass);
+        run(world, NULL);
+        assert_int_equal(world->graph->physicals.count, MIN(frame, (uint32_t)GRAPH_KEEP_FRAMES) + 1);
+    }
+}
+
 static void execute_undeclared(const struct graph_context *context, const void *data) {
     const graph_image *image = data;
     assert_int_equal(graph_sampled(context, *image), GPU_NO_INDEX);
@@ -466,6 +482,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_timers, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_steady_state_allocates_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_memory_follows_the_plan, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_images_of_old_plans_are_released, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_errors_end_the_frame_and_the_next_one_works, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -39,7 +39,6 @@ static const struct graph_resource *used_resource(const struct graph_context *co
     else {
         for (const struct graph_access *use = recording->pass->first_use; use; use = use->next)
             if (&graph->resources.data[use->resource] == resource) return resource;
-        if (resource->host_read) return resource;
         log_error(&graph->host, "graph: pass '%s' asks for '%s' without a declared use of it", recording->pass->name,
                   resource->name);
     }
@@ -262,7 +261,10 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     jobs_parallel_for(jobs, chunks, record_chunk, &recorder);
     graph->executed = true;
     result = submit(&recorder, params->external);
-    if (result == FNL_OK) graph_commit_histories(graph);
+    if (result == FNL_OK)
+        graph_commit_histories(graph);
+    else
+        graph->timer_slots[gpu_frame_slot(graph->device)].names.count = 0;
     return result;
 }
 
