@@ -26,6 +26,7 @@ static void print_help(void) {
          "  --exposure EV|auto|none    EV100 (auto)\n"
          "  --tonemap KIND             none khronos-neutral aces agx (khronos-neutral)\n"
          "  --background R,G,B         radiance where nothing is, cd/m^2\n"
+         "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
@@ -151,7 +152,7 @@ static bool add_output(struct render_options *o, const char *path) {
 
 enum { OPTION_FIRST = 256 };
 enum { O_SIZE = OPTION_FIRST, O_CAMERA, O_EYE, O_LOOK_AT, O_FOV, O_SHADING, O_LISTS, O_MSAA, O_LIGHTS, O_LIGHT_SEED, O_EXPOSURE, O_TONEMAP,
-       O_BACKGROUND, O_TIME, O_ANIMATION, O_FRAMES, O_DEVICE, O_VALIDATE, O_DEBUG, O_AOV, O_STATS, O_PLAN };
+       O_BACKGROUND, O_AMBIENT, O_TIME, O_ANIMATION, O_FRAMES, O_DEVICE, O_VALIDATE, O_DEBUG, O_AOV, O_STATS, O_PLAN };
 
 static bool parse_option(struct render_options *o, int option, const char *value) {
     long long integer;
@@ -196,6 +197,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->frame.tonemap = (fnl_tonemap)index;
         return true;
     case O_BACKGROUND: o->has_background = true; return parse_vector("background", value, &o->background);
+    case O_AMBIENT: o->has_ambient = true; return parse_vector("ambient", value, &o->ambient);
     case O_TIME: return parse_number("time", value, &o->time);
     case O_ANIMATION: o->animation = value; return true;
     case O_FRAMES:
@@ -222,7 +224,7 @@ static const struct option long_options[] = {
     {"shading", required_argument, NULL, O_SHADING}, {"lists", required_argument, NULL, O_LISTS}, {"msaa", required_argument, NULL, O_MSAA},
     {"lights", required_argument, NULL, O_LIGHTS}, {"light-seed", required_argument, NULL, O_LIGHT_SEED},
     {"exposure", required_argument, NULL, O_EXPOSURE}, {"tonemap", required_argument, NULL, O_TONEMAP},
-    {"background", required_argument, NULL, O_BACKGROUND}, {"time", required_argument, NULL, O_TIME},
+    {"background", required_argument, NULL, O_BACKGROUND}, {"ambient", required_argument, NULL, O_AMBIENT}, {"time", required_argument, NULL, O_TIME},
     {"animation", required_argument, NULL, O_ANIMATION}, {"frames", required_argument, NULL, O_FRAMES},
     {"device", required_argument, NULL, O_DEVICE}, {"validate", no_argument, NULL, O_VALIDATE}, {"debug", required_argument, NULL, O_DEBUG},
     {"aov", required_argument, NULL, O_AOV}, {"stats", required_argument, NULL, O_STATS}, {"plan", no_argument, NULL, O_PLAN},

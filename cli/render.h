@@ -12,8 +12,8 @@ struct render_options {
     const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
     int output_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_shading, has_background, validate, quiet, plan;
-    fnl_vec3 eye, look_at, background;
+    bool has_eye, has_look_at, has_shading, has_background, has_ambient, validate, quiet, plan;
+    fnl_vec3 eye, look_at, background, ambient;
     float fov; /* radians; 0: the camera's */
     uint32_t light_count, frame_count, aovs; /* aovs: bits 1 << enum render_aov */
     uint64_t light_seed;

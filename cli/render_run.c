@@ -65,11 +65,28 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
     return true;
 }
 
+/* A file without any light would be black: it gets a sun over the viewer's shoulder and a sky. */
+static bool add_default_light(const struct render_options *o, fnl_scene *scene) {
+    fnl_scene_info info;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
+    if (info.light_count > 0 || o->has_ambient || strncmp(o->scene, "builtin:", 8) == 0) return true;
+    fnl_light_params sun = fnl_light_params_default();
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
+    sun.intensity = 3;
+    fnl_light_id id;
+    if (!o->quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
+    return fnl_scene_add_light(scene, &sun, &id) == FNL_OK &&
+           fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f}) == FNL_OK;
+}
+
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
     if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
     if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK) return false;
     if (o->light_count && fnl_scene_scatter_lights(*scene, o->light_count, o->light_seed) != FNL_OK) return false;
+    if (!add_default_light(o, *scene)) return false;
+    if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
     return choose_camera(o, *scene, camera);
 }
@@ -153,14 +170,14 @@ static bool note_frame(struct render_report *report, uint32_t index, const fnl_f
     return true;
 }
 
-/* The timed frames; then one more that counts light evaluations, which is also the one that is saved. */
+/* One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is saved. */
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report) {
     report->frame_count = o->frame_count;
     report->cpu_times = calloc(o->frame_count, sizeof(double));
     report->gpu_times = calloc(o->frame_count, sizeof(double));
     if (!report->cpu_times || !report->gpu_times) return false;
     bool counts = o->stats || !o->quiet;
-    uint32_t warm_up = o->frame_count > 1 ? 1 : 0, total = o->frame_count + warm_up + counts;
+    uint32_t warm_up = counts, total = o->frame_count + warm_up + counts;
     fnl_frame timed = frame;
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
