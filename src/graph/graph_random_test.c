@@ -216,6 +216,29 @@ static uint32_t check_hazards(const struct graph *graph) {
 
 /* ---- layouts, contents and queues, in order of submission ---- */
 
+/* Vulkan wants each access to belong to one of the stages. */
+static bool fits_stages(VkPipelineStageFlags2 stages, VkAccessFlags2 access) {
+    static const struct {
+        VkAccessFlags2 access;
+        VkPipelineStageFlags2 stages;
+    } rules[] = {
+        {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT},
+        {VK_ACCESS_2_INDEX_READ_BIT, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT},
+        {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+         VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+             VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT},
+        {VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+         VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT},
+        {VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
+         VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT},
+        {VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT},
+        {VK_ACCESS_2_HOST_READ_BIT, VK_PIPELINE_STAGE_2_HOST_BIT},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(rules); i++)
+        if ((access & rules[i].access) && !(expand_stages(stages) & rules[i].stages)) return false;
+    return true;
+}
+
 struct contents {
     VkImageLayout layout;
     bool valid;
@@ -227,6 +250,8 @@ static uint32_t apply_barriers(const struct graph *graph, const struct graph_bar
         VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
         VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     uint32_t errors = 0;
+    errors +=
+        !fits_stages(barriers->from_stages, barriers->from_access) || !fits_stages(barriers->to_stages, barriers->to_access);
     if (queue == GPU_QUEUE_COMPUTE) errors += ((barriers->from_stages | barriers->to_stages) & ~compute_stages) != 0;
     for (const struct graph_barrier *barrier = barriers->first; barrier; barrier = barrier->next) {
         struct contents *image = &contents[barrier->resource];
@@ -235,6 +260,8 @@ static uint32_t apply_barriers(const struct graph *graph, const struct graph_bar
             errors += barrier->from_layout == VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL ||
                       barrier->from_layout == VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
         }
+        errors +=
+            !fits_stages(barrier->from_stages, barrier->from_access) || !fits_stages(barrier->to_stages, barrier->to_access);
         errors += barrier->from_stages == 0 || barrier->to_stages == 0 || barrier->to_layout == VK_IMAGE_LAYOUT_UNDEFINED;
         if (barrier->from_layout == VK_IMAGE_LAYOUT_UNDEFINED)
             image->valid = false;
