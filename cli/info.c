@@ -19,7 +19,8 @@ static const char *const light_kinds[] = {"directional", "point", "spot"};
 static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
          "\n"
-         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the extensions it uses and how\n"
+         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the extensions it uses and "
+         "how\n"
          "each is treated, and what is wrong with it. SCENE is a .gltf or .glb file or builtin:NAME?key=value&...\n"
          "\n"
          "  --json            prints JSON\n"
@@ -68,7 +69,8 @@ static void print_counts(const fnl_scene_info *info) {
     print_count("meshes", info->mesh_count, note);
     print_count("materials", info->material_count, "");
     print_count("images", info->image_count, "");
-    snprintf(note, sizeof note, "(%u directional, %u point, %u spot)", info->directional_count, info->point_count, info->spot_count);
+    snprintf(note, sizeof note, "(%u directional, %u point, %u spot)", info->directional_count, info->point_count,
+             info->spot_count);
     print_count("lights", info->light_count, info->light_count ? note : "");
     print_count("cameras", info->camera_count, "");
     print_count("animations", info->animation_count, "");
@@ -78,9 +80,9 @@ static void print_counts(const fnl_scene_info *info) {
         puts("  extent       nothing is shown");
         return;
     }
-    printf("  %-12s %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n", "extent", (double)(high.x - low.x),
-           (double)(high.y - low.y), (double)(high.z - low.z), (double)low.x, (double)low.y, (double)low.z, (double)high.x,
-           (double)high.y, (double)high.z);
+    printf("  %-12s %.4g x %.4g x %.4g m, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g)\n", "extent",
+           (double)(high.x - low.x), (double)(high.y - low.y), (double)(high.z - low.z), (double)low.x, (double)low.y,
+           (double)low.z, (double)high.x, (double)high.y, (double)high.z);
 }
 
 /** Long lists are cut in the text, not in the JSON. */
@@ -198,8 +200,9 @@ static json_t *json_counts(const fnl_scene_info *info) {
 }
 
 static json_t *json_light(const fnl_light_params *light) {
-    json_t *object = json_pack("{s:s,s:f,s:[f,f,f]}", "kind", light_kinds[light->kind], "intensity", (double)light->intensity, "color",
-                               (double)light->color[0], (double)light->color[1], (double)light->color[2]);
+    json_t *object =
+        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", light_kinds[light->kind], "intensity", (double)light->intensity, "color",
+                  (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));
         json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
@@ -226,8 +229,8 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
 }
 
 static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_scene_info *info) {
-    json_t *root = json_object(), *images = json_array(), *lights = json_array(), *cameras = json_array(), *animations = json_array(),
-           *extensions = json_array(), *warnings = json_array();
+    json_t *root = json_object(), *images = json_array(), *lights = json_array(), *cameras = json_array(),
+           *animations = json_array(), *extensions = json_array(), *warnings = json_array();
     for (uint32_t i = 0; i < info->image_count; i++) {
         fnl_image_info image;
         fnl_scene_query_image(scene, i, &image);
@@ -243,20 +246,24 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->animation_count; i++) {
         fnl_animation_info animation;
         fnl_scene_query_animation(scene, i, &animation);
-        json_array_append_new(animations, json_pack("{s:s,s:f,s:I}", "name", animation.name, "duration", animation.duration, "channels",
-                                                    (json_int_t)animation.channel_count));
+        json_array_append_new(animations, json_pack("{s:s,s:f,s:I}", "name", animation.name, "duration", animation.duration,
+                                                    "channels", (json_int_t)animation.channel_count));
     }
     for (uint32_t i = 0; i < info->extension_count; i++) {
         fnl_extension_info extension;
         fnl_scene_query_extension(scene, i, &extension);
-        json_array_append_new(extensions, json_pack("{s:s,s:b,s:s}", "name", extension.name, "required", extension.required, "treatment",
-                                                    extension.treatment));
+        json_array_append_new(extensions, json_pack("{s:s,s:b,s:s}", "name", extension.name, "required", extension.required,
+                                                    "treatment", extension.treatment));
     }
-    for (uint32_t i = 0; i < info->message_count; i++) json_array_append_new(warnings, json_string(fnl_scene_message(scene, i)));
+    for (uint32_t i = 0; i < info->message_count; i++)
+        json_array_append_new(warnings, json_string(fnl_scene_message(scene, i)));
     bool empty = info->bounds_low.x > info->bounds_high.x;
     json_object_set_new(root, "source", json_string(source));
     json_object_set_new(root, "counts", json_counts(info));
-    json_object_set_new(root, "extent", empty ? json_null() : json_pack("{s:o,s:o}", "low", json_vec3(info->bounds_low), "high", json_vec3(info->bounds_high)));
+    json_object_set_new(
+        root, "extent",
+        empty ? json_null()
+              : json_pack("{s:o,s:o}", "low", json_vec3(info->bounds_low), "high", json_vec3(info->bounds_high)));
     json_object_set_new(root, "images", images);
     json_object_set_new(root, "lights", lights);
     json_object_set_new(root, "cameras", cameras);
@@ -276,7 +283,8 @@ static int print_json(const fnl_scene *scene, const char *source, const fnl_scen
 }
 
 int command_info(int argc, char **argv) {
-    static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
     bool json = false;
     optind = 0; /* a full restart: several commands may run in one process */
     for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {

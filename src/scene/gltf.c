@@ -72,10 +72,12 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
         return false;
     }
     if (length > size) {
-        gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is truncated: the GLB header says %u bytes, the file has %zu", length, size);
+        gltf_fail(g, FNL_ERROR_FORMAT, &g->top, "is truncated: the GLB header says %u bytes, the file has %zu", length,
+                  size);
         return false;
     }
-    if (length < size) gltf_warn(g, &g->top, "goes on for %zu bytes after the end of the GLB; they are ignored", size - length);
+    if (length < size)
+        gltf_warn(g, &g->top, "goes on for %zu bytes after the end of the GLB; they are ignored", size - length);
     *json = NULL;
     uint32_t number = 0;
     for (uint64_t offset = 12; offset < length; number++) {
@@ -103,7 +105,8 @@ static bool parse_glb(struct gltf *g, const unsigned char *bytes, size_t size, c
             g->binary = bytes + offset;
             g->binary_size = chunk_size;
         } else if (type == GLB_CHUNK_BIN || type == GLB_CHUNK_JSON) {
-            gltf_warn(g, &g->top, "GLB chunk %u: a second JSON chunk, or a BIN chunk that is not the second; it is ignored", number);
+            gltf_warn(g, &g->top, "GLB chunk %u: a second JSON chunk, or a BIN chunk that is not the second; it is ignored",
+                      number);
         }
         offset += chunk_size;
     }
@@ -122,7 +125,8 @@ static void check_asset(struct gltf *g) {
     json_t *asset = json_object_get(g->root, "asset");
     const struct at *at = AT_KEY(&g->top, "asset");
     if (!json_is_object(asset)) {
-        gltf_fail(g, FNL_ERROR_FORMAT, asset ? at : &g->top, asset ? "is not an object" : "has no 'asset', so is not glTF 2.0");
+        gltf_fail(g, FNL_ERROR_FORMAT, asset ? at : &g->top,
+                  asset ? "is not an object" : "has no 'asset', so is not glTF 2.0");
         return;
     }
     int major, minor, needed_major = 2, needed_minor = 0;
@@ -143,16 +147,17 @@ static void check_asset(struct gltf *g) {
     else if (needed_major > major || (needed_major == major && needed_minor > minor))
         gltf_fail(g, FNL_ERROR_FORMAT, AT_KEY(at, "minVersion"), "is greater than the version of the file");
     else if (needed_major != 2 || needed_minor > 0)
-        gltf_warn(g, AT_KEY(at, "minVersion"), "is %s; the file is read as 2.0 and may look wrong", json_string_value(needed));
+        gltf_warn(g, AT_KEY(at, "minVersion"), "is %s; the file is read as 2.0 and may look wrong",
+                  json_string_value(needed));
 }
 
 /* ---- the whole ---- */
 
 static void load_parts(struct gltf *g) {
     static void (*const parts[])(struct gltf *) = {
-        check_asset,       gltf_load_extensions, gltf_load_buffers, gltf_load_accessors, gltf_load_images, gltf_load_materials,
-        gltf_load_meshes,  gltf_load_cameras,    gltf_load_nodes,   gltf_load_scenes,    gltf_load_skins,  gltf_place,
-        gltf_load_animations,
+        check_asset,         gltf_load_extensions, gltf_load_buffers,    gltf_load_accessors, gltf_load_images,
+        gltf_load_materials, gltf_load_meshes,     gltf_load_cameras,    gltf_load_nodes,     gltf_load_scenes,
+        gltf_load_skins,     gltf_place,           gltf_load_animations,
     };
     for (size_t i = 0; i < COUNT_OF(parts) && g->result == FNL_OK; i++) parts[i](g);
     if (g->result == FNL_OK) scene_update_transforms(g->scene);

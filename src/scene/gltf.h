@@ -49,8 +49,16 @@ enum gltf_component {
 enum gltf_type { GLTF_SCALAR, GLTF_VEC2, GLTF_VEC3, GLTF_VEC4, GLTF_MAT2, GLTF_MAT3, GLTF_MAT4 };
 
 /** Vertex data of one accessor that several primitives share is decoded once per use. */
-enum gltf_use { GLTF_USE_POSITION, GLTF_USE_NORMAL, GLTF_USE_TANGENT, GLTF_USE_UV, GLTF_USE_COLOR, GLTF_USE_MORPH,
-                GLTF_USE_INDEX, GLTF_USE_COUNT };
+enum gltf_use {
+    GLTF_USE_POSITION,
+    GLTF_USE_NORMAL,
+    GLTF_USE_TANGENT,
+    GLTF_USE_UV,
+    GLTF_USE_COLOR,
+    GLTF_USE_MORPH,
+    GLTF_USE_INDEX,
+    GLTF_USE_COUNT
+};
 
 struct gltf_accessor {
     bool valid, normalized;
@@ -69,13 +77,34 @@ struct gltf_accessor {
 };
 
 /** Where a vertex went when unused ones were dropped; entries with an old stamp count as unset. */
-struct gltf_vertex_map { uint32_t stamp, index; };
+struct gltf_vertex_map {
+    uint32_t stamp, index;
+};
+
+/** TEXCOORD_n, JOINTS_n and so on are read for n below this. */
+#define GLTF_SET_MAX 16u
 
 /** What a primitive's joints ask of a skin. */
 struct gltf_primitive_joints {
     uint32_t source; /* its number in the document's mesh, which may have lost others */
     uint32_t set_count;
-    uint32_t highest[16], highest_used[16]; /* of each JOINTS_n: the highest joint at all, and with a weight */
+    uint32_t highest[GLTF_SET_MAX],
+        highest_used[GLTF_SET_MAX]; /* of each JOINTS_n: the highest joint at all, and with a weight */
+};
+
+struct gltf_texture {
+    uint32_t image, sampler; /* of the scene; image SCENE_NONE: there is none */
+};
+
+struct gltf_camera {
+    bool valid;
+    const char *name;
+    fnl_camera camera;
+};
+
+struct gltf_light {
+    bool valid;
+    fnl_light_params params;
 };
 
 struct gltf {
@@ -99,14 +128,14 @@ struct gltf {
     uint32_t buffer_count, view_count, accessor_count, node_count, mesh_count, skin_count, material_count, image_count,
         texture_count, sampler_count, camera_count, light_count;
 
-    struct gltf_texture { uint32_t image, sampler; } *textures;
+    struct gltf_texture *textures;
     uint32_t *image_twin; /* of each image: its copy for the other colour use, or SCENE_NONE */
     bool *image_used;
     ARRAY(struct gltf_primitive_joints) primitive_joints; /* by scene primitive */
-    ARRAY(struct gltf_vertex_map) vertex_map; /* scratch of gltf_load_indices */
+    ARRAY(struct gltf_vertex_map) vertex_map;             /* scratch of gltf_load_indices */
     uint32_t vertex_map_stamp;
-    struct gltf_camera { bool valid; const char *name; fnl_camera camera; } *cameras;
-    struct gltf_light { bool valid; fnl_light_params params; } *lights;
+    struct gltf_camera *cameras;
+    struct gltf_light *lights;
     uint32_t *node_lights; /* by node: a light, or SCENE_NONE */
     bool *in_scene;        /* by node: part of the shown scene, visible or not */
     bool *hidden;          /* by node: KHR_node_visibility hides it and what is below */
@@ -162,8 +191,10 @@ bool gltf_float(struct gltf *g, json_t *object, const struct at *at, const char 
 /** Exactly `count` such numbers. */
 bool gltf_floats(struct gltf *g, json_t *object, const struct at *at, const char *key, uint32_t count, float low, float high,
                  float *out);
-/** extensions/NAME of an object, or NULL; `at_out` gets its place and needs two more frames to point to. */
-struct gltf_extension_place { struct at extensions, extension; };
+/** extensions/NAME of an object, or NULL; `place` gets where it stands: warn at &place.extension. */
+struct gltf_extension_place {
+    struct at extensions, extension;
+};
 json_t *gltf_extension(json_t *object, const struct at *at, const char *name, struct gltf_extension_place *place);
 /** Whether extensionsUsed names it. */
 bool gltf_uses(const struct gltf *g, const char *extension);
@@ -195,7 +226,10 @@ void gltf_load_images(struct gltf *g);    /* images, samplers, textures (gltf_im
 void gltf_load_materials(struct gltf *g); /* gltf_material.c */
 void gltf_load_meshes(struct gltf *g);    /* gltf_mesh.c */
 /** The vertices that a primitive's indices name; `source` NULL means all, in order. */
-struct gltf_selection { const uint32_t *source; uint32_t count; };
+struct gltf_selection {
+    const uint32_t *source;
+    uint32_t count;
+};
 /**
  * Indices, expanded to plain triangles, lines or points, over `vertex_count` vertices (gltf_index.c). When the indices
  * name fewer vertices than there are, only those are selected. False (warned): the primitive is left out.
@@ -203,11 +237,20 @@ struct gltf_selection { const uint32_t *source; uint32_t count; };
 bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, uint32_t vertex_count,
                        struct scene_primitive *out, struct gltf_selection *selection);
 
-enum gltf_semantic { GLTF_POSITION, GLTF_NORMAL, GLTF_TANGENT, GLTF_TEXCOORD, GLTF_COLOR, GLTF_JOINTS, GLTF_WEIGHTS,
-                     GLTF_SEMANTIC_COUNT };
-#define GLTF_SET_MAX 16u
+enum gltf_semantic {
+    GLTF_POSITION,
+    GLTF_NORMAL,
+    GLTF_TANGENT,
+    GLTF_TEXCOORD,
+    GLTF_COLOR,
+    GLTF_JOINTS,
+    GLTF_WEIGHTS,
+    GLTF_SEMANTIC_COUNT
+};
 /** Accessors of a primitive or of a morph target: [semantic][set], SCENE_NONE where there is none that can be used. */
-struct gltf_attributes { uint32_t accessor[GLTF_SEMANTIC_COUNT][GLTF_SET_MAX]; };
+struct gltf_attributes {
+    uint32_t accessor[GLTF_SEMANTIC_COUNT][GLTF_SET_MAX];
+};
 /** Checks every attribute (gltf_attribute.c). `base` is NULL for the primitive itself, its attributes for a morph target. */
 void gltf_find_attributes(struct gltf *g, json_t *object, const struct at *at, const struct gltf_attributes *base,
                           struct gltf_attributes *out);
@@ -216,10 +259,11 @@ bool gltf_load_vertices(struct gltf *g, json_t *primitive, const struct at *at, 
                         const struct gltf_selection *selection, struct scene_primitive *out);
 /** Joints and weights of a primitive (gltf_skin.c). False (warned): it is shown without its skin. */
 bool gltf_load_joints(struct gltf *g, const struct at *at, const struct gltf_attributes *attributes,
-                      const struct gltf_selection *selection, struct scene_primitive *out, struct gltf_primitive_joints *joints);
-void gltf_load_cameras(struct gltf *g);    /* cameras and lights, before they are placed (gltf_light.c) */
-void gltf_load_nodes(struct gltf *g);      /* the hierarchy, which nodes are shown, what they carry (gltf_node.c) */
-void gltf_load_scenes(struct gltf *g);     /* gltf_scene.c */
+                      const struct gltf_selection *selection, struct scene_primitive *out,
+                      struct gltf_primitive_joints *joints);
+void gltf_load_cameras(struct gltf *g); /* cameras and lights, before they are placed (gltf_light.c) */
+void gltf_load_nodes(struct gltf *g);   /* the hierarchy, which nodes are shown, what they carry (gltf_node.c) */
+void gltf_load_scenes(struct gltf *g);  /* gltf_scene.c */
 /** EXT_mesh_gpu_instancing of a node (gltf_scene.c). */
 void gltf_load_instances(struct gltf *g, json_t *extension, const struct at *at, struct scene_node *node);
 void gltf_load_skins(struct gltf *g);      /* skins, and whether the skinned meshes fit them (gltf_skin.c) */

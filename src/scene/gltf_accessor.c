@@ -86,15 +86,18 @@ static bool load_sparse(struct gltf *g, json_t *object, const struct at *at, str
         gltf_warn(g, AT_KEY(index_at, "componentType"), "must be an unsigned integer type; the accessor is ignored");
         return false;
     }
-    const struct gltf_view *index_view = &g->views[accessor->sparse.index_view], *value_view = &g->views[accessor->sparse.value_view];
+    const struct gltf_view *index_view = &g->views[accessor->sparse.index_view],
+                           *value_view = &g->views[accessor->sparse.value_view];
     uint32_t index_size = gltf_component_size(type);
     if (!index_view->valid || !value_view->valid) return false;
     if (!fits(index_view, accessor->sparse.index_offset, count, index_size, index_size)) {
-        gltf_warn(g, index_at, "%llu indices do not fit their buffer view; the accessor is ignored", (unsigned long long)count);
+        gltf_warn(g, index_at, "%llu indices do not fit their buffer view; the accessor is ignored",
+                  (unsigned long long)count);
         return false;
     }
     if (!fits(value_view, accessor->sparse.value_offset, count, packed_stride(accessor), element_size(accessor))) {
-        gltf_warn(g, value_at, "%llu values do not fit their buffer view; the accessor is ignored", (unsigned long long)count);
+        gltf_warn(g, value_at, "%llu values do not fit their buffer view; the accessor is ignored",
+                  (unsigned long long)count);
         return false;
     }
     accessor->sparse.count = (uint32_t)count;
@@ -107,24 +110,29 @@ static bool check_view(struct gltf *g, json_t *object, const struct at *at, cons
     json_t *view_object = json_array_get(json_object_get(g->root, "bufferViews"), accessor->view);
     uint64_t view_offset = (uint64_t)json_integer_value(json_object_get(view_object, "byteOffset"));
     if (accessor->offset % component_size != 0)
-        gltf_warn(g, AT_KEY(at, "byteOffset"), "is %llu, not a multiple of the component's %u bytes; it is used all the same",
+        gltf_warn(g, AT_KEY(at, "byteOffset"),
+                  "is %llu, not a multiple of the component's %u bytes; it is used all the same",
                   (unsigned long long)accessor->offset, component_size);
     if ((accessor->offset + view_offset) % component_size != 0)
-        gltf_warn(g, at, "begins in the buffer at a byte that is not a multiple of the component's %u bytes; it is used all the same",
-                  component_size);
+        gltf_warn(
+            g, at,
+            "begins in the buffer at a byte that is not a multiple of the component's %u bytes; it is used all the same",
+            component_size);
     if (!view->valid) {
         gltf_warn(g, at, "uses buffer view %u, which is broken; it is ignored", accessor->view);
         return false;
     }
     uint64_t stride = view->stride ? view->stride : packed_stride(accessor);
     if (stride < element_size(accessor)) {
-        gltf_warn(g, AT_KEY(at, "bufferView"), "its byteStride of %u is less than the element's %u bytes; the accessor is ignored",
-                  view->stride, element_size(accessor));
+        gltf_warn(g, AT_KEY(at, "bufferView"),
+                  "its byteStride of %u is less than the element's %u bytes; the accessor is ignored", view->stride,
+                  element_size(accessor));
         return false;
     }
     if (!fits(view, accessor->offset, accessor->count, stride, element_size(accessor))) {
         gltf_warn(g, json_object_get(object, "byteOffset") ? AT_KEY(at, "byteOffset") : at,
-                  "%u elements, %llu bytes apart from byte %llu on, do not fit buffer view %u of %llu bytes; the accessor is ignored",
+                  "%u elements, %llu bytes apart from byte %llu on, do not fit buffer view %u of %llu bytes; the accessor "
+                  "is ignored",
                   accessor->count, (unsigned long long)stride, (unsigned long long)accessor->offset, accessor->view,
                   (unsigned long long)view->size);
         return false;
@@ -149,14 +157,17 @@ static bool load_accessor(struct gltf *g, json_t *object, const struct at *at, s
         gltf_warn(g, AT_KEY(at, "normalized"), "is not possible for this component type; it is ignored");
         accessor->normalized = false;
     }
-    if (json_object_get(object, "byteOffset") && !gltf_uint(g, object, at, "byteOffset", false, 0, UINT64_MAX / 2, &accessor->offset))
+    if (json_object_get(object, "byteOffset") &&
+        !gltf_uint(g, object, at, "byteOffset", false, 0, UINT64_MAX / 2, &accessor->offset))
         return false;
     if (json_object_get(object, "bufferView")) {
         accessor->view = gltf_index(g, object, at, "bufferView", false, g->view_count);
         if (accessor->view == SCENE_NONE || !check_view(g, object, at, accessor)) return false;
     } else if (accessor->count > ZERO_COUNT_MAX) {
-        gltf_warn(g, AT_KEY(at, "count"), "is %u, but no buffer view holds the elements, and more than %u zeros are not made; "
-                  "the accessor is ignored", accessor->count, ZERO_COUNT_MAX);
+        gltf_warn(g, AT_KEY(at, "count"),
+                  "is %u, but no buffer view holds the elements, and more than %u zeros are not made; "
+                  "the accessor is ignored",
+                  accessor->count, ZERO_COUNT_MAX);
         return false;
     }
     json_t *sparse = gltf_object(g, object, at, "sparse", false);
@@ -183,22 +194,12 @@ static float decode_float(const unsigned char *bytes, enum gltf_component compon
     uint32_t u32;
     float value;
     switch (component) {
-    case GLTF_BYTE:
-        memcpy(&i8, bytes, 1);
-        return normalized ? fmaxf((float)i8 / 127.0f, -1) : (float)i8;
+    case GLTF_BYTE: memcpy(&i8, bytes, 1); return normalized ? fmaxf((float)i8 / 127.0f, -1) : (float)i8;
     case GLTF_UNSIGNED_BYTE: return normalized ? (float)*bytes / 255.0f : (float)*bytes;
-    case GLTF_SHORT:
-        memcpy(&i16, bytes, 2);
-        return normalized ? fmaxf((float)i16 / 32767.0f, -1) : (float)i16;
-    case GLTF_UNSIGNED_SHORT:
-        memcpy(&u16, bytes, 2);
-        return normalized ? (float)u16 / 65535.0f : (float)u16;
-    case GLTF_UNSIGNED_INT:
-        memcpy(&u32, bytes, 4);
-        return (float)u32;
-    case GLTF_FLOAT:
-        memcpy(&value, bytes, 4);
-        return value;
+    case GLTF_SHORT: memcpy(&i16, bytes, 2); return normalized ? fmaxf((float)i16 / 32767.0f, -1) : (float)i16;
+    case GLTF_UNSIGNED_SHORT: memcpy(&u16, bytes, 2); return normalized ? (float)u16 / 65535.0f : (float)u16;
+    case GLTF_UNSIGNED_INT: memcpy(&u32, bytes, 4); return (float)u32;
+    case GLTF_FLOAT: memcpy(&value, bytes, 4); return value;
     }
     return 0;
 }
@@ -208,12 +209,8 @@ static uint32_t decode_uint(const unsigned char *bytes, enum gltf_component comp
     uint32_t u32;
     switch (component) {
     case GLTF_UNSIGNED_BYTE: return *bytes;
-    case GLTF_UNSIGNED_SHORT:
-        memcpy(&u16, bytes, 2);
-        return u16;
-    case GLTF_UNSIGNED_INT:
-        memcpy(&u32, bytes, 4);
-        return u32;
+    case GLTF_UNSIGNED_SHORT: memcpy(&u16, bytes, 2); return u16;
+    case GLTF_UNSIGNED_INT: memcpy(&u32, bytes, 4); return u32;
     case GLTF_BYTE:
     case GLTF_SHORT:
     case GLTF_FLOAT: break;
@@ -222,7 +219,8 @@ static uint32_t decode_uint(const unsigned char *bytes, enum gltf_component comp
 }
 
 /** Decodes one element as floats or, when `uints` is there, as integers. */
-static void decode_element(const struct gltf_accessor *accessor, const unsigned char *bytes, float *floats, uint32_t *uints) {
+static void decode_element(const struct gltf_accessor *accessor, const unsigned char *bytes, float *floats,
+                           uint32_t *uints) {
     uint32_t count = gltf_type_components(accessor->type);
     for (uint32_t i = 0; i < count; i++) {
         const unsigned char *component = bytes + component_offset(accessor, i);
@@ -244,8 +242,10 @@ bool gltf_accessor_readable(struct gltf *g, uint32_t index, const struct at *at)
     return !missing;
 }
 
-static bool apply_sparse(struct gltf *g, const struct gltf_accessor *accessor, const struct at *at, float *floats, uint32_t *uints) {
-    uint32_t components = gltf_type_components(accessor->type), index_size = gltf_component_size(accessor->sparse.index_component);
+static bool apply_sparse(struct gltf *g, const struct gltf_accessor *accessor, const struct at *at, float *floats,
+                         uint32_t *uints) {
+    uint32_t components = gltf_type_components(accessor->type),
+             index_size = gltf_component_size(accessor->sparse.index_component);
     const unsigned char *indices = g->views[accessor->sparse.index_view].data + accessor->sparse.index_offset;
     const unsigned char *values = g->views[accessor->sparse.value_view].data + accessor->sparse.value_offset;
     uint64_t next = 0;
@@ -258,7 +258,8 @@ static bool apply_sparse(struct gltf *g, const struct gltf_accessor *accessor, c
         }
         next = (uint64_t)index + 1;
         size_t to = (size_t)index * components;
-        decode_element(accessor, values + (size_t)i * packed_stride(accessor), floats ? floats + to : NULL, uints ? uints + to : NULL);
+        decode_element(accessor, values + (size_t)i * packed_stride(accessor), floats ? floats + to : NULL,
+                       uints ? uints + to : NULL);
     }
     return true;
 }
@@ -286,6 +287,10 @@ static bool read_all(struct gltf *g, uint32_t index, const struct at *at, float 
     return accessor->sparse.count == 0 || apply_sparse(g, accessor, at, floats, uints);
 }
 
-bool gltf_read_floats(struct gltf *g, uint32_t accessor, const struct at *at, float *out) { return read_all(g, accessor, at, out, NULL); }
+bool gltf_read_floats(struct gltf *g, uint32_t accessor, const struct at *at, float *out) {
+    return read_all(g, accessor, at, out, NULL);
+}
 
-bool gltf_read_uints(struct gltf *g, uint32_t accessor, const struct at *at, uint32_t *out) { return read_all(g, accessor, at, NULL, out); }
+bool gltf_read_uints(struct gltf *g, uint32_t accessor, const struct at *at, uint32_t *out) {
+    return read_all(g, accessor, at, NULL, out);
+}

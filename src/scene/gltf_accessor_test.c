@@ -65,8 +65,9 @@ static void check_case(uint32_t type, uint32_t c, bool normalized, uint32_t stri
     if (sparse != SPARSE_ALONE) snprintf(base, sizeof base, "\"bufferView\":0,\"byteOffset\":4,");
     if (stride) snprintf(stride_text, sizeof stride_text, ",\"byteStride\":%u", stride);
     if (sparse != DENSE)
-        snprintf(sparse_text, sizeof sparse_text,
-                 ",\"sparse\":{\"count\":3,\"indices\":{\"bufferView\":1,\"componentType\":5123},\"values\":{\"bufferView\":2}}");
+        snprintf(
+            sparse_text, sizeof sparse_text,
+            ",\"sparse\":{\"count\":3,\"indices\":{\"bufferView\":1,\"componentType\":5123},\"values\":{\"bufferView\":2}}");
     snprintf(json, sizeof json,
              "{\"bufferViews\":[{\"buffer\":0,\"byteLength\":1024%s},"
              "{\"buffer\":0,\"byteOffset\":2048,\"byteLength\":16},{\"buffer\":0,\"byteOffset\":2064,\"byteLength\":1024}],"
@@ -77,7 +78,12 @@ static void check_case(uint32_t type, uint32_t c, bool normalized, uint32_t stri
     fnl_host host = test_host(&log);
     fnl_scene *scene;
     assert_int_equal(scene_create(&host, "test", &scene), FNL_OK);
-    struct gltf g = {.scene = scene, .host = &scene->host, .name = "test", .is_glb = true, .binary = binary, .binary_size = sizeof binary};
+    struct gltf g = {.scene = scene,
+                     .host = &scene->host,
+                     .name = "test",
+                     .is_glb = true,
+                     .binary = binary,
+                     .binary_size = sizeof binary};
     g.root = json_loads(json, 0, NULL);
     assert_non_null(g.root);
     arena_init(&g.scratch, g.host, 4096);
@@ -92,13 +98,15 @@ static void check_case(uint32_t type, uint32_t c, bool normalized, uint32_t stri
     if (columns[type] > 1) packed = (packed + 3) / 4 * 4;
     for (uint32_t i = 0; i < COUNT; i++)
         for (uint32_t k = 0; k < width; k++) {
-            const unsigned char *from = sparse == SPARSE_ALONE ? NULL : binary + BASE_OFFSET + i * (stride ? stride : packed);
+            const unsigned char *from =
+                sparse == SPARSE_ALONE ? NULL : binary + BASE_OFFSET + i * (stride ? stride : packed);
             for (uint32_t s = 0; s < SPARSE_COUNT && sparse != DENSE; s++)
                 if (sparse_indices[s] == i) from = binary + VALUE_OFFSET + s * packed;
             double expected = from ? reference(from + offset_of(type, size, k), components[c], normalized) : 0;
             if (fabs((double)values[i * width + k] - expected) > 1e-6 * fabs(expected))
-                fail_msg("%s of %u%s, stride %u, sparse %d: element %u component %u is %g, not %g", types[type], components[c],
-                         normalized ? " normalized" : "", stride, (int)sparse, i, k, (double)values[i * width + k], expected);
+                fail_msg("%s of %u%s, stride %u, sparse %d: element %u component %u is %g, not %g", types[type],
+                         components[c], normalized ? " normalized" : "", stride, (int)sparse, i, k,
+                         (double)values[i * width + k], expected);
         }
     json_decref(g.root);
     arena_finish(&g.scratch);
@@ -111,37 +119,49 @@ static void test_every_accessor(void **state) {
         for (uint32_t c = 0; c < COUNT_OF(components); c++)
             for (int normalized = 0; normalized < (c < 4 ? 2 : 1); normalized++)
                 for (uint32_t stride = 0; stride <= 72; stride += 72)
-                    for (enum sparse sparse = DENSE; sparse <= SPARSE_ALONE; sparse++) check_case(type, c, normalized, stride, sparse);
+                    for (enum sparse sparse = DENSE; sparse <= SPARSE_ALONE; sparse++)
+                        check_case(type, c, normalized, stride, sparse);
 }
 
 /** Accessors that must be refused, each with the place that the message must name. */
 static void test_accessors_that_do_not_fit(void **state) {
     UNUSED(state);
-    static const struct { const char *accessor, *place; } cases[] = {
-        {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2000000000}", "/accessors/0: 2000000000 elements"},
+    static const struct {
+        const char *accessor, *place;
+    } cases[] = {
+        {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2000000000}",
+         "/accessors/0: 2000000000 elements"},
         {"{\"componentType\":5126,\"type\":\"VEC3\",\"count\":2000000000}", "/accessors/0/count: is 2000000000"},
-        {"{\"bufferView\":0,\"byteOffset\":9223372036854775807,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1}", "/accessors/0/byteOffset"},
-        {"{\"bufferView\":0,\"byteOffset\":56,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1}", "/accessors/0/byteOffset"},
+        {"{\"bufferView\":0,\"byteOffset\":9223372036854775807,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1}",
+         "/accessors/0/byteOffset"},
+        {"{\"bufferView\":0,\"byteOffset\":56,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1}",
+         "/accessors/0/byteOffset"},
         {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":99999999999999999999}", "/accessors/0/count"},
         {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":-1}", "/accessors/0/count"},
-        {"{\"bufferView\":1,\"componentType\":5126,\"type\":\"MAT4\",\"count\":1}", "/accessors/0/bufferView: its byteStride"},
+        {"{\"bufferView\":1,\"componentType\":5126,\"type\":\"MAT4\",\"count\":1}",
+         "/accessors/0/bufferView: its byteStride"},
         {"{\"bufferView\":0,\"componentType\":5124,\"type\":\"VEC3\",\"count\":1}", "/accessors/0/componentType"},
         {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC5\",\"count\":1}", "/accessors/0/type"},
         {"{\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2,\"sparse\":{\"count\":3,\"indices\":{\"bufferView\":0,"
-         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}", "/accessors/0/sparse/count"},
+         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}",
+         "/accessors/0/sparse/count"},
         {"{\"componentType\":5126,\"type\":\"SCALAR\",\"count\":20,\"sparse\":{\"count\":17,\"indices\":{\"bufferView\":0,"
-         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}", "/accessors/0/sparse/indices"},
+         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}",
+         "/accessors/0/sparse/indices"},
         {"{\"componentType\":5126,\"type\":\"VEC2\",\"count\":20,\"sparse\":{\"count\":9,\"indices\":{\"bufferView\":0,"
-         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}", "/accessors/0/sparse/values"},
+         "\"componentType\":5125},\"values\":{\"bufferView\":0}}}",
+         "/accessors/0/sparse/values"},
     };
     static const unsigned char binary[128];
     static struct test_log log;
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         char json[1024];
         snprintf(json, sizeof json,
-                 "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":128}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64},"
+                 "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":128}],\"bufferViews\":[{\"buffer\":0,"
+                 "\"byteLength\":64},"
                  "{\"buffer\":0,\"byteLength\":64,\"byteStride\":4}],\"accessors\":[%s],"
-                 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}", cases[i].accessor);
+                 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}",
+                 cases[i].accessor);
         fnl_scene *scene;
         assert_int_equal(test_load(&log, json, binary, sizeof binary, &scene), FNL_OK);
         char expected[128];

@@ -68,18 +68,21 @@ static bool output_format_good(const struct gltf_accessor *accessor, enum scene_
     return accessor->type == types[path] && (accessor->component == GLTF_FLOAT || (may_be_integer && accessor->normalized));
 }
 
-static const float *load_values(struct gltf *g, const struct sampler *sampler, const struct scene_channel *channel, const struct at *at) {
+static const float *load_values(struct gltf *g, const struct sampler *sampler, const struct scene_channel *channel,
+                                const struct at *at) {
     const struct gltf_accessor *accessor = &g->accessors[sampler->output];
     char format[64];
     if (!gltf_accessor_readable(g, sampler->output, at)) return NULL;
     if (!output_format_good(accessor, channel->path)) {
-        gltf_warn(g, at, "the output cannot be %s for this path; the channel is left out", gltf_format_name(accessor, format, sizeof format));
+        gltf_warn(g, at, "the output cannot be %s for this path; the channel is left out",
+                  gltf_format_name(accessor, format, sizeof format));
         return NULL;
     }
     uint64_t elements = (uint64_t)channel->key_count * (channel->interpolation == SCENE_INTERPOLATION_CUBIC ? 3 : 1);
     if (channel->path == SCENE_PATH_WEIGHTS) elements *= channel->width;
     if (accessor->count != elements) {
-        gltf_warn(g, at, "the output has %u elements, but %llu are needed; the channel is left out", accessor->count, (unsigned long long)elements);
+        gltf_warn(g, at, "the output has %u elements, but %llu are needed; the channel is left out", accessor->count,
+                  (unsigned long long)elements);
         return NULL;
     }
     uint64_t count = (uint64_t)accessor->count * gltf_type_components(accessor->type);
@@ -102,8 +105,7 @@ static void warn_pointer(struct gltf *g, json_t *target, const struct at *at) {
     const char *pointer = gltf_string(g, extension, &place.extension, "pointer", true);
     if (pointer && *pointer && *pointer != '/')
         gltf_warn(g, AT_KEY(&place.extension, "pointer"), "'%.100s' is no JSON pointer; the channel is left out", pointer);
-    else if (pointer)
-        gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
+    else if (pointer) gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
 }
 
 static bool load_target(struct gltf *g, json_t *object, const struct at *at, struct scene_channel *channel) {
@@ -123,16 +125,18 @@ static bool load_target(struct gltf *g, json_t *object, const struct at *at, str
     channel->width = channel->path == SCENE_PATH_ROTATION ? 4 : 3;
     if (channel->path == SCENE_PATH_WEIGHTS) {
         channel->width = node->mesh == SCENE_NONE ? 0 : g->scene->meshes.data[node->mesh].morph_target_count;
-        if (channel->width == 0) gltf_warn(g, AT_KEY(here, "path"), "node %u has no morph targets; the channel is left out", channel->node);
+        if (channel->width == 0)
+            gltf_warn(g, AT_KEY(here, "path"), "node %u has no morph targets; the channel is left out", channel->node);
         return channel->width > 0;
     }
     if (node->has_matrix)
-        gltf_warn(g, AT_KEY(here, "path"), "node %u has a matrix, which cannot be animated; the channel is left out", channel->node);
+        gltf_warn(g, AT_KEY(here, "path"), "node %u has a matrix, which cannot be animated; the channel is left out",
+                  channel->node);
     return !node->has_matrix;
 }
 
-static bool load_channel(struct gltf *g, json_t *object, const struct at *at, const struct sampler *samplers, uint32_t sampler_count,
-                         struct scene_channel *channel) {
+static bool load_channel(struct gltf *g, json_t *object, const struct at *at, const struct sampler *samplers,
+                         uint32_t sampler_count, struct scene_channel *channel) {
     uint32_t index = gltf_index(g, object, at, "sampler", true, sampler_count);
     bool good = load_target(g, object, at, channel);
     if (!good || index == SCENE_NONE || !samplers[index].valid) return false;
@@ -159,7 +163,8 @@ static void load_animation(struct gltf *g, json_t *object, const struct at *at, 
     for (uint32_t i = 0; i < channel_count && g->result == FNL_OK; i++) {
         struct scene_channel channel = {0};
         json_t *channel_object = gltf_element(g, channels, channels_at, i);
-        if (!channel_object || !load_channel(g, channel_object, AT_INDEX(channels_at, i), loaded, sampler_count, &channel)) continue;
+        if (!channel_object || !load_channel(g, channel_object, AT_INDEX(channels_at, i), loaded, sampler_count, &channel))
+            continue;
         kept[animation->channel_count++] = channel;
         animation->duration = fmaxf(animation->duration, channel.times[channel.key_count - 1]);
     }

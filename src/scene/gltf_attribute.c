@@ -2,7 +2,7 @@
 /* Names, formats and counts of vertex attributes (glTF 2.0, 3.7.2; KHR_mesh_quantization). */
 #include "scene/gltf.h"
 
-#define BIT(component) (1u << ((component) - GLTF_BYTE))
+#define BIT(component) (1u << ((component)-GLTF_BYTE))
 #define FLOAT_BIT BIT(GLTF_FLOAT)
 #define UNSIGNED_BITS (BIT(GLTF_UNSIGNED_BYTE) | BIT(GLTF_UNSIGNED_SHORT))
 #define SIGNED_BITS (BIT(GLTF_BYTE) | BIT(GLTF_SHORT))
@@ -82,7 +82,8 @@ static void check_attribute(struct gltf *g, json_t *value, const struct at *at, 
     bool known = parse_name(name, &semantic, &set), is_target = base != NULL;
     if (!known && name[0] != '_') gltf_warn(g, at, "is not the name of an attribute; it is ignored");
     bool has_base = !is_target || (known && set < GLTF_SET_MAX && base->accessor[semantic][set] != SCENE_NONE);
-    if (!has_base && name[0] != '_') gltf_warn(g, at, "the primitive itself has no such attribute that can be used; it is ignored");
+    if (!has_base && name[0] != '_')
+        gltf_warn(g, at, "the primitive itself has no such attribute that can be used; it is ignored");
     uint32_t index = gltf_index_value(g, value, at, g->accessor_count);
     if (index == SCENE_NONE) return;
     const struct gltf_accessor *accessor = &g->accessors[index];
@@ -104,7 +105,8 @@ static void check_attribute(struct gltf *g, json_t *value, const struct at *at, 
         gltf_warn(g, at, "only POSITION, NORMAL and TANGENT are morphed; it is left out");
         return;
     }
-    if (check_format(g, at, semantic, is_target, accessor) && gltf_accessor_readable(g, index, at)) out->accessor[semantic][set] = index;
+    if (check_format(g, at, semantic, is_target, accessor) && gltf_accessor_readable(g, index, at))
+        out->accessor[semantic][set] = index;
 }
 
 static void check_counts(struct gltf *g, const struct at *at, uint32_t position, struct gltf_attributes *out) {
@@ -114,8 +116,8 @@ static void check_counts(struct gltf *g, const struct at *at, uint32_t position,
             if (accessor == SCENE_NONE || g->accessors[accessor].count == g->accessors[position].count) continue;
             char name[32];
             snprintf(name, sizeof name, rules[i].has_sets ? "%s_%u" : "%s", rules[i].name, set);
-            gltf_warn(g, AT_KEY(at, name), "has %u elements, but POSITION has %u; it is left out", g->accessors[accessor].count,
-                      g->accessors[position].count);
+            gltf_warn(g, AT_KEY(at, name), "has %u elements, but POSITION has %u; it is left out",
+                      g->accessors[accessor].count, g->accessors[position].count);
             out->accessor[i][set] = SCENE_NONE;
         }
 }

@@ -23,22 +23,29 @@ static fnl_scene *load_with_message(const char *json, const void *binary, size_t
 
 static void test_broken_files_are_refused(void **state) {
     UNUSED(state);
-    static const struct { const char *text; fnl_result result; const char *message; } cases[] = {
+    static const struct {
+        const char *text;
+        fnl_result result;
+        const char *message;
+    } cases[] = {
         {"", FNL_ERROR_FORMAT, "file.gltf: /: is not JSON"},
         {"{\n  \"asset\": }", FNL_ERROR_FORMAT, "file.gltf: /: is not JSON: line 2, column 12"},
         {"[]", FNL_ERROR_FORMAT, "file.gltf: /: is not a JSON object"},
         {"{}", FNL_ERROR_FORMAT, "file.gltf: /: has no 'asset'"},
         {"{\"asset\":{\"version\":\"1.0\"}}", FNL_ERROR_UNSUPPORTED, "file.gltf: /asset/version: is 1.0"},
         {"{\"asset\":{\"version\":\"2\"}}", FNL_ERROR_FORMAT, "file.gltf: /asset/version"},
-        {"{" ASSET ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}",
+        {"{" ASSET
+         ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}",
          FNL_ERROR_UNSUPPORTED, "/extensionsRequired/0: the file requires the extension KHR_draco_mesh_compression"},
-        {"{" ASSET ",\"buffers\":[{\"byteLength\":10,\"uri\":\"data:;base64,AAAA\"}]}", FNL_ERROR_FORMAT, "/buffers/0: says byteLength 10"},
+        {"{" ASSET ",\"buffers\":[{\"byteLength\":10,\"uri\":\"data:;base64,AAAA\"}]}", FNL_ERROR_FORMAT,
+         "/buffers/0: says byteLength 10"},
         {"glTF", FNL_ERROR_FORMAT, "is truncated"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         fnl_scene *scene = (fnl_scene *)&file_log;
         fnl_host host = test_host(&file_log);
-        assert_int_equal(gltf_load_memory(&host, cases[i].text, strlen(cases[i].text), "file.gltf", NULL, &scene), cases[i].result);
+        assert_int_equal(gltf_load_memory(&host, cases[i].text, strlen(cases[i].text), "file.gltf", NULL, &scene),
+                         cases[i].result);
         assert_null(scene);
         if (!strstr(file_log.text, cases[i].message)) fail_msg("no '%s' in:\n%s", cases[i].message, file_log.text);
     }
@@ -89,14 +96,19 @@ static void test_truncated_samples(void **state) {
 
 /* ---- vertices ---- */
 
-#define TRIANGLE_VIEWS "\"buffers\":[{\"byteLength\":72}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":72,\"byteStride\":12}],\"accessors\":[" \
-    "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}]"
+#define TRIANGLE_VIEWS                                                                                                      \
+    "\"buffers\":[{\"byteLength\":72}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":72,\"byteStride\":12}],\"accessors\":" \
+    "["                                                                                                                     \
+    "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},{\"bufferView\":0,\"byteOffset\":36,"          \
+    "\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}]"
 
 static void test_broken_vertices(void **state) {
     UNUSED(state);
     float vertices[18] = {0, 0, 0, 1, NAN, 0, 0, 1, 0, 0, 0, 1, 0, INFINITY, 1, 0, 0, 0};
-    fnl_scene *scene = load_with_message("{" ASSET "," TRIANGLE_VIEWS ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}",
-                                         vertices, sizeof vertices, "/meshes/0/primitives/0/attributes/POSITION: 1 element is NaN or infinite, the first at index 1");
+    fnl_scene *scene = load_with_message(
+        "{" ASSET "," TRIANGLE_VIEWS ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}",
+        vertices, sizeof vertices,
+        "/meshes/0/primitives/0/attributes/POSITION: 1 element is NaN or infinite, the first at index 1");
     assert_non_null(strstr(file_log.text, "/meshes/0/primitives/0/attributes/NORMAL: 1 element is NaN"));
     const struct scene_primitive *primitive = &scene->primitives.data[0];
     for (uint32_t i = 0; i < 3; i++) {
@@ -111,7 +123,10 @@ static void test_sharing_does_not_multiply(void **state) {
     UNUSED(state);
     const uint32_t vertices = 1 << 16, primitives = 10000;
     char *json = malloc(1024 + primitives * 40), *end = json;
-    end += sprintf(end, "{" ASSET ",\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":%u}],\"meshes\":[{\"primitives\":[", vertices);
+    end += sprintf(end,
+                   "{" ASSET
+                   ",\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":%u}],\"meshes\":[{\"primitives\":[",
+                   vertices);
     for (uint32_t i = 0; i < primitives; i++) end += sprintf(end, "%s{\"attributes\":{\"POSITION\":0}}", i ? "," : "");
     sprintf(end, "]}]}");
     fnl_scene *scene = load_with_message(json, NULL, 0, "out of all proportion");
@@ -127,11 +142,13 @@ static void test_sharing_does_not_multiply(void **state) {
 
 static void test_node_graphs(void **state) {
     UNUSED(state);
-    fnl_scene *scene = load_with_message("{" ASSET ",\"nodes\":[{\"children\":[1]},{\"children\":[2]},{\"children\":[0]},{\"children\":[3]}]}", NULL, 0,
-                                         "/nodes/1: is part of a loop of nodes");
+    fnl_scene *scene = load_with_message(
+        "{" ASSET ",\"nodes\":[{\"children\":[1]},{\"children\":[2]},{\"children\":[0]},{\"children\":[3]}]}", NULL, 0,
+        "/nodes/1: is part of a loop of nodes");
     assert_non_null(strstr(file_log.text, "/nodes/3: is part of a loop"));
     fnl_scene_destroy(&scene);
-    scene = load_with_message("{" ASSET ",\"nodes\":[{\"children\":[2]},{\"children\":[2]},{}]}", NULL, 0, "/nodes/1/children/0: node 2 is already a child of node 0");
+    scene = load_with_message("{" ASSET ",\"nodes\":[{\"children\":[2]},{\"children\":[2]},{}]}", NULL, 0,
+                              "/nodes/1/children/0: node 2 is already a child of node 0");
     assert_int_equal(scene->nodes.data[2].parent, 0);
     fnl_scene_destroy(&scene);
 }
@@ -162,15 +179,19 @@ static void test_deep_chain(void **state) {
 static void test_broken_images(void **state) {
     UNUSED(state);
     /* A PNG header that says 0x0. */
-    static const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 0, 0, 0, 0, 0,
-                                        8, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-    fnl_scene *scene = load_with_message("{" ASSET ",\"buffers\":[{\"byteLength\":37}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":37}],"
-                                         "\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"uri\":\"nowhere.png\"}],"
-                                         "\"textures\":[{\"source\":0},{\"source\":1}],"
-                                         "\"materials\":[{\"normalTexture\":{\"index\":0}}]}", png, sizeof png, "test.glb: /images/0: ");
+    static const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0, 0, 0, 13, 'I',
+                                        'H',  'D', 'R', 0,   0,    0,    0,    0,    0, 0, 0, 8,  6,
+                                        0,    0,   0,   0,   0,    0,    0,    0,    0, 0, 0};
+    fnl_scene *scene =
+        load_with_message("{" ASSET ",\"buffers\":[{\"byteLength\":37}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":37}],"
+                          "\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"uri\":\"nowhere.png\"}],"
+                          "\"textures\":[{\"source\":0},{\"source\":1}],"
+                          "\"materials\":[{\"normalTexture\":{\"index\":0}}]}",
+                          png, sizeof png, "test.glb: /images/0: ");
     assert_non_null(strstr(file_log.text, "test.glb: /images/1/uri: "));
     assert_int_equal(scene->images.count, 2);
-    assert_true(scene->images.data[0].width == 0 && !scene->images.data[0].encoded && scene->materials.data[0].textures[SCENE_TEXTURE_NORMAL].image == 0);
+    assert_true(scene->images.data[0].width == 0 && !scene->images.data[0].encoded &&
+                scene->materials.data[0].textures[SCENE_TEXTURE_NORMAL].image == 0);
     fnl_scene_destroy(&scene);
 }
 
@@ -184,16 +205,23 @@ static void test_files_beside_the_scene(void **state) {
     assert_int_equal(file_save(&host, path, vertices, sizeof vertices), FNL_OK);
     char gltf[128], json[1024];
     snprintf(gltf, sizeof gltf, "%s.gltf", folder);
-    snprintf(json, sizeof json, "{" ASSET ",\"buffers\":[{\"byteLength\":72,\"uri\":\"fanal-gltf-test-%d%%20a%%20b.bin\"}],"
-             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":72,\"byteStride\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
-             "\"images\":[{\"uri\":\"missing.png\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}", (int)getpid());
+    snprintf(json, sizeof json,
+             "{" ASSET ",\"buffers\":[{\"byteLength\":72,\"uri\":\"fanal-gltf-test-%d%%20a%%20b.bin\"}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":72,\"byteStride\":12}],\"accessors\":[{\"bufferView\":0,"
+             "\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
+             "\"images\":[{\"uri\":\"missing.png\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+             "\"nodes\":[{\"mesh\":0}]}",
+             (int)getpid());
     assert_int_equal(file_save(&host, gltf, json, strlen(json)), FNL_OK);
     fnl_scene *scene;
     assert_int_equal(fnl_scene_load(&host, gltf, &scene), FNL_OK);
     assert_int_equal(scene->primitives.count, 1);
     assert_int_equal(file_log.count, 1);
     snprintf(message, sizeof message, "%s: /images/0/uri: /tmp/missing.png: cannot be opened", gltf);
-    assert_string_equal(fnl_scene_message(scene, 0) ? strstr(file_log.text, message) == file_log.text ? "as expected" : file_log.text : "none", "as expected");
+    assert_string_equal(fnl_scene_message(scene, 0)
+                            ? strstr(file_log.text, message) == file_log.text ? "as expected" : file_log.text
+                            : "none",
+                        "as expected");
     fnl_scene_destroy(&scene);
     unlink(path);
     unlink(gltf);
@@ -203,7 +231,10 @@ static void test_files_beside_the_scene(void **state) {
 
 static void test_broken_animation_times(void **state) {
     UNUSED(state);
-    static const struct { float times[3]; const char *message; } cases[] = {
+    static const struct {
+        float times[3];
+        const char *message;
+    } cases[] = {
         {{0, 1, 1}, "time 2, 1, is not greater than the one before"},
         {{-1, 0, 1}, "time 0, -1, is negative"},
         {{0, NAN, 1}, "time 1, nan, is not finite"},
@@ -214,7 +245,8 @@ static void test_broken_animation_times(void **state) {
             "{" ASSET ",\"buffers\":[{\"byteLength\":48}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":48}],\"accessors\":["
             "{\"bufferView\":0,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":3},"
             "{\"bufferView\":0,\"byteOffset\":12,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],\"nodes\":[{}],"
-            "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}]}]}",
+            "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
+            "\"path\":\"scale\"}}]}]}",
             binary, sizeof binary, cases[i].message);
         assert_non_null(strstr(file_log.text, "/animations/0/samplers/0/input: "));
         assert_int_equal(scene->animations.data[0].channel_count, 0);
@@ -224,7 +256,10 @@ static void test_broken_animation_times(void **state) {
 
 /* ---- memory that runs out ---- */
 
-struct failing { uint32_t left; uint64_t held; };
+struct failing {
+    uint32_t left;
+    uint64_t held;
+};
 
 static void *failing_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
     struct failing *failing = user;
@@ -250,12 +285,15 @@ static void test_memory_runs_out_anywhere(void **state) {
     float vertices[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     size_t size;
     unsigned char *glb = test_glb(
-        "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}}," TRIANGLE_VIEWS
-        ",\"images\":[{\"uri\":\"data:,\"}],\"textures\":[{\"source\":0}],\"samplers\":[{}],\"materials\":[{\"normalTexture\":{\"index\":0}}],"
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{"
+                  "\"type\":\"point\"}]}}," TRIANGLE_VIEWS
+        ",\"images\":[{\"uri\":\"data:,\"}],\"textures\":[{\"source\":0}],\"samplers\":[{}],\"materials\":[{"
+        "\"normalTexture\":{\"index\":0}}],"
         "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
         "\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0}}]}],"
         "\"nodes\":[{\"mesh\":0,\"camera\":0,\"name\":\"n\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
-        "\"skins\":[{\"joints\":[0]}],\"animations\":[{\"samplers\":[],\"channels\":[]}]}", vertices, sizeof vertices, &size);
+        "\"skins\":[{\"joints\":[0]}],\"animations\":[{\"samplers\":[],\"channels\":[]}]}",
+        vertices, sizeof vertices, &size);
     fnl_result result = FNL_ERROR_MEMORY;
     uint32_t limit = 0;
     for (; result != FNL_OK && limit < 10000; limit++) {

@@ -95,7 +95,8 @@ static bool read_file(struct gltf *g, const struct at *at, const char *uri, cons
 bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, const unsigned char **data, uint64_t *size) {
     if (strncmp(uri, "data:", 5) == 0) {
         const char *comma = strchr(uri, ',');
-        if (comma && comma - uri >= 7 && strncmp(comma - 7, ";base64", 7) == 0) return read_base64(g, at, comma + 1, data, size);
+        if (comma && comma - uri >= 7 && strncmp(comma - 7, ";base64", 7) == 0)
+            return read_base64(g, at, comma + 1, data, size);
         gltf_warn(g, at, "is not a base64 data URI; its data is ignored");
         return false;
     }
@@ -155,7 +156,8 @@ static void load_view(struct gltf *g, json_t *object, const struct at *at, struc
     good &= gltf_uint(g, object, at, "byteLength", true, 1, UINT64_MAX, &size);
     if (gltf_uint(g, object, at, "byteStride", false, 4, 252, &stride)) {
         view->stride = (uint32_t)stride;
-        if (stride % 4 != 0) gltf_warn(g, AT_KEY(at, "byteStride"), "is %u, not a multiple of 4; it is used all the same", view->stride);
+        if (stride % 4 != 0)
+            gltf_warn(g, AT_KEY(at, "byteStride"), "is %u, not a multiple of 4; it is used all the same", view->stride);
     }
     struct gltf_extension_place place;
     json_t *meshopt = gltf_extension(object, at, "EXT_meshopt_compression", &place);
@@ -168,8 +170,9 @@ static void load_view(struct gltf *g, json_t *object, const struct at *at, struc
     const struct gltf_buffer *buffer = &g->buffers[buffer_index];
     if (offset >= buffer->size || size > buffer->size - offset) {
         gltf_warn(g, AT_KEY(at, offset >= buffer->size ? "byteOffset" : "byteLength"),
-                  "bytes %llu to %llu are not all in buffer %u, which has %llu; the view is ignored", (unsigned long long)offset,
-                  (unsigned long long)(offset + size), buffer_index, (unsigned long long)buffer->size);
+                  "bytes %llu to %llu are not all in buffer %u, which has %llu; the view is ignored",
+                  (unsigned long long)offset, (unsigned long long)(offset + size), buffer_index,
+                  (unsigned long long)buffer->size);
         return;
     }
     view->data = buffer->data ? buffer->data + offset : NULL;

@@ -16,7 +16,9 @@
 #define FOLDER "../shared/scenes/gltf-conformance"
 
 /** Errors that do not concern what is read; `pointer_part` narrows a code down to some pointers. */
-static const struct { const char *code, *pointer_part, *reason; } not_concerning[] = {
+static const struct {
+    const char *code, *pointer_part, *reason;
+} not_concerning[] = {
     /* Bounds are computed from the positions; the declared minimum and maximum are never read. */
     {"ACCESSOR_MIN_MISMATCH", "/min/", "min is not read"},
     {"ACCESSOR_MAX_MISMATCH", "/max/", "max is not read"},
@@ -30,7 +32,10 @@ static const struct { const char *code, *pointer_part, *reason; } not_concerning
     {"MESH_PRIMITIVE_NO_TANGENT_SPACE", "/meshes/", "tangents are generated"},
 };
 
-struct log { char text[64][2400]; uint32_t count; };
+struct log {
+    char text[64][2400];
+    uint32_t count;
+};
 
 static void keep_line(void *user, fnl_log_level level, const char *line) {
     struct log *log = user;
@@ -76,7 +81,8 @@ static void check_file(const char *report_path) {
         json_t *message = json_array_get(messages, i), *pointer_value = json_object_get(message, "pointer");
         if (json_integer_value(json_object_get(message, "severity")) != 0) continue;
         const char *code = json_string_value(json_object_get(message, "code"));
-        const char *pointer = pointer_value ? json_string_value(pointer_value) : ""; /* errors of the GLB container have none */
+        const char *pointer =
+            pointer_value ? json_string_value(pointer_value) : ""; /* errors of the GLB container have none */
         any_error = true;
         if (!concerns_us(code, pointer)) continue;
         error_count++;

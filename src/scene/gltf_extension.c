@@ -38,7 +38,10 @@ static const struct known_extension known_extensions[] = {
     {"KHR_materials_transmission", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_volume", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_variants", "ignored: each mesh keeps its default material", true, {"", "/meshes/#/primitives/#"}},
-    {"KHR_animation_pointer", "ignored: only nodes and morph weights are animated", false, {"/animations/#/channels/#/target"}},
+    {"KHR_animation_pointer",
+     "ignored: only nodes and morph weights are animated",
+     false,
+     {"/animations/#/channels/#/target"}},
 };
 
 static const struct known_extension *find_known(const char *name) {
@@ -67,11 +70,11 @@ static void check_required(struct gltf *g, json_t *required) {
             continue;
         }
         if (array_has_string(required, i, name)) gltf_warn(g, AT_INDEX(at, i), "names %s for the second time", name);
-        if (!gltf_uses(g, name))
-            gltf_warn(g, AT_INDEX(at, i), "%s is not in extensionsUsed; it is taken as used", name);
+        if (!gltf_uses(g, name)) gltf_warn(g, AT_INDEX(at, i), "%s is not in extensionsUsed; it is taken as used", name);
         const struct known_extension *known = find_known(name);
         if (!known || !known->may_be_required)
-            gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i), "the file requires the extension %s, which is not supported", name);
+            gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i),
+                      "the file requires the extension %s, which is not supported", name);
     }
 }
 

@@ -31,7 +31,8 @@ static bool find_bytes(struct gltf *g, json_t *object, const struct at *at, cons
     uint32_t index = gltf_index(g, object, at, "bufferView", true, g->view_count);
     if (index == SCENE_NONE) return false;
     const struct gltf_view *view = &g->views[index];
-    if (view->stride) gltf_warn(g, AT_KEY(at, "bufferView"), "the buffer view of an image must not have a byteStride; it is ignored");
+    if (view->stride)
+        gltf_warn(g, AT_KEY(at, "bufferView"), "the buffer view of an image must not have a byteStride; it is ignored");
     if (!json_object_get(object, "mimeType")) gltf_warn(g, at, "has a 'bufferView' but no 'mimeType'; the bytes will tell");
     if (!view->valid || !view->data) {
         gltf_warn(g, AT_KEY(at, "bufferView"), "has no data; the image is shown as white");
@@ -87,7 +88,14 @@ static void load_images(struct gltf *g) {
 
 /* ---- samplers ---- */
 
-enum { NEAREST = 9728, LINEAR, NEAREST_MIPMAP_NEAREST = 9984, LINEAR_MIPMAP_NEAREST, NEAREST_MIPMAP_LINEAR, LINEAR_MIPMAP_LINEAR };
+enum {
+    NEAREST = 9728,
+    LINEAR,
+    NEAREST_MIPMAP_NEAREST = 9984,
+    LINEAR_MIPMAP_NEAREST,
+    NEAREST_MIPMAP_LINEAR,
+    LINEAR_MIPMAP_LINEAR
+};
 enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648, REPEAT = 10497 };
 
 static enum scene_wrap read_wrap(struct gltf *g, json_t *object, const struct at *at, const char *key) {
@@ -109,7 +117,7 @@ static void load_sampler(struct gltf *g, json_t *object, const struct at *at, st
     }
     sampler->mag = mag == NEAREST ? SCENE_FILTER_NEAREST : SCENE_FILTER_LINEAR;
     sampler->min = min == NEAREST || min == NEAREST_MIPMAP_NEAREST || min == NEAREST_MIPMAP_LINEAR ? SCENE_FILTER_NEAREST
-                                                                                                    : SCENE_FILTER_LINEAR;
+                                                                                                   : SCENE_FILTER_LINEAR;
     sampler->mip = min == NEAREST_MIPMAP_LINEAR || min == LINEAR_MIPMAP_LINEAR ? SCENE_FILTER_LINEAR : SCENE_FILTER_NEAREST;
     sampler->mipmapped = min >= NEAREST_MIPMAP_NEAREST;
     sampler->wrap_u = read_wrap(g, object, at, "wrapS");

@@ -29,7 +29,8 @@ static const uint32_t *read_indices(struct gltf *g, uint32_t index, const struct
     }
     for (uint32_t i = 0; i < accessor->count; i++) {
         if (indices[i] < vertex_count) continue;
-        gltf_warn(g, at, "index %u is %u, but there are %u vertices; the primitive is left out", i, indices[i], vertex_count);
+        gltf_warn(g, at, "index %u is %u, but there are %u vertices; the primitive is left out", i, indices[i],
+                  vertex_count);
         return NULL;
     }
     return indices;
@@ -108,7 +109,8 @@ static bool select_used(struct gltf *g, uint32_t vertex_count, uint32_t *indices
 bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, uint32_t vertex_count,
                        struct scene_primitive *out, struct gltf_selection *selection) {
     uint64_t mode_value = TRIANGLES;
-    if (json_object_get(primitive, "mode") && !gltf_uint(g, primitive, at, "mode", false, POINTS, TRIANGLE_FAN, &mode_value)) return false;
+    if (json_object_get(primitive, "mode") && !gltf_uint(g, primitive, at, "mode", false, POINTS, TRIANGLE_FAN, &mode_value))
+        return false;
     enum mode mode = (enum mode)mode_value;
     uint32_t accessor = SCENE_NONE, count = vertex_count;
     if (json_object_get(primitive, "indices")) {
@@ -129,7 +131,9 @@ bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, u
         gltf_warn(g, at, "%u vertices or indices make up nothing to draw; the primitive is left out", count);
         return false;
     }
-    out->topology = mode == POINTS ? SCENE_TOPOLOGY_POINTS : mode < TRIANGLES ? SCENE_TOPOLOGY_LINES : SCENE_TOPOLOGY_TRIANGLES;
+    out->topology = mode == POINTS     ? SCENE_TOPOLOGY_POINTS
+                    : mode < TRIANGLES ? SCENE_TOPOLOGY_LINES
+                                       : SCENE_TOPOLOGY_TRIANGLES;
     out->index_count = (uint32_t)expanded;
     *selection = (struct gltf_selection){NULL, vertex_count};
     bool plain = mode == POINTS || mode == LINES || mode == TRIANGLES, selects = given && expanded < vertex_count;

@@ -83,7 +83,8 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
     }
     gltf_floats(g, object, at, "color", 3, 0, FLT_MAX, light->color);
     gltf_float(g, object, at, "intensity", false, 0, FLT_MAX, &light->intensity);
-    if (light->kind != FNL_LIGHT_DIRECTIONAL && gltf_float(g, object, at, "range", false, 0, FLT_MAX, &light->range) && light->range <= 0) {
+    if (light->kind != FNL_LIGHT_DIRECTIONAL && gltf_float(g, object, at, "range", false, 0, FLT_MAX, &light->range) &&
+        light->range <= 0) {
         gltf_warn(g, AT_KEY(at, "range"), "is not greater than 0; it is derived from the intensity");
         light->range = INFINITY;
     }
@@ -126,7 +127,9 @@ static void place_camera(struct gltf *g, uint32_t node_index, struct scene_node 
     node->camera = SCENE_NONE;
     if (!source->valid) return;
     struct scene_camera camera = {.node = node_index, .camera = source->camera};
-    camera.name = *source->name ? source->name : *node->name ? node->name : arena_format(&g->scene->arena, "camera%u", g->scene->cameras.count);
+    camera.name = *source->name ? source->name
+                  : *node->name ? node->name
+                                : arena_format(&g->scene->arena, "camera%u", g->scene->cameras.count);
     if (!camera.name || !array_push(g->host, &g->scene->cameras, camera)) {
         gltf_fail_memory(g);
         return;

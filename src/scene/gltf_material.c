@@ -24,7 +24,8 @@ static uint32_t image_for(struct gltf *g, uint32_t index, bool color) {
 }
 
 /** KHR_texture_transform: scaled, then turned counter-clockwise in a picture whose v points down, then moved. */
-static void load_transform(struct gltf *g, json_t *object, const struct at *at, struct scene_texture *texture, uint64_t *uv_set) {
+static void load_transform(struct gltf *g, json_t *object, const struct at *at, struct scene_texture *texture,
+                           uint64_t *uv_set) {
     struct gltf_extension_place place;
     json_t *extension = gltf_extension(object, at, "KHR_texture_transform", &place);
     if (!extension) return;
@@ -39,8 +40,8 @@ static void load_transform(struct gltf *g, json_t *object, const struct at *at, 
 }
 
 /** A texture reference; the returned object holds the slot's own numbers, NULL when there is none. */
-static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at, const char *key, enum scene_texture_slot slot,
-                            struct scene_material *material) {
+static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at, const char *key,
+                            enum scene_texture_slot slot, struct scene_material *material) {
     json_t *reference = gltf_object(g, object, at, key, false);
     if (!reference) return NULL;
     const struct at *here = AT_KEY(at, key);
@@ -50,11 +51,13 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     struct scene_texture *texture = &material->textures[slot];
     load_transform(g, reference, here, texture, &uv_set);
     if (index == SCENE_NONE || g->textures[index].image == SCENE_NONE) {
-        if (index != SCENE_NONE) gltf_warn(g, AT_KEY(here, "index"), "texture %u has no image that can be read; it is left out", index);
+        if (index != SCENE_NONE)
+            gltf_warn(g, AT_KEY(here, "index"), "texture %u has no image that can be read; it is left out", index);
         return reference;
     }
     if (uv_set > 1) {
-        gltf_warn(g, AT_KEY(here, "texCoord"), "is %llu; only TEXCOORD_0 and TEXCOORD_1 are read, so the texture is left out",
+        gltf_warn(g, AT_KEY(here, "texCoord"),
+                  "is %llu; only TEXCOORD_0 and TEXCOORD_1 are read, so the texture is left out",
                   (unsigned long long)uv_set);
         return reference;
     }
@@ -95,8 +98,8 @@ static void load_material_extensions(struct gltf *g, json_t *object, const struc
     if (extension) gltf_float(g, extension, &place.extension, "emissiveStrength", false, 0, FLT_MAX, &strength);
     material->emissive = vec3_scale(material->emissive, strength);
     extension = gltf_extension(object, at, "KHR_materials_ior", &place);
-    if (extension && gltf_float(g, extension, &place.extension, "ior", false, 0, FLT_MAX, &material->ior) && material->ior > 0 &&
-        material->ior < 1) {
+    if (extension && gltf_float(g, extension, &place.extension, "ior", false, 0, FLT_MAX, &material->ior) &&
+        material->ior > 0 && material->ior < 1) {
         gltf_warn(g, AT_KEY(&place.extension, "ior"), "is %g, neither 0 nor at least 1; 1.5 is used", (double)material->ior);
         material->ior = 1.5f;
     }
@@ -114,7 +117,8 @@ static void load_material(struct gltf *g, json_t *object, const struct at *at, s
     json_t *metallic_roughness = gltf_object(g, object, at, "pbrMetallicRoughness", false);
     if (metallic_roughness) load_metallic_roughness(g, metallic_roughness, AT_KEY(at, "pbrMetallicRoughness"), material);
     json_t *normal = load_texture(g, object, at, "normalTexture", SCENE_TEXTURE_NORMAL, material);
-    if (normal) gltf_float(g, normal, AT_KEY(at, "normalTexture"), "scale", false, -FLT_MAX, FLT_MAX, &material->normal_scale);
+    if (normal)
+        gltf_float(g, normal, AT_KEY(at, "normalTexture"), "scale", false, -FLT_MAX, FLT_MAX, &material->normal_scale);
     json_t *occlusion = load_texture(g, object, at, "occlusionTexture", SCENE_TEXTURE_OCCLUSION, material);
     if (occlusion)
         gltf_float(g, occlusion, AT_KEY(at, "occlusionTexture"), "strength", false, 0, 1, &material->occlusion_strength);

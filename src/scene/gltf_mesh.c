@@ -12,14 +12,16 @@ static void warn_unread_uv(struct gltf *g, const struct at *at, const struct sce
     }
     for (uint32_t set = 0; set < 2; set++)
         if (missing[set])
-            gltf_warn(g, AT_KEY(at, "material"), "its textures want TEXCOORD_%u, which the primitive lacks; 0, 0 is used", set);
+            gltf_warn(g, AT_KEY(at, "material"), "its textures want TEXCOORD_%u, which the primitive lacks; 0, 0 is used",
+                      set);
 }
 
 /** What mesh_complete will add: vertices of their own for each corner when normals are missing, and tangents. */
 static bool spend_on_completion(struct gltf *g, const struct at *at, const struct scene_primitive *primitive) {
     if (primitive->topology != SCENE_TOPOLOGY_TRIANGLES) return true;
     uint64_t vertex_size = 64 + (uint64_t)primitive->joint_count * 6 + (uint64_t)primitive->morph_target_count * 36;
-    return gltf_spend(g, at, primitive->normals ? (uint64_t)primitive->vertex_count * 48 : primitive->index_count * vertex_size);
+    return gltf_spend(g, at,
+                      primitive->normals ? (uint64_t)primitive->vertex_count * 48 : primitive->index_count * vertex_size);
 }
 
 static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, struct scene_primitive *out,

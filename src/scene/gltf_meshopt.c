@@ -30,7 +30,8 @@ static const char *find_fault(enum mode mode, enum filter filter, uint64_t strid
     if (mode != MODE_ATTRIBUTES && stride != 2 && stride != 4) return "has indices with a 'byteStride' other than 2 and 4";
     if (mode != MODE_ATTRIBUTES && filter != FILTER_NONE) return "has a 'filter' on indices";
     if (mode == MODE_TRIANGLES && count % 3 != 0) return "has triangles with a 'count' that is no multiple of 3";
-    if (filter == FILTER_OCTAHEDRAL && stride != 4 && stride != 8) return "has an octahedral filter on a 'byteStride' other than 4 and 8";
+    if (filter == FILTER_OCTAHEDRAL && stride != 4 && stride != 8)
+        return "has an octahedral filter on a 'byteStride' other than 4 and 8";
     if (filter == FILTER_QUATERNION && stride != 8) return "has a quaternion filter on a 'byteStride' other than 8";
     return NULL;
 }
@@ -59,14 +60,16 @@ bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at,
     uint64_t offset = 0, size = 0, stride = 0, count = 0;
     uint32_t buffer_index = gltf_index(g, extension, at, "buffer", true, g->buffer_count);
     bool good = buffer_index != SCENE_NONE;
-    if (json_object_get(extension, "byteOffset")) good &= gltf_uint(g, extension, at, "byteOffset", false, 0, UINT64_MAX, &offset);
+    if (json_object_get(extension, "byteOffset"))
+        good &= gltf_uint(g, extension, at, "byteOffset", false, 0, UINT64_MAX, &offset);
     good &= gltf_uint(g, extension, at, "byteLength", true, 1, UINT64_MAX, &size);
     good &= gltf_uint(g, extension, at, "byteStride", true, 1, 256, &stride);
     good &= gltf_uint(g, extension, at, "count", true, 1, UINT32_MAX, &count);
     if (!good || !g->buffers[buffer_index].valid) return false;
     const struct gltf_buffer *buffer = &g->buffers[buffer_index];
     if (!buffer->data || offset >= buffer->size || size > buffer->size - offset) {
-        gltf_warn(g, AT_KEY(at, "byteLength"), "the compressed bytes are not all in buffer %u; the view is ignored", buffer_index);
+        gltf_warn(g, AT_KEY(at, "byteLength"), "the compressed bytes are not all in buffer %u; the view is ignored",
+                  buffer_index);
         return false;
     }
     enum mode mode = mode_from_name(gltf_string(g, extension, at, "mode", true));
@@ -78,7 +81,8 @@ bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at,
     }
     uint64_t decoded_size = count * stride;
     if (decoded_size < view->size) {
-        gltf_warn(g, at, "decodes to %llu bytes, fewer than the view's byteLength; the view is ignored", (unsigned long long)decoded_size);
+        gltf_warn(g, at, "decodes to %llu bytes, fewer than the view's byteLength; the view is ignored",
+                  (unsigned long long)decoded_size);
         return false;
     }
     /* The densest code, all-zero attribute deltas, spends 4 bytes on 256; more than that is a lie in the header. */

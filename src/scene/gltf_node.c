@@ -18,12 +18,15 @@ static bool is_decomposable(const mat4 *matrix) {
 
 static void load_transform(struct gltf *g, json_t *object, const struct at *at, struct scene_node *node) {
     float values[16];
-    if (gltf_floats(g, object, at, "translation", 3, -FLT_MAX, FLT_MAX, values)) node->translation = vec3_make(values[0], values[1], values[2]);
-    if (gltf_floats(g, object, at, "scale", 3, -FLT_MAX, FLT_MAX, values)) node->scale = vec3_make(values[0], values[1], values[2]);
+    if (gltf_floats(g, object, at, "translation", 3, -FLT_MAX, FLT_MAX, values))
+        node->translation = vec3_make(values[0], values[1], values[2]);
+    if (gltf_floats(g, object, at, "scale", 3, -FLT_MAX, FLT_MAX, values))
+        node->scale = vec3_make(values[0], values[1], values[2]);
     if (gltf_floats(g, object, at, "rotation", 4, -1, 1, values)) {
         quat rotation = {values[0], values[1], values[2], values[3]};
         float square = rotation.x * rotation.x + rotation.y * rotation.y + rotation.z * rotation.z + rotation.w * rotation.w;
-        if (fabsf(sqrtf(square) - 1) > 5e-3f) gltf_warn(g, AT_KEY(at, "rotation"), "is not of unit length; it is normalised");
+        if (fabsf(sqrtf(square) - 1) > 5e-3f)
+            gltf_warn(g, AT_KEY(at, "rotation"), "is not of unit length; it is normalised");
         node->rotation = quat_normalize(rotation);
     }
     if (!gltf_floats(g, object, at, "matrix", 16, -FLT_MAX, FLT_MAX, values)) return;
@@ -65,7 +68,8 @@ static void load_weights(struct gltf *g, json_t *object, const struct at *at, st
     node->morph_weights = values;
 }
 
-static void load_node_extensions(struct gltf *g, json_t *object, const struct at *at, uint32_t index, struct scene_node *node) {
+static void load_node_extensions(struct gltf *g, json_t *object, const struct at *at, uint32_t index,
+                                 struct scene_node *node) {
     struct gltf_extension_place place;
     json_t *extension = gltf_extension(object, at, "KHR_lights_punctual", &place);
     g->node_lights[index] = SCENE_NONE;
@@ -104,7 +108,8 @@ static void link_children(struct gltf *g, json_t *object, const struct at *at, u
         uint32_t child = gltf_index_value(g, json_array_get(children, i), AT_INDEX(here, i), g->node_count);
         if (child == SCENE_NONE) continue;
         if (nodes[child].parent != SCENE_NONE) {
-            gltf_warn(g, AT_INDEX(here, i), "node %u is already a child of node %u; it stays there", child, nodes[child].parent);
+            gltf_warn(g, AT_INDEX(here, i), "node %u is already a child of node %u; it stays there", child,
+                      nodes[child].parent);
             continue;
         }
         nodes[child].parent = index;

@@ -5,12 +5,15 @@
 /* ---- joints and weights of a primitive ---- */
 
 /** What was wrong with one set, so that each fault is told once. */
-struct set_faults { uint32_t negative, unnormalised, duplicate; };
+struct set_faults {
+    uint32_t negative, unnormalised, duplicate;
+};
 
 /** Copies the selected vertices of one set into the primitive's arrays, which have `width` joints per vertex. */
 static bool copy_set(struct gltf *g, const struct at *at, const struct gltf_attributes *attributes, uint32_t set,
                      const struct gltf_selection *selection, uint32_t width, uint16_t *joints, float *weights) {
-    uint32_t joint_accessor = attributes->accessor[GLTF_JOINTS][set], weight_accessor = attributes->accessor[GLTF_WEIGHTS][set];
+    uint32_t joint_accessor = attributes->accessor[GLTF_JOINTS][set],
+             weight_accessor = attributes->accessor[GLTF_WEIGHTS][set];
     size_t total = (size_t)g->accessors[joint_accessor].count * 4;
     if (!gltf_spend(g, at, total * 8)) return false;
     uint32_t *all_joints = host_allocate(g->host, total * sizeof *all_joints);
@@ -31,7 +34,8 @@ static bool copy_set(struct gltf *g, const struct at *at, const struct gltf_attr
 }
 
 /** Makes one vertex's weights sum up to 1 and notes what was wrong. */
-static void mend_vertex(uint32_t width, uint16_t *joints, float *weights, struct set_faults *faults, struct gltf_primitive_joints *used) {
+static void mend_vertex(uint32_t width, uint16_t *joints, float *weights, struct set_faults *faults,
+                        struct gltf_primitive_joints *used) {
     float sum = 0;
     for (uint32_t k = 0; k < width; k++) {
         uint32_t set = k / 4;
@@ -64,20 +68,25 @@ static void report_faults(struct gltf *g, const struct at *at, uint32_t set, con
     char joints[32], weights[32];
     snprintf(joints, sizeof joints, "JOINTS_%u", set);
     snprintf(weights, sizeof weights, "WEIGHTS_%u", set);
-    if (faults->duplicate) gltf_warn(g, AT_KEY(at, joints), "%u times a vertex names a joint twice; the weights add up", faults->duplicate);
-    if (faults->negative) gltf_warn(g, AT_KEY(at, weights), "%u weights are negative or not finite; 0 is used", faults->negative);
+    if (faults->duplicate)
+        gltf_warn(g, AT_KEY(at, joints), "%u times a vertex names a joint twice; the weights add up", faults->duplicate);
+    if (faults->negative)
+        gltf_warn(g, AT_KEY(at, weights), "%u weights are negative or not finite; 0 is used", faults->negative);
     if (faults->unnormalised)
-        gltf_warn(g, AT_KEY(at, weights), "the weights of %u vertices do not add up to 1; they are normalised", faults->unnormalised);
+        gltf_warn(g, AT_KEY(at, weights), "the weights of %u vertices do not add up to 1; they are normalised",
+                  faults->unnormalised);
 }
 
 bool gltf_load_joints(struct gltf *g, const struct at *at, const struct gltf_attributes *attributes,
-                      const struct gltf_selection *selection, struct scene_primitive *out, struct gltf_primitive_joints *joints_used) {
+                      const struct gltf_selection *selection, struct scene_primitive *out,
+                      struct gltf_primitive_joints *joints_used) {
     uint32_t sets = 0;
     while (sets < GLTF_SET_MAX && attributes->accessor[GLTF_JOINTS][sets] != SCENE_NONE &&
            attributes->accessor[GLTF_WEIGHTS][sets] != SCENE_NONE)
         sets++;
     for (uint32_t set = sets; set < GLTF_SET_MAX; set++)
-        if ((attributes->accessor[GLTF_JOINTS][set] == SCENE_NONE) != (attributes->accessor[GLTF_WEIGHTS][set] == SCENE_NONE))
+        if ((attributes->accessor[GLTF_JOINTS][set] == SCENE_NONE) !=
+            (attributes->accessor[GLTF_WEIGHTS][set] == SCENE_NONE))
             gltf_warn(g, at, "of JOINTS_%u and WEIGHTS_%u only one can be used; it is left out", set, set);
     if (sets == 0) return true;
     uint32_t width = sets * 4;
@@ -158,10 +167,11 @@ static bool skin_fits(struct gltf *g, const struct scene_node *node, const struc
             snprintf(name, sizeof name, "JOINTS_%u", set);
             bool matters = used->highest_used[set] >= skin->joint_count;
             const struct at *meshes_at = AT_KEY(&g->top, "meshes"), *mesh_at = AT_INDEX(meshes_at, node->mesh);
-            const struct at *primitives_at = AT_KEY(mesh_at, "primitives"), *primitive_at = AT_INDEX(primitives_at, used->source);
+            const struct at *primitives_at = AT_KEY(mesh_at, "primitives"),
+                            *primitive_at = AT_INDEX(primitives_at, used->source);
             const struct at *attributes_at = AT_KEY(primitive_at, "attributes");
-            gltf_warn(g, AT_KEY(attributes_at, name), "names joint %u, but skin %u has %u joints; %s", used->highest[set], node->skin,
-                      skin->joint_count, matters ? "the mesh is shown without it there" : "its weight is 0");
+            gltf_warn(g, AT_KEY(attributes_at, name), "names joint %u, but skin %u has %u joints; %s", used->highest[set],
+                      node->skin, skin->joint_count, matters ? "the mesh is shown without it there" : "its weight is 0");
             fits &= !matters;
         }
     }

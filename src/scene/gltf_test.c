@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the importer makes of files: primitive modes, attributes, materials, nodes, skins, morphs, animations, sample models. */
+/* What the importer makes of files: primitive modes, materials, nodes, skins, morphs, animations, sample models. */
 #include "scene/gltf_test_file.h"
 
 #include <meshoptimizer.h>
@@ -24,25 +24,35 @@ static fnl_scene *load_clean(const char *json, const void *binary, size_t size) 
 
 static void test_modes_expand_to_plain_primitives(void **state) {
     UNUSED(state);
-    static const struct { uint32_t mode; enum scene_topology topology; uint32_t count, indices[12]; } cases[] = {
+    static const struct {
+        uint32_t mode;
+        enum scene_topology topology;
+        uint32_t count, indices[12];
+    } cases[] = {
         {0, SCENE_TOPOLOGY_POINTS, 5, {4, 3, 2, 1, 0}},
         {2, SCENE_TOPOLOGY_LINES, 10, {4, 3, 3, 2, 2, 1, 1, 0, 0, 4}},
         {3, SCENE_TOPOLOGY_LINES, 8, {4, 3, 3, 2, 2, 1, 1, 0}},
         {5, SCENE_TOPOLOGY_TRIANGLES, 9, {4, 3, 2, 3, 1, 2, 2, 1, 0}},
         {6, SCENE_TOPOLOGY_TRIANGLES, 9, {3, 2, 4, 2, 1, 4, 1, 0, 4}},
     };
-    struct { float positions[15], normals[15]; uint8_t indices[8]; } binary = {0};
+    struct {
+        float positions[15], normals[15];
+        uint8_t indices[8];
+    } binary = {0};
     for (int i = 0; i < 15; i++) binary.positions[i] = (float)(i * i % 7);
     for (int i = 0; i < 5; i++) binary.normals[i * 3 + 2] = 1;
     for (int i = 0; i < 5; i++) binary.indices[i] = (uint8_t)(4 - i);
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         char json[1024];
-        snprintf(json, sizeof json, "{" ASSET ",\"buffers\":[{\"byteLength\":128}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":60},"
-                 "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":60},{\"buffer\":0,\"byteOffset\":120,\"byteLength\":5}],\"accessors\":["
+        snprintf(json, sizeof json,
+                 "{" ASSET ",\"buffers\":[{\"byteLength\":128}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":60},"
+                 "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":60},{\"buffer\":0,\"byteOffset\":120,\"byteLength\":5}],"
+                 "\"accessors\":["
                  "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":5},"
                  "{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":5},"
                  "{\"bufferView\":2,\"componentType\":5121,\"type\":\"SCALAR\",\"count\":5}],"
-                 "\"meshes\":[{\"primitives\":[{\"mode\":%u,\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}", cases[i].mode);
+                 "\"meshes\":[{\"primitives\":[{\"mode\":%u,\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}",
+                 cases[i].mode);
         fnl_scene *scene = load_clean(json, &binary, sizeof binary);
         const struct scene_primitive *primitive = &scene->primitives.data[0];
         assert_int_equal(primitive->topology, cases[i].topology);
@@ -56,18 +66,23 @@ static void test_modes_expand_to_plain_primitives(void **state) {
 /** A primitive that names few vertices of a big shared buffer keeps those alone. */
 static void test_unused_vertices_are_dropped(void **state) {
     UNUSED(state);
-    static struct { float positions[3000], normals[3000]; uint16_t indices[4]; } binary;
+    static struct {
+        float positions[3000], normals[3000];
+        uint16_t indices[4];
+    } binary;
     for (int i = 0; i < 3000; i++) binary.positions[i] = (float)i;
     for (int i = 0; i < 1000; i++) binary.normals[i * 3] = 1;
     uint16_t indices[3] = {999, 5, 500};
     memcpy(binary.indices, indices, sizeof indices);
     fnl_scene *scene = load_clean(
-        "{" ASSET ",\"buffers\":[{\"byteLength\":24008}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":24000,\"byteStride\":12},"
+        "{" ASSET
+        ",\"buffers\":[{\"byteLength\":24008}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":24000,\"byteStride\":12},"
         "{\"buffer\":0,\"byteOffset\":24000,\"byteLength\":6}],\"accessors\":["
         "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1000},"
         "{\"bufferView\":0,\"byteOffset\":12000,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1000},"
         "{\"bufferView\":1,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":3}],"
-        "\"meshes\":[{\"primitives\":[{\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}", &binary, sizeof binary);
+        "\"meshes\":[{\"primitives\":[{\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}",
+        &binary, sizeof binary);
     const struct scene_primitive *primitive = &scene->primitives.data[0];
     assert_int_equal(primitive->vertex_count, 3);
     for (uint32_t i = 0; i < 3; i++) {
@@ -89,14 +104,17 @@ static void test_materials_and_textures(void **state) {
         "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQACfsD/fteaysAAAAASUVORK5CYII=\"}],"
         "\"samplers\":[{\"magFilter\":9728,\"minFilter\":9985,\"wrapS\":33071,\"wrapT\":33648}],"
         "\"textures\":[{\"source\":0,\"sampler\":0},{\"source\":0}],"
-        "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,0.4],\"metallicFactor\":0.5,"
+        "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,0.4],"
+        "\"metallicFactor\":0.5,"
         "\"roughnessFactor\":0.6,\"baseColorTexture\":{\"index\":0,\"texCoord\":1,\"extensions\":{\"KHR_texture_transform\":"
         "{\"offset\":[3,4],\"scale\":[2,5],\"rotation\":1.5707963267948966}}}},"
         "\"normalTexture\":{\"index\":1,\"scale\":0.7},\"occlusionTexture\":{\"index\":1,\"strength\":0.8},"
         "\"emissiveFactor\":[0.5,1,0],\"alphaMode\":\"MASK\",\"alphaCutoff\":0.3,\"doubleSided\":true,"
-        "\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":1000},\"KHR_materials_ior\":{\"ior\":1.33},"
+        "\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":1000},\"KHR_materials_ior\":{\"ior\":1."
+        "33},"
         "\"KHR_materials_specular\":{\"specularFactor\":0.25,\"specularColorFactor\":[1,2,3]}}},"
-        "{\"alphaMode\":\"BLEND\",\"extensions\":{\"KHR_materials_unlit\":{}}}]}", NULL, 0);
+        "{\"alphaMode\":\"BLEND\",\"extensions\":{\"KHR_materials_unlit\":{}}}]}",
+        NULL, 0);
     const struct scene_material *m = &scene->materials.data[0];
     assert_string_equal(m->name, "paint");
     assert_true(m->base_color.x == 0.1f && m->base_color.w == 0.4f && m->metallic == 0.5f && m->roughness == 0.6f);
@@ -116,7 +134,8 @@ static void test_materials_and_textures(void **state) {
     assert_ptr_equal(scene->images.data[base->image].encoded, scene->images.data[normal->image].encoded);
     assert_true(scene->images.data[0].width == 1 && strcmp(scene->images.data[0].file_kind, "png") == 0);
     const struct scene_sampler *sampler = &scene->samplers.data[base->sampler];
-    assert_true(sampler->mag == SCENE_FILTER_NEAREST && sampler->min == SCENE_FILTER_LINEAR && sampler->mip == SCENE_FILTER_NEAREST);
+    assert_true(sampler->mag == SCENE_FILTER_NEAREST && sampler->min == SCENE_FILTER_LINEAR &&
+                sampler->mip == SCENE_FILTER_NEAREST);
     assert_true(sampler->mipmapped && sampler->wrap_u == SCENE_WRAP_CLAMP && sampler->wrap_v == SCENE_WRAP_MIRROR);
     assert_int_equal(normal->sampler, 0);
     fnl_scene_destroy(&scene);
@@ -126,11 +145,14 @@ static void test_materials_and_textures(void **state) {
 
 static void test_scenes_visibility_and_instancing(void **state) {
     UNUSED(state);
-    struct { float positions[9], normals[9], places[6]; } binary = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1}, {10, 0, 0, 20, 0, 0}};
+    struct {
+        float positions[9], normals[9], places[6];
+    } binary = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 0, 1, 0, 0, 1}, {10, 0, 0, 20, 0, 0}};
     fnl_scene *scene = load_clean(
         "{" ASSET ",\"extensionsUsed\":[\"KHR_node_visibility\",\"EXT_mesh_gpu_instancing\",\"KHR_lights_punctual\"],"
         "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":7}]}},"
-        "\"buffers\":[{\"byteLength\":96}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":96,\"byteStride\":12}],\"accessors\":["
+        "\"buffers\":[{\"byteLength\":96}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":96,\"byteStride\":12}],"
+        "\"accessors\":["
         "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
         "{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
         "{\"bufferView\":0,\"byteOffset\":72,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2}],"
@@ -140,7 +162,8 @@ static void test_scenes_visibility_and_instancing(void **state) {
         "{\"children\":[3],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}},"
         "{\"mesh\":0,\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
         "{\"mesh\":0,\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
-        "\"scenes\":[{\"nodes\":[4]},{\"nodes\":[0]}],\"scene\":1}", &binary, sizeof binary);
+        "\"scenes\":[{\"nodes\":[4]},{\"nodes\":[0]}],\"scene\":1}",
+        &binary, sizeof binary);
     const bool active[5] = {true, true, false, false, false};
     for (uint32_t i = 0; i < 5; i++) assert_int_equal(scene->nodes.data[i].active, active[i]);
     assert_int_equal(scene->lights.count, 0);
@@ -160,15 +183,22 @@ static void test_skin_morph_and_animation(void **state) {
         float positions[9], normals[9], deltas[9];
         uint8_t joints[12], weights[12];
         float inverse_bind[32], times[2], weight_keys[4], rotation_keys[24];
-    } binary = {.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0}, .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1}, .deltas = {0, 0, 1, 0, 0, 1, 0, 0, 1},
-                .joints = {1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0}, .weights = {255, 0, 0, 0, 51, 204, 0, 0, 255, 0, 0, 0},
-                .inverse_bind = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -3, 0, 1},
-                .times = {0.5f, 2}, .weight_keys = {0, 1, 1, 0}};
+    } binary = {
+        .positions = {0, 0, 0, 1, 0, 0, 0, 1, 0},
+        .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+        .deltas = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+        .joints = {1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0},
+        .weights = {255, 0, 0, 0, 51, 204, 0, 0, 255, 0, 0, 0},
+        .inverse_bind = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -3, 0, 1},
+        .times = {0.5f, 2},
+        .weight_keys = {0, 1, 1, 0}};
     for (int i = 0; i < 6; i++) binary.rotation_keys[i * 4 + 3] = 1;
     fnl_scene *scene = load_clean(
         "{" ASSET ",\"buffers\":[{\"byteLength\":380}],\"bufferViews\":["
-        "{\"buffer\":0,\"byteLength\":108,\"byteStride\":12},{\"buffer\":0,\"byteOffset\":108,\"byteLength\":24,\"byteStride\":4},"
-        "{\"buffer\":0,\"byteOffset\":132,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":260,\"byteLength\":120}],\"accessors\":["
+        "{\"buffer\":0,\"byteLength\":108,\"byteStride\":12},{\"buffer\":0,\"byteOffset\":108,\"byteLength\":24,"
+        "\"byteStride\":4},"
+        "{\"buffer\":0,\"byteOffset\":132,\"byteLength\":128},{\"buffer\":0,\"byteOffset\":260,\"byteLength\":120}],"
+        "\"accessors\":["
         "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
         "{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
         "{\"bufferView\":0,\"byteOffset\":72,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
@@ -178,20 +208,24 @@ static void test_skin_morph_and_animation(void **state) {
         "{\"bufferView\":3,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2},"
         "{\"bufferView\":3,\"byteOffset\":8,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":4},"
         "{\"bufferView\":3,\"byteOffset\":24,\"componentType\":5126,\"type\":\"VEC4\",\"count\":6}],"
-        "\"meshes\":[{\"weights\":[0.25,0.5],\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"JOINTS_0\":3,\"WEIGHTS_0\":4},"
+        "\"meshes\":[{\"weights\":[0.25,0.5],\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"JOINTS_0\":3,"
+        "\"WEIGHTS_0\":4},"
         "\"targets\":[{\"POSITION\":2},{\"NORMAL\":2}]}]}],"
         "\"nodes\":[{\"children\":[1]},{\"translation\":[0,3,0]},{\"mesh\":0,\"skin\":0,\"weights\":[0.75,0.125]}],"
         "\"skins\":[{\"joints\":[0,1],\"inverseBindMatrices\":5,\"skeleton\":0}],"
         "\"animations\":[{\"name\":\"wave\",\"samplers\":[{\"input\":6,\"output\":7,\"interpolation\":\"STEP\"},"
         "{\"input\":6,\"output\":8,\"interpolation\":\"CUBICSPLINE\"}],"
-        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"weights\"}},{\"sampler\":1,\"target\":{\"node\":1,\"path\":\"rotation\"}}]}]}",
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"weights\"}},{\"sampler\":1,\"target\":{\"node\":1,"
+        "\"path\":\"rotation\"}}]}]}",
         &binary, sizeof binary);
     const struct scene_primitive *primitive = &scene->primitives.data[0];
     assert_int_equal(primitive->joint_count, 4);
     assert_int_equal(primitive->joints[0], 1);
-    assert_true(primitive->weights[0] == 1 && fabsf(primitive->weights[4] - 0.2f) < 1e-6f && fabsf(primitive->weights[5] - 0.8f) < 1e-6f);
+    assert_true(primitive->weights[0] == 1 && fabsf(primitive->weights[4] - 0.2f) < 1e-6f &&
+                fabsf(primitive->weights[5] - 0.8f) < 1e-6f);
     assert_int_equal(primitive->morph_target_count, 2);
-    assert_true(primitive->morph_targets[0].positions[1].z == 1 && !primitive->morph_targets[0].normals && primitive->morph_targets[1].normals);
+    assert_true(primitive->morph_targets[0].positions[1].z == 1 && !primitive->morph_targets[0].normals &&
+                primitive->morph_targets[1].normals);
     assert_true(scene->meshes.data[0].morph_weights[1] == 0.5f && scene->nodes.data[2].morph_weights[0] == 0.75f);
     assert_true(scene->skins.data[0].joint_count == 2 && scene->skins.data[0].inverse_bind[1].m[13] == -3);
     const struct scene_animation *animation = &scene->animations.data[0];
@@ -221,17 +255,21 @@ static void test_meshopt_views(void **state) {
     size_t index_size = meshopt_encodeIndexBuffer(binary + 2048, 2048, indices, 36);
     assert_true(vertex_size > 0 && index_size > 0);
     char json[2048];
-    snprintf(json, sizeof json,
-             "{" ASSET ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"extensionsRequired\":[\"EXT_meshopt_compression\"],"
-             "\"buffers\":[{\"byteLength\":4096},{\"byteLength\":1000,\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}],"
-             "\"bufferViews\":[{\"buffer\":1,\"byteLength\":288,\"byteStride\":24,\"extensions\":{\"EXT_meshopt_compression\":"
-             "{\"buffer\":0,\"byteLength\":%zu,\"byteStride\":24,\"mode\":\"ATTRIBUTES\",\"count\":12}}},"
-             "{\"buffer\":1,\"byteOffset\":288,\"byteLength\":72,\"extensions\":{\"EXT_meshopt_compression\":"
-             "{\"buffer\":0,\"byteOffset\":2048,\"byteLength\":%zu,\"byteStride\":2,\"mode\":\"TRIANGLES\",\"count\":36}}}],\"accessors\":["
-             "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":12},"
-             "{\"bufferView\":0,\"byteOffset\":12,\"componentType\":5126,\"type\":\"VEC3\",\"count\":12},"
-             "{\"bufferView\":1,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":36}],"
-             "\"meshes\":[{\"primitives\":[{\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}", vertex_size, index_size);
+    snprintf(
+        json, sizeof json,
+        "{" ASSET ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"extensionsRequired\":[\"EXT_meshopt_compression\"],"
+        "\"buffers\":[{\"byteLength\":4096},{\"byteLength\":1000,\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":"
+        "true}}}],"
+        "\"bufferViews\":[{\"buffer\":1,\"byteLength\":288,\"byteStride\":24,\"extensions\":{\"EXT_meshopt_compression\":"
+        "{\"buffer\":0,\"byteLength\":%zu,\"byteStride\":24,\"mode\":\"ATTRIBUTES\",\"count\":12}}},"
+        "{\"buffer\":1,\"byteOffset\":288,\"byteLength\":72,\"extensions\":{\"EXT_meshopt_compression\":"
+        "{\"buffer\":0,\"byteOffset\":2048,\"byteLength\":%zu,\"byteStride\":2,\"mode\":\"TRIANGLES\",\"count\":36}}}],"
+        "\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":12},"
+        "{\"bufferView\":0,\"byteOffset\":12,\"componentType\":5126,\"type\":\"VEC3\",\"count\":12},"
+        "{\"bufferView\":1,\"componentType\":5123,\"type\":\"SCALAR\",\"count\":36}],"
+        "\"meshes\":[{\"primitives\":[{\"indices\":2,\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]}",
+        vertex_size, index_size);
     fnl_scene *scene = load_clean(json, binary, sizeof binary);
     const struct scene_primitive *primitive = &scene->primitives.data[0];
     assert_int_equal(primitive->index_count, 36);
@@ -255,9 +293,11 @@ static void test_meshopt_views(void **state) {
         at = strstr(broken, needle);
         assert_non_null(at);
         at += strlen("\"byteLength\":");
-        for (size_t digits = (size_t)snprintf(NULL, 0, "%zu", vertex_size), i = 0; i < digits; i++) at[i] = i + 1 < digits ? ' ' : '1';
+        for (size_t digits = (size_t)snprintf(NULL, 0, "%zu", vertex_size), i = 0; i < digits; i++)
+            at[i] = i + 1 < digits ? ' ' : '1';
         assert_int_equal(test_load(&file_log, broken, binary, sizeof binary, &scene), FNL_OK);
-        assert_non_null(strstr(file_log.text, "/bufferViews/0/extensions/EXT_meshopt_compression: the compressed data is broken"));
+        assert_non_null(
+            strstr(file_log.text, "/bufferViews/0/extensions/EXT_meshopt_compression: the compressed data is broken"));
         fnl_scene_destroy(&scene);
     }
 }
@@ -279,7 +319,10 @@ static fnl_scene *load_sample(const char *path) {
 
 static void test_sample_counts(void **state) {
     UNUSED(state);
-    static const struct { const char *path; uint32_t triangles, vertices, meshes, materials, images, nodes, skins, animations; } cases[] = {
+    static const struct {
+        const char *path;
+        uint32_t triangles, vertices, meshes, materials, images, nodes, skins, animations;
+    } cases[] = {
         {SCENES "FlightHelmet/FlightHelmet.gltf", 94722, 55392, 6, 6, 15, 6, 0, 0},
         {SCENES "DamagedHelmet.glb", 15452, 14556, 1, 1, 5, 1, 0, 0},
         {SCENES "Fox.glb", 576, 1728, 1, 1, 1, 26, 1, 3},
@@ -305,7 +348,7 @@ static void test_sample_counts(void **state) {
     }
 }
 
-/** The corners of every mode's primitive in the file lie on a cube, and every triangle's normal points away from its centre. */
+/** The primitives of the file make up a cube, each in another mode: every triangle faces away from the centre. */
 static void test_sample_primitive_modes(void **state) {
     UNUSED(state);
     fnl_scene *scene = load_sample(SCENES "gltf_primitives.glb");
@@ -329,13 +372,15 @@ static void test_sample_lights(void **state) {
     assert_true(info.light_count == 4 && info.directional_count == 1 && info.point_count == 1 && info.spot_count == 2);
     fnl_light_params point, spot, sun;
     assert_int_equal(fnl_scene_query_light(scene, 0, &point), FNL_OK);
-    assert_true(point.kind == FNL_LIGHT_POINT && point.intensity == 5 && point.color[0] == 1 && point.color[1] == 0 && isinf(point.range));
+    assert_true(point.kind == FNL_LIGHT_POINT && point.intensity == 5 && point.color[0] == 1 && point.color[1] == 0 &&
+                isinf(point.range));
     assert_true(vec3_distance(point.position, vec3_make(2.599f, 3.569f, -1.005f)) < 1e-3f);
     assert_int_equal(fnl_scene_query_light(scene, 1, &spot), FNL_OK);
     assert_true(spot.kind == FNL_LIGHT_SPOT && spot.intensity == 10 && fabsf(spot.outer_cone_angle - 0.392699f) < 1e-4f);
     assert_true(fabsf(vec3_length(spot.direction) - 1) < 1e-5f);
     assert_int_equal(fnl_scene_query_light(scene, 3, &sun), FNL_OK);
-    assert_true(sun.kind == FNL_LIGHT_DIRECTIONAL && fabsf(sun.intensity - 1) < 1e-6f && sun.color[1] == 1 && sun.color[2] == 1);
+    assert_true(sun.kind == FNL_LIGHT_DIRECTIONAL && fabsf(sun.intensity - 1) < 1e-6f && sun.color[1] == 1 &&
+                sun.color[2] == 1);
     fnl_scene_destroy(&scene);
 }
 

@@ -5,7 +5,11 @@
 
 #include "scene/scene.h"
 
-struct test_log { char text[65536]; size_t length; uint32_t count; };
+struct test_log {
+    char text[65536];
+    size_t length;
+    uint32_t count;
+};
 
 static inline void test_log_line(void *user, fnl_log_level level, const char *line) {
     struct test_log *log = user;
@@ -42,7 +46,8 @@ static inline unsigned char *test_glb(const char *json, const void *binary, size
 }
 
 /** Loads such a GLB under the name "test.glb". */
-static inline fnl_result test_load(struct test_log *log, const char *json, const void *binary, size_t binary_size, fnl_scene **out) {
+static inline fnl_result test_load(struct test_log *log, const char *json, const void *binary, size_t binary_size,
+                                   fnl_scene **out) {
     size_t size;
     unsigned char *glb = test_glb(json, binary, binary_size, &size);
     fnl_host host = test_host(log);

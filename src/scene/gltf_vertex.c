@@ -4,7 +4,8 @@
 
 /* ---- checks, in place; each complains once per accessor ---- */
 
-static void replace_broken(struct gltf *g, const struct at *at, float *values, uint32_t count, uint32_t width, float replacement) {
+static void replace_broken(struct gltf *g, const struct at *at, float *values, uint32_t count, uint32_t width,
+                           float replacement) {
     uint32_t broken = 0, first = 0;
     for (uint32_t i = 0; i < count; i++) {
         bool finite = true;
@@ -26,10 +27,12 @@ static void make_unit(struct gltf *g, const struct at *at, float *values, uint32
         float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
         if (fabsf(length - 1) < 1e-6f) continue;
         if (fabsf(length - 1) > 0.03f && wrong++ == 0) first = i; /* 8-bit normals are off by up to 0.014 */
-        vec3 unit = length > 0 && isfinite(length) ? vec3_make(v[0] / length, v[1] / length, v[2] / length) : vec3_make(0, 1, 0);
+        vec3 unit =
+            length > 0 && isfinite(length) ? vec3_make(v[0] / length, v[1] / length, v[2] / length) : vec3_make(0, 1, 0);
         memcpy(v, &unit, sizeof unit);
     }
-    if (wrong) gltf_warn(g, at, "%u vectors are not of unit length, the first at index %u; they are normalised", wrong, first);
+    if (wrong)
+        gltf_warn(g, at, "%u vectors are not of unit length, the first at index %u; they are normalised", wrong, first);
 }
 
 static void check_handedness(struct gltf *g, const struct at *at, float *values, uint32_t count) {
@@ -39,7 +42,9 @@ static void check_handedness(struct gltf *g, const struct at *at, float *values,
         if (fabsf(*w) != 1 && wrong++ == 0) first = i;
         *w = *w < 0 ? -1.0f : 1.0f;
     }
-    if (wrong) gltf_warn(g, at, "%u tangents have a w that is neither 1 nor -1, the first at index %u; its sign is used", wrong, first);
+    if (wrong)
+        gltf_warn(g, at, "%u tangents have a w that is neither 1 nor -1, the first at index %u; its sign is used", wrong,
+                  first);
 }
 
 static void clamp_colors(struct gltf *g, const struct at *at, float *values, uint32_t count) {
@@ -100,7 +105,8 @@ static const float *decode(struct gltf *g, uint32_t index, enum gltf_use use, co
 }
 
 /** The selected elements of an attribute; NULL when it is absent or broken. */
-static const void *load(struct gltf *g, uint32_t index, enum gltf_use use, const struct at *at, const struct gltf_selection *selection) {
+static const void *load(struct gltf *g, uint32_t index, enum gltf_use use, const struct at *at,
+                        const struct gltf_selection *selection) {
     const float *values = index == SCENE_NONE ? NULL : decode(g, index, use, at);
     if (!values || !selection->source) return values;
     size_t width = use == GLTF_USE_COLOR ? 4 : gltf_type_components(g->accessors[index].type);
@@ -125,7 +131,8 @@ static void load_targets(struct gltf *g, json_t *primitive, const struct at *at,
         if (!object) continue;
         struct gltf_attributes target;
         gltf_find_attributes(g, object, here, attributes, &target);
-        targets[i].positions = load(g, target.accessor[GLTF_POSITION][0], GLTF_USE_MORPH, AT_KEY(here, "POSITION"), selection);
+        targets[i].positions =
+            load(g, target.accessor[GLTF_POSITION][0], GLTF_USE_MORPH, AT_KEY(here, "POSITION"), selection);
         targets[i].normals = load(g, target.accessor[GLTF_NORMAL][0], GLTF_USE_MORPH, AT_KEY(here, "NORMAL"), selection);
         targets[i].tangents = load(g, target.accessor[GLTF_TANGENT][0], GLTF_USE_MORPH, AT_KEY(here, "TANGENT"), selection);
     }

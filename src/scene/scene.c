@@ -18,8 +18,12 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->host = resolved;
     arena_init(&scene->arena, &scene->host, (size_t)256 << 10);
     scene->source = arena_string(&scene->arena, source);
-    struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .mip = SCENE_FILTER_LINEAR,
-                                    .mipmapped = true, .wrap_u = SCENE_WRAP_REPEAT, .wrap_v = SCENE_WRAP_REPEAT};
+    struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
+                                    .min = SCENE_FILTER_LINEAR,
+                                    .mip = SCENE_FILTER_LINEAR,
+                                    .mipmapped = true,
+                                    .wrap_u = SCENE_WRAP_REPEAT,
+                                    .wrap_v = SCENE_WRAP_REPEAT};
     if (!scene->source || scene_add_sampler(scene, &sampler) == SCENE_NONE) {
         fnl_scene_destroy(&scene);
         return FNL_ERROR_MEMORY;
@@ -96,8 +100,8 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 }
 
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count) {
-    struct scene_mesh mesh = {.name = name, .first_primitive = scene->primitives.count, .primitive_count = count,
-                              .bounds = box_empty()};
+    struct scene_mesh mesh = {
+        .name = name, .first_primitive = scene->primitives.count, .primitive_count = count, .bounds = box_empty()};
     if (!array_reserve(&scene->host, &scene->primitives, (uint64_t)scene->primitives.count + count)) return SCENE_NONE;
     if (!array_reserve(&scene->host, &scene->meshes, (uint64_t)scene->meshes.count + 1)) return SCENE_NONE;
     for (uint32_t i = 0; i < count; i++) {
@@ -117,7 +121,8 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
     if (scene->free_nodes.count > 0) {
         index = scene->free_nodes.data[--scene->free_nodes.count];
     } else {
-        if (scene->nodes.count == SCENE_NONE || !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
+        if (scene->nodes.count == SCENE_NONE ||
+            !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
             return SCENE_NONE;
         index = scene->nodes.count++;
     }
@@ -186,7 +191,7 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) {
     }
     log_warning(&scene->host, "%s", text);
     const char *kept = arena_string(&scene->arena, text);
-    if (kept && !array_push(&scene->host, &scene->messages, kept)) return;
+    if (kept) UNUSED(array_push(&scene->host, &scene->messages, kept)); /* it has been logged in any case */
 }
 
 /* ---- transforms ---- */
@@ -255,7 +260,7 @@ void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
 
 /* ---- bounds ---- */
 
-/** Grows `out` by everything that a skinned primitive can reach: a skinned vertex is a weighted mean of its joints' images. */
+/** Grows `out` by all that a skinned primitive can reach: a skinned vertex is a weighted mean of its joints' images. */
 static void add_skinned_bounds(const struct scene_primitive *primitive, const mat4 *joints, struct box *out) {
     bool morphs = primitive->morph_target_count > 0;
     for (uint32_t i = 0; i < primitive->vertex_count; i++) {

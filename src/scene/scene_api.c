@@ -166,9 +166,9 @@ fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, f
     REQUIRE(host, !p->tangents || all_finite(p->tangents, count * 4));
     REQUIRE(host, !p->uv || all_finite(p->uv, count * 2));
     REQUIRE(host, !p->colors || all_finite(p->colors, count * 4));
-    REQUIRE(host, p->material.generation == 0 ? p->material.index == 0
-                                              : p->material.generation == FIXED_GENERATION &&
-                                                    p->material.index < scene->materials.count);
+    REQUIRE(host, p->material.generation == 0
+                      ? p->material.index == 0
+                      : p->material.generation == FIXED_GENERATION && p->material.index < scene->materials.count);
     bool failed = false;
     struct arena *arena = &scene->arena;
     struct scene_primitive primitive = {
@@ -350,8 +350,10 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .bounds_low = bounds.low,
         .bounds_high = bounds.high,
     };
-    for (uint32_t i = 0; i < scene->meshes.count; i++) out->unique_triangle_count += mesh_triangles(scene, &scene->meshes.data[i]);
-    for (uint32_t i = 0; i < scene->primitives.count; i++) out->unique_vertex_count += scene->primitives.data[i].vertex_count;
+    for (uint32_t i = 0; i < scene->meshes.count; i++)
+        out->unique_triangle_count += mesh_triangles(scene, &scene->meshes.data[i]);
+    for (uint32_t i = 0; i < scene->primitives.count; i++)
+        out->unique_vertex_count += scene->primitives.data[i].vertex_count;
     for (uint32_t i = 0; i < scene->nodes.count; i++) {
         const struct scene_node *node = &scene->nodes.data[i];
         if (!node->active || node->mesh == SCENE_NONE) continue;

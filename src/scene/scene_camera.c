@@ -45,7 +45,8 @@ fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint3
     char names[1024] = "";
     size_t length = 0;
     for (uint32_t i = 0; i < scene->cameras.count && length < sizeof names; i++)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s'%s'", i ? ", " : "", scene->cameras.data[i].name);
+        length +=
+            (size_t)snprintf(names + length, sizeof names - length, "%s'%s'", i ? ", " : "", scene->cameras.data[i].name);
     log_error(&scene->host, "%s: there is no camera '%s'; there %s %s", scene->source, name,
               scene->cameras.count ? "are" : "is", scene->cameras.count ? names : "none at all");
     return FNL_ERROR_INVALID;
@@ -67,7 +68,8 @@ fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_ca
     } else {
         REQUIRE(host, camera->vertical_fov > 0 && camera->vertical_fov < PI);
     }
-    struct scene_camera added = {.name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
+    struct scene_camera added = {
+        .name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
     if (!added.name || !array_push(host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
     return FNL_OK;
 }

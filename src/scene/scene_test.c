@@ -70,7 +70,8 @@ static void test_misuse_is_named(void **state) {
     shape = triangle();
     shape.material = (fnl_material_id){5, 1};
     expect_misuse(fnl_scene_add_mesh(scene, &shape, &mesh), "p->material");
-    expect_misuse(fnl_scene_add_instance(scene, (fnl_mesh_id){0, 1}, &identity, &instance), "mesh.index < scene->meshes.count");
+    expect_misuse(fnl_scene_add_instance(scene, (fnl_mesh_id){0, 1}, &identity, &instance),
+                  "mesh.index < scene->meshes.count");
 
     fnl_light_params lamp = fnl_light_params_default();
     lamp.range = 0;
@@ -147,7 +148,8 @@ static void test_moves_can_be_followed(void **state) {
     static fnl_instance_id instances[COUNT];
     fnl_mat4 transform = mat4_identity();
     assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
-    for (uint32_t i = 0; i < COUNT; i++) assert_int_equal(fnl_scene_add_instance(scene, mesh, &transform, &instances[i]), FNL_OK);
+    for (uint32_t i = 0; i < COUNT; i++)
+        assert_int_equal(fnl_scene_add_instance(scene, mesh, &transform, &instances[i]), FNL_OK);
     struct random_state random = {1};
     static float seen[COUNT];
     uint64_t version = scene->transform_version;
@@ -179,14 +181,16 @@ static void test_children_follow_their_parents(void **state) {
     UNUSED(state);
     fnl_scene *scene = make_scene();
     mat4 up = mat4_translation(vec3_make(0, 1, 0));
-    uint32_t parent = scene_add_node(scene, "", SCENE_NONE, &up, SCENE_NONE), child = scene_add_node(scene, "", parent, &up, SCENE_NONE);
+    uint32_t parent = scene_add_node(scene, "", SCENE_NONE, &up, SCENE_NONE),
+             child = scene_add_node(scene, "", parent, &up, SCENE_NONE);
     uint32_t other = scene_add_node(scene, "", SCENE_NONE, &up, SCENE_NONE);
     fnl_light_params lamp = fnl_light_params_default();
     uint32_t light = scene_add_light(scene, &lamp, child);
     assert_true(scene->nodes.data[child].world.m[13] == 2 && scene->lights.data[light].params.position.y == 2);
     scene_update_transforms(scene);
     uint64_t version = scene->transform_version, light_version = scene->light_version;
-    scene->nodes.data[parent].local = mat4_mul(mat4_from_trs(vec3_make(5, 0, 0), quat_axis_angle(vec3_make(0, 1, 0), PI / 2), vec3_make(1, 1, 1)), up);
+    scene->nodes.data[parent].local =
+        mat4_mul(mat4_from_trs(vec3_make(5, 0, 0), quat_axis_angle(vec3_make(0, 1, 0), PI / 2), vec3_make(1, 1, 1)), up);
     scene_update_transforms(scene);
     assert_int_equal(scene->transform_version, version + 1);
     assert_int_equal(scene->moved.count, 2);
@@ -208,7 +212,8 @@ static void test_framing_camera_shows_everything(void **state) {
             fnl_mesh_params shape = triangle();
             fnl_mesh_id mesh;
             fnl_instance_id instance;
-            fnl_mat4 transform = mat4_from_trs(vec3_make(scales[s] * 3, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), 1), vec3_make(scales[s], scales[s] * 7, 1));
+            fnl_mat4 transform = mat4_from_trs(vec3_make(scales[s] * 3, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), 1),
+                                               vec3_make(scales[s], scales[s] * 7, 1));
             assert_int_equal(fnl_scene_add_mesh(scene, &shape, &mesh), FNL_OK);
             assert_int_equal(fnl_scene_add_instance(scene, mesh, &transform, &instance), FNL_OK);
             fnl_camera camera;
@@ -217,7 +222,8 @@ static void test_framing_camera_shows_everything(void **state) {
             struct box bounds = scene_bounds(scene);
             float tan_y = tanf(camera.vertical_fov / 2), widest = 0;
             for (int corner = 0; corner < 8; corner++) {
-                vec3 p = mat4_point(&view, vec3_make(corner & 1 ? bounds.high.x : bounds.low.x, corner & 2 ? bounds.high.y : bounds.low.y,
+                vec3 p = mat4_point(&view, vec3_make(corner & 1 ? bounds.high.x : bounds.low.x,
+                                                     corner & 2 ? bounds.high.y : bounds.low.y,
                                                      corner & 4 ? bounds.high.z : bounds.low.z));
                 assert_true(-p.z > camera.near_distance);
                 widest = fmaxf(widest, fmaxf(fabsf(p.x) / (-p.z * tan_y * aspects[a]), fabsf(p.y) / (-p.z * tan_y)));
@@ -255,7 +261,8 @@ static void test_added_things_are_counted(void **state) {
     for (int i = 0; i < 3; i++) assert_int_equal(fnl_scene_add_instance(scene, mesh, &transform, &instance), FNL_OK);
     fnl_scene_info info;
     assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-    assert_true(info.triangle_count == 3 && info.unique_triangle_count == 1 && info.instance_count == 3 && info.node_count == 3);
+    assert_true(info.triangle_count == 3 && info.unique_triangle_count == 1 && info.instance_count == 3 &&
+                info.node_count == 3);
     assert_true(info.bounds_low.z == 4 && info.bounds_high.x == 1 && scene->structure_version > version);
     assert_int_equal(scene->materials.data[0].textures[SCENE_TEXTURE_BASE_COLOR].image, 0);
     assert_non_null(scene->primitives.data[0].normals); /* generated */
