@@ -7,6 +7,7 @@
 #define SEED {"seed", 0, UINT32_MAX, 1}
 
 static const struct builtin_scene scenes[] = {
+    {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},
     {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},

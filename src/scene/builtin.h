@@ -75,6 +75,7 @@ const struct builtin_scene *builtin_scene_at(uint32_t index);
 
 /* ---- the scenes ---- */
 
+void builtin_make_city(struct builtin *b, const uint64_t *values);
 void builtin_make_hall(struct builtin *b, const uint64_t *values);
 void builtin_make_spheres(struct builtin *b, const uint64_t *values);
 void builtin_make_pole(struct builtin *b, const uint64_t *values);

@@ -198,6 +198,45 @@ static void test_hall_is_of_the_stated_size(void **state) {
     assert_in_range(count, 200000, 300000);
 }
 
+static uint64_t peak_bytes, live_bytes;
+
+static void *counting_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    UNUSED(user);
+    live_bytes += new_size - old_size;
+    if (live_bytes > peak_bytes) peak_bytes = live_bytes;
+    if (new_size == 0) {
+        free(old);
+        return NULL;
+    }
+    return realloc(old, new_size);
+}
+
+static void test_city_grows_to_what_is_asked(void **state) {
+    UNUSED(state);
+    const uint32_t lights[] = {4096, 65536};
+    for (uint32_t i = 0; i < COUNT_OF(lights); i++) {
+        char text[64];
+        snprintf(text, sizeof text, "city?blocks=2&lights=%u", lights[i]);
+        fnl_scene *scene = load(text);
+        assert_int_equal(scene->lights.count, lights[i]);
+        fnl_scene_destroy(&scene);
+    }
+    fnl_host host = fnl_host_default();
+    host.reallocate = counting_reallocate;
+    fnl_scene *scene;
+    double start = time_now();
+    assert_int_equal(builtin_load(&host, "city?instances=1000000", &scene), FNL_OK);
+    double seconds = time_now() - start;
+    fnl_scene_info info;
+    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+    print_message("1000000 instances: %.2f s, %.0f MB\n", seconds, (double)peak_bytes / 1e6);
+    assert_in_range(info.instance_count, 999000, 1001000);
+    assert_true(info.node_count < 200);
+    assert_true(peak_bytes < 500000000);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(live_bytes, 0);
+}
+
 /** Signed volume inside a closed mesh. */
 static float volume(const struct scene_primitive *p) {
     double sum = 0;
@@ -273,6 +312,7 @@ int main(void) {
         cmocka_unit_test(test_wrong_names_and_keys_are_explained),
         cmocka_unit_test(test_running_out_of_memory_is_an_error),
         cmocka_unit_test(test_hall_is_of_the_stated_size),
+        cmocka_unit_test(test_city_grows_to_what_is_asked),
         cmocka_unit_test(test_shapes_are_closed),
         cmocka_unit_test(test_onetile_stays_in_its_tile),
     };

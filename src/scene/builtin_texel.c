@@ -100,15 +100,15 @@ struct texel texel_asphalt(float u, float v) {
     float broad = noise_fractal(u, v, 3, 3, 4, 11), grain = noise_value(u, v, 256, 256, 12);
     struct noise_cell stone = noise_cells(u, v, 128, 128, 13);
     float worn = noise_fractal(u, v, 6, 6, 3, 14), crack = fabsf(noise_fractal(u, v, 5, 5, 5, 15) - 0.5f);
-    float puddle = smooth_step(0.52f, 0.60f, broad), damp = smooth_step(0.36f, 0.55f, broad);
+    float puddle = smooth_step(0.50f, 0.57f, broad), damp = smooth_step(0.33f, 0.50f, broad);
     float open = smooth_step(0.0f, 0.006f, crack);
     float albedo = (0.05f + 0.03f * stone.id + 0.02f * grain) * (0.75f + 0.4f * worn) * (0.5f + 0.5f * open);
     albedo *= 1 - 0.45f * damp;
-    float height = 0.0035f * (1 - stone.first) * (1 - 0.6f * damp) + 0.004f * open;
+    float height = 0.0018f * (1 - stone.first) * (1 - 0.7f * damp) + 0.004f * open;
     struct texel t = solid(gray(albedo), height * (1 - 0.97f * puddle), 0, 1);
     t.color = vec3_mul(t.color, vec3_make(1, 1, 1.06f));
-    float wet = 0.30f + 0.12f * grain + 0.08f * worn - 0.10f * damp;
-    t.roughness = wet + (0.09f - wet) * puddle;
+    float wet = 0.23f + 0.09f * grain + 0.08f * worn - 0.10f * damp;
+    t.roughness = wet + (0.07f - wet) * puddle;
     return t;
 }
 
