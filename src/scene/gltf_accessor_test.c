@@ -131,6 +131,8 @@ static void test_accessors_that_do_not_fit(void **state) {
     } cases[] = {
         {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2000000000}",
          "/accessors/0: 2000000000 elements"},
+        {"{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":357913943}", /* times 12 is 20 in 32 bits */
+         "/accessors/0: 357913943 elements"},
         {"{\"componentType\":5126,\"type\":\"VEC3\",\"count\":2000000000}", "/accessors/0/count: is 2000000000"},
         {"{\"bufferView\":0,\"byteOffset\":9223372036854775807,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1}",
          "/accessors/0/byteOffset"},

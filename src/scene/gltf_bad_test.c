@@ -84,10 +84,15 @@ static void test_truncated_samples(void **state) {
         for (size_t size = 28 + json_size; size < file.size; size += 64 * 101) {
             uint32_t total = (uint32_t)size, chunk = (uint32_t)(size - 28 - json_size);
             memcpy(copy + 8, &total, 4);
+            host = test_host(&file_log);
+            assert_int_equal(gltf_load_memory(&host, copy, size, "cut.glb", NULL, &scene), FNL_ERROR_FORMAT);
+            assert_non_null(strstr(file_log.text, "cut.glb: /: GLB chunk 1: has"));
             memcpy(copy + 20 + json_size, &chunk, 4);
             host = test_host(&file_log);
             assert_int_equal(gltf_load_memory(&host, copy, size, "cut.glb", NULL, &scene), FNL_ERROR_FORMAT);
             assert_non_null(strstr(file_log.text, "cut.glb: /buffers/0: says byteLength"));
+            chunk = UINT32_MAX;
+            memcpy(copy + 20 + json_size, &chunk, 4);
         }
         free(copy);
         file_unmap(&file);

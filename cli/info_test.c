@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+#include "commands.h"
+
+#include "base/base.h"
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <jansson.h>
+#include <setjmp.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char folder[64];
+static char out[65536], err[8192]; /* what the last run printed */
+
+static void read_back(const char *name, char *text, size_t capacity) {
+    FILE *stream = fopen(name, "rb");
+    assert_non_null(stream);
+    text[fread(text, 1, capacity - 1, stream)] = 0;
+    fclose(stream);
+}
+
+/* Runs the command in a process of its own; the words of the line are separated by blanks. */
+static int run(const char *line) {
+    char words[512], *argv[16], *rest = words;
+    int argc = 0;
+    snprintf(words, sizeof words, "info %s", line);
+    for (char *word; (word = strtok_r(rest, " ", &rest));) argv[argc++] = word;
+    argv[argc] = NULL;
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        const char *names[] = {"out", "err"};
+        for (int i = 0; i < 2; i++)
+            if (dup2(open(names[i], O_WRONLY | O_CREAT | O_TRUNC, 0600), 1 + i) < 0) _exit(99);
+        int code = command_info(argc, argv);
+        fflush(NULL);
+        _exit(code);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    read_back("out", out, sizeof out);
+    read_back("err", err, sizeof err);
+    return WEXITSTATUS(status);
+}
+
+static void save(const char *name, const char *text) {
+    fnl_host host = host_resolve(NULL);
+    assert_int_equal(file_save(&host, name, text, strlen(text)), FNL_OK);
+}
+
+static const char lights[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"ACME_odd\"],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\",\"spot\":{},\"intensity\":7,\"range\":3},{"
+    "\"type\":\"point\"}]}},"
+    "\"cameras\":[{\"name\":\"front\",\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
+    "\"images\":[{\"uri\":\"none.png\"}],"
+    "\"nodes\":[{\"translation\":[1,2,3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+    "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"camera\":0}]}";
+
+static void test_text(void **state) {
+    UNUSED(state);
+    save("lights.gltf", lights);
+    assert_int_equal(run("lights.gltf"), 0);
+    assert_string_equal(err, ""); /* warnings are part of the list, not said twice */
+    static const char *const expected[] = {
+        "  lights                  2  (0 directional, 1 point, 1 spot)\n",
+        "  nodes                   3\n",
+        "  spot                 7 cd ",
+        "range 3 m  cone 0.0 to 45.0 degrees\n",
+        "range derived\n",
+        "front",
+        "  KHR_lights_punctual                   used      full\n",
+        "  ACME_odd                              used      ignored\n",
+        "Warnings\n",
+        "lights.gltf: /images/0/uri: none.png: cannot be opened",
+        "nothing is shown",
+    };
+    for (uint32_t i = 0; i < COUNT_OF(expected); i++)
+        if (!strstr(out, expected[i])) fail_msg("no '%s' in:\n%s", expected[i], out);
+}
+
+static void test_json(void **state) {
+    UNUSED(state);
+    save("lights.gltf", lights);
+    assert_int_equal(run("lights.gltf --json"), 0);
+    json_t *root = json_loads(out, 0, NULL);
+    assert_non_null(root);
+    json_t *list = json_object_get(root, "lights"), *counts = json_object_get(root, "counts");
+    assert_int_equal(json_integer_value(json_object_get(counts, "lights")), 2);
+    assert_int_equal(json_array_size(list), 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(list, 0), "kind")), "spot");
+    assert_true(json_number_value(json_object_get(json_array_get(list, 0), "range")) == 3);
+    assert_true(json_is_null(json_object_get(json_array_get(list, 1), "range")));
+    assert_true(json_number_value(json_array_get(json_object_get(json_array_get(list, 0), "position"), 2)) == 3);
+    assert_true(json_is_null(json_object_get(root, "extent")));
+    assert_int_equal(json_array_size(json_object_get(root, "warnings")), 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(json_object_get(root, "cameras"), 0), "name")),
+                        "front");
+    json_decref(root);
+}
+
+static void test_errors(void **state) {
+    UNUSED(state);
+    save("broken.gltf",
+         "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"ACME_odd\"],\"extensionsRequired\":[\"ACME_odd\"]}");
+    assert_int_equal(run("broken.gltf"), 2);
+    assert_string_equal(out, "");
+    assert_non_null(strstr(err, "broken.gltf: /extensionsRequired/0: the file requires the extension ACME_odd"));
+    assert_int_equal(run("missing.glb"), 2);
+    assert_non_null(strstr(err, "missing.glb: cannot be opened"));
+    assert_int_equal(run(""), 2);
+    assert_int_equal(run("a.glb b.glb"), 2);
+    assert_int_equal(run("--unknown a.glb"), 2);
+    assert_int_equal(run("--help"), 0);
+    assert_non_null(strstr(out, "Examples:"));
+}
+
+static int make_folder(void **state) {
+    UNUSED(state);
+    snprintf(folder, sizeof folder, "/tmp/fanal-info-test-%d", (int)getpid());
+    char command[128];
+    snprintf(command, sizeof command, "mkdir -p %s", folder);
+    return system(command) || chdir(folder);
+}
+
+static int remove_folder(void **state) {
+    UNUSED(state);
+    char command[128];
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    return chdir("/") || system(command);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json),
+                                       cmocka_unit_test(test_errors)};
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
