@@ -9,6 +9,7 @@
 static const struct builtin_scene scenes[] = {
     {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},
     {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
+    {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
     {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},

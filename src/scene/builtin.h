@@ -77,6 +77,7 @@ const struct builtin_scene *builtin_scene_at(uint32_t index);
 
 void builtin_make_city(struct builtin *b, const uint64_t *values);
 void builtin_make_hall(struct builtin *b, const uint64_t *values);
+void builtin_make_wall(struct builtin *b, const uint64_t *values);
 void builtin_make_spheres(struct builtin *b, const uint64_t *values);
 void builtin_make_pole(struct builtin *b, const uint64_t *values);
 void builtin_make_lamps(struct builtin *b, const uint64_t *values);
@@ -120,8 +121,8 @@ void builtin_point(struct builtin *b, vec3 position, vec3 color, float intensity
 void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, float intensity, float range, float angle);
 
 /**
- * `count` small random point lights in a box, tinted by LIGHT_WARM and hues, whose range lets about `overlap` of them reach a
- * point of the box, but is at most `range`; their intensity follows from it.
+ * `count` small random point lights in a box, whose range lets about `overlap` of them reach a point of the box, but is at
+ * most `range`; their intensity follows from it.
  */
 void builtin_fill(struct builtin *b, uint64_t count, vec3 low, vec3 high, float overlap, float range);
 

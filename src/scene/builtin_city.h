@@ -5,7 +5,16 @@
 
 #include "scene/builtin_mesh.h"
 
-enum { CITY_BAYS = 16, CITY_CORNER_BAYS = 3, CITY_STYLES = 4, CITY_WINDOWS = 7, CITY_SHOPS = 4, CITY_PAINTS = 6, CITY_SIGNS = 6, CITY_SHELLS = 3 };
+enum {
+    CITY_BAYS = 16,
+    CITY_CORNER_BAYS = 3,
+    CITY_STYLES = 4,
+    CITY_WINDOWS = 7,
+    CITY_SHOPS = 4,
+    CITY_PAINTS = 6,
+    CITY_SIGNS = 6,
+    CITY_SHELLS = 3,
+};
 
 #define CITY_BAY 3.5f                           /* width of a window's or shop's piece of wall */
 #define CITY_BLOCK (CITY_BAY * CITY_BAYS)       /* facade to facade */

@@ -305,6 +305,42 @@ static void test_onetile_stays_in_its_tile(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/** Is a sphere at least partly within the view of a 16:9 picture? Six-plane test without a far plane. */
+static bool in_view(const fnl_camera *camera, vec3 centre, float radius) {
+    mat4 view = mat4_look_at(camera->position, camera->target, camera->up);
+    vec3 p = mat4_point(&view, centre);
+    float up = camera->vertical_fov / 2, right = atanf(tanf(up) * 16 / 9);
+    return -p.z - camera->near_distance > -radius && cosf(right) * fabsf(p.x) + sinf(right) * p.z < radius &&
+           cosf(up) * fabsf(p.y) + sinf(up) * p.z < radius;
+}
+
+static void test_wall_holds_the_counts_of_TD_7(void **state) {
+    UNUSED(state);
+    const uint32_t expected[4][3] = {{1500, 55, 0}, {1600, 183, 100}, {2000, 583, 500}, {2500, 1083, 1000}};
+    for (uint32_t test = 0; test < 4; test++) {
+        char text[32];
+        snprintf(text, sizeof text, "wall?test=%u", test + 1);
+        fnl_scene *scene = load(text);
+        fnl_camera camera;
+        assert_int_equal(fnl_scene_query_camera(scene, 0, &camera), FNL_OK);
+        uint32_t visible = 0, behind = 0;
+        for (uint32_t i = 0; i < scene->lights.count; i++) {
+            const fnl_light_params *l = &scene->lights.data[i].params;
+            if (!in_view(&camera, l->position, l->range)) continue;
+            visible++;
+            bool hidden = l->position.z < -20;
+            behind += hidden;
+            /* It reaches through the wall, and nothing else that the camera sees: the ground, the posts at z = -12. */
+            if (hidden)
+                assert_true(l->position.z + l->range > -20 && l->position.z + l->range < -14 && l->position.y > l->range);
+        }
+        assert_int_equal(scene->lights.count, expected[test][0]);
+        assert_int_equal(visible, expected[test][1]);
+        assert_int_equal(behind, expected[test][2]);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_scene_is_sound_and_the_same_twice),
@@ -315,6 +351,7 @@ int main(void) {
         cmocka_unit_test(test_city_grows_to_what_is_asked),
         cmocka_unit_test(test_shapes_are_closed),
         cmocka_unit_test(test_onetile_stays_in_its_tile),
+        cmocka_unit_test(test_wall_holds_the_counts_of_TD_7),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
