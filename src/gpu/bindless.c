@@ -182,7 +182,7 @@ static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_pa
 uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *params) {
     struct gpu_bindless *bindless = &device->bindless;
     struct gpu_sampler_params wanted = *params;
-    float limit = device->max_anisotropy > 1 ? device->properties.limits.maxSamplerAnisotropy : 1;
+    float limit = device->properties.limits.maxSamplerAnisotropy;
     wanted.anisotropy = wanted.anisotropy > 1 ? MIN(wanted.anisotropy, limit) : 1; /* NaN gives 1 */
     pthread_mutex_lock(&bindless->mutex);
     uint32_t count = bindless->pools[GPU_BINDING_SAMPLER].next, index = 0;

@@ -237,10 +237,8 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     gpu_features_require(&features);
     const VkPhysicalDeviceFeatures *supported = &physical->supported.features.features;
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
-    enabled->samplerAnisotropy = supported->samplerAnisotropy;
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->pipelineStatisticsQuery = supported->pipelineStatisticsQuery;
-    enabled->fullDrawIndexUint32 = supported->fullDrawIndexUint32;
     features.features_11.multiview = physical->supported.features_11.multiview;
 
     bool second = physical->info.async_compute;
@@ -273,7 +271,6 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
         device->queues[i].family = physical->families[i];
         get_queue(device->handle, physical->families[i], physical->queue_indices[i], &device->queues[i].handle);
     }
-    device->max_anisotropy = enabled->samplerAnisotropy ? 16.0f : 1.0f; /* lowered to the limit when used */
     return FNL_OK;
 }
 

@@ -7,6 +7,8 @@
 #define REQUIRED_FEATURES(X)                                                                                                \
     X(features.features, multiDrawIndirect)                                                                                 \
     X(features.features, drawIndirectFirstInstance)                                                                         \
+    X(features.features, fullDrawIndexUint32)                                                                               \
+    X(features.features, samplerAnisotropy)                                                                                 \
     X(features.features, depthClamp)                                                                                        \
     X(features.features, independentBlend)                                                                                  \
     X(features.features, fragmentStoresAndAtomics)                                                                          \

@@ -280,7 +280,6 @@ struct fnl_device {
     fnl_device_info info;
     VkPhysicalDeviceProperties properties;
     uint64_t max_buffer_size;
-    float max_anisotropy;    /* 1: none */
     uint64_t timestamp_mask; /* 0: no timestamps */
 
     atomic_int status;
