@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# check.sh EXAMPLE BUILD: runs an example of the build and compares its picture with the command's, byte for byte; then
+# shows that the picture is lit: without lights it would be another.
+set -euo pipefail
+example=$1 build=$2
+work=$build/examples/check-$example
+rm -rf "$work"
+mkdir -p "$work"
+case $example in
+hello) # lights the scene itself
+    scene='builtin:spheres?lights=0' options=(--lights 200 --ambient 0.3,0.3,0.3) ;;
+import_device) # takes the first device
+    scene='builtin:spheres' options=(--device 0) ;;
+esac
+"$build/examples/$example" "$scene" "$work/example.png"
+"$build/fanal" render "$scene" --size 640x360 "${options[@]}" -q -o "$work/command.png"
+"$build/fanal" compare "$work/example.png" "$work/command.png" --max-diff 0
+"$build/fanal" render 'builtin:spheres?lights=0' --size 640x360 --exposure 5 -q -o "$work/dark.png"
+status=0
+"$build/fanal" compare "$work/example.png" "$work/dark.png" --mean-diff 0.05 || status=$?
+[ $status -eq 1 ] # over the limit; 2 would be an error
