@@ -34,7 +34,7 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
         if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
         params.topology = bucket->topology;
         params.cull = bucket->double_sided ? VK_CULL_MODE_NONE : bucket->mirrored ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT;
-        params.fragment = state->fragment ? state->fragment : bucket->mask ? mask_fragment : NULL;
+        params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
         gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws),

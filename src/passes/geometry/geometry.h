@@ -49,8 +49,8 @@ enum geometry_set {
 void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws, enum geometry_set set);
 
 /**
- * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only,
- * and cutouts then use `mask_fragment`. push->visible is filled in here.
+ * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only.
+ * Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
  */
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene, const struct geometry_draws *draws,
                    enum geometry_set set, const struct gpu_graphics_params *state, const struct gpu_shader *mask_fragment,

@@ -9,22 +9,24 @@ struct forward_data {
     graph_buffer counters;
     enum geometry_set set;
     struct gpu_graphics_params state;
+    const struct gpu_shader *mask_fragment;
 };
 
 static void execute_forward(const struct graph_context *context, const void *data) {
     const struct forward_data *d = data;
     struct gpu_geometry_push push = {.view = d->view, .lights = d->lights,
                                      .counters = d->counters.id ? graph_address(context, d->counters) : 0};
-    geometry_draw(context, d->scene, &d->draws, d->set, &d->state, NULL, push);
+    geometry_draw(context, d->scene, &d->draws, d->set, &d->state, d->mask_fragment, push);
 }
 
 void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass, graph_image radiance, graph_image depth) {
     struct graph_image_params target = graph_image_info(graph, radiance);
     bool blends = set == GEOMETRY_BLEND;
     struct forward_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view, .lights = input->lights->header,
-                                .counters = input->counters, .set = set};
+                                .counters = input->counters, .set = set,
+                                .mask_fragment = blends || prepass ? NULL : &shader_forward_frag};
     data.state = (struct gpu_graphics_params){
-        .fragment = &shader_forward_frag, .constant_count = 2, .constants = {input->lights->kind, input->counters.id != 0},
+        .fragment = &shader_forward_early_frag, .constant_count = 2, .constants = {input->lights->kind, input->counters.id != 0},
         .color_count = 1, .color_formats = {target.format}, .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},
         .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = !blends && !prepass,
         .depth_compare = prepass && !blends ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER, .samples = MAX(target.samples, 1u)};

@@ -1,22 +1,5 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Forward shading, opaque and transparent.
-#include "common.glsl"
-#include "material.glsl"
-#include "shade.glsl"
-#include "passes/geometry/geometry_shared.h"
-
-layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
-
-layout(location = 0) out vec4 out_radiance;
-
-void main() {
-    material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
-    float view_depth = view_depth_of(push.view, gl_FragCoord.z);
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(gl_FragCoord.xy), view_depth);
-    // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).
-    out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
-}
+// Forward shading of cutouts that write depth themselves: their depth test has to wait for the holes.
+#include "passes/shade/forward.glsl"
