@@ -110,7 +110,7 @@ static bool has_extension(const char *path, const char *extension) {
 }
 
 static uint32_t wanted_outputs(const struct render_options *o) {
-    uint32_t outputs = 0;
+    uint32_t outputs = o->output_count ? 0 : FNL_OUTPUT_COLOR; /* numbers alone still need the whole frame */
     for (int i = 0; i < o->output_count; i++) outputs |= has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
     if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;

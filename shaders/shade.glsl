@@ -21,16 +21,14 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
 
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        vec3 to_light;
-        vec3 illuminance = illuminate(lights.list.lights.at[i], s.position, to_light);
-        sum += illuminance * brdf_cos(s, to_light, to_view);
+        sum += lights.list.lights.at[i].color * brdf_cos(s, -lights.list.lights.at[i].direction, to_view);
     }
 
     light_cursor cursor = lights_begin(lights, pixel, view_depth);
     if (COUNT_LIGHTS == 1u) atomicAdd(counters.at[pixel.y * v.view.size.x + pixel.x], lights_count(cursor));
     FOR_EACH_LIGHT(lights, cursor, light) {
         vec3 to_light;
-        vec3 illuminance = illuminate(light, s.position, to_light);
+        vec3 illuminance = illuminate(lights, light, s.position, to_light);
         if (illuminance != vec3(0.0)) sum += illuminance * brdf_cos(s, to_light, to_view);
     }
 

@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: MIT
-// What a light gives to a point: KHR_lights_punctual to the letter.
+// What a light gives to a point: KHR_lights_punctual to the letter. Lights are read piece by piece: most that a list names are out of
+// range of the very point, and then their position and range are all that is fetched.
 #ifndef LIGHTS_ILLUMINATE_GLSL
 #define LIGHTS_ILLUMINATE_GLSL
 
 #include "lights/iterate.glsl"
 
 // Illuminance at right angles to the ray, in lux, with colour; `to_light` is unit. Exactly zero from the range on and outside of the
-// cone.
-vec3 illuminate(gpu_light light, vec3 position, out vec3 to_light) {
-    if (light.kind == GPU_LIGHT_DIRECTIONAL) {
-        to_light = -light.direction;
-        return light.color;
-    }
-    precise vec3 ray = light.position - position;
+// cone. `light` is the index of a point or spot light.
+vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light) {
+    precise vec3 ray = l.list.lights.at[light].position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);
+    float range = l.list.lights.at[light].range;
+    precise float ratio2 = distance2 / (range * range);
+    to_light = vec3(0.0);
+    if (ratio2 >= 1.0) return vec3(0.0);
     precise float inverse_distance = inversesqrt(distance2);
     to_light = ray * inverse_distance;
-    precise float ratio2 = distance2 / (light.range * light.range);
-    precise float window = clamp(1.0 - ratio2 * ratio2, 0.0, 1.0);
-    precise float attenuation = window / distance2;
-    if (light.kind == GPU_LIGHT_SPOT) {
-        precise float angular = clamp(dot(light.direction, -to_light) * light.spot_scale + light.spot_offset, 0.0, 1.0);
+    precise float attenuation = (1.0 - ratio2 * ratio2) / distance2;
+    if (l.list.lights.at[light].kind == GPU_LIGHT_SPOT) {
+        precise float angular = clamp(dot(l.list.lights.at[light].direction, -to_light) * l.list.lights.at[light].spot_scale + l.list.lights.at[light].spot_offset, 0.0, 1.0);
         attenuation *= angular * angular;
     }
-    precise vec3 result = light.color * attenuation;
+    precise vec3 result = l.list.lights.at[light].color * attenuation;
     return result;
 }
 

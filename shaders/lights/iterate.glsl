@@ -2,7 +2,7 @@
 // The one loop over the lights of a pixel. Shading never knows which list it got:
 //
 //     light_cursor cursor = lights_begin(list, pixel, view_depth);
-//     FOR_EACH_LIGHT(list, cursor, light) { sum += ...light...; }
+//     FOR_EACH_LIGHT(list, cursor, light) { sum += ...list.list.lights.at[light]...; }
 //
 // The kind of list is the specialisation constant LIST_KIND. Every kind gives the lights in ascending order, so the sums are
 // equal to the bit.
@@ -48,13 +48,14 @@ light_cursor lights_begin(light_list_block l, uvec2 pixel, float view_depth) {
 // How many lights the loop will visit.
 uint lights_count(light_cursor cursor) { return cursor.end - cursor.next; }
 
-gpu_light lights_get(light_list_block l, light_cursor cursor) {
+// Index into list.lights of the light under the cursor.
+uint lights_get(light_list_block l, light_cursor cursor) {
     uint id = cursor.next;
     if (!cursor.direct) id = l.list.ids.at[id];
-    return l.list.lights.at[l.list.directional_count + id];
+    return l.list.directional_count + id;
 }
 
 #define FOR_EACH_LIGHT(list, cursor, light)                                                                             \
-    for (gpu_light light; cursor.next < cursor.end && (light = lights_get(list, cursor), true); cursor.next++)
+    for (uint light; cursor.next < cursor.end && (light = lights_get(list, cursor), true); cursor.next++)
 
 #endif

@@ -87,18 +87,19 @@ static void execute_move(const struct graph_context *context, const void *data) 
     }
 }
 
-/* Sends the instances of nodes that moved: those of the last step, or all when a step was missed. */
+/* Sends the instances of nodes that moved since the last frame. */
 static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
     const fnl_scene *scene = d->scene;
     if (d->transform_version == scene->transform_version) return FNL_OK;
-    bool one_step = d->transform_version + 1 == scene->transform_version;
-    uint32_t candidate_count = one_step ? scene->moved.count : scene->nodes.count;
+    bool listed = d->transform_version >= scene->moved_since; /* else a step was missed: every node is a candidate */
+    uint32_t candidate_count = listed ? scene->moved.count : scene->nodes.count;
     uint64_t size = 0;
     uint32_t count = 0;
     struct gpu_slice nodes = gpu_frame_allocate(d->device, MAX(candidate_count, 1u) * sizeof(uint32_t));
     if (!nodes.data) return gpu_status(d->device);
     for (uint32_t i = 0; i < candidate_count; i++) {
-        uint32_t n = one_step ? scene->moved.data[i] : i;
+        uint32_t n = listed ? scene->moved.data[i] : i;
+        if (scene->nodes.data[n].moved_version <= d->transform_version) continue;
         if (d->node_instances.data[n] == SCENE_NONE || scene->nodes.data[n].skin != SCENE_NONE) continue;
         ((uint32_t *)nodes.data)[count++] = n;
         size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);

@@ -22,6 +22,9 @@ struct frame_state {
 };
 
 static bool is_deferred(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED; }
+static bool has_prepass(const fnl_frame *frame) {
+    return is_deferred(frame) ? frame->gbuffer_prepass : frame->shading == FNL_SHADING_FORWARD_PREPASS;
+}
 static bool has_blend(const struct frame_state *f) {
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
         if (f->scene->geometry.buckets[i].blend) return true;
@@ -50,7 +53,7 @@ static fnl_result add_view(struct frame_state *f) {
 
 /* ---- light lists ---- */
 
-/* Slices reach as far as the scene does; nearer than a sixty-fourth of that they would be thin for nothing. */
+/* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
 static struct clustered_params cluster_params(const struct frame_state *f) {
     struct clustered_params params = clustered_params_default();
     struct box bounds = f->r->device_scene.bounds;
@@ -61,7 +64,7 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
             far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
         }
     params.far = fminf(far, 1e6f);
-    params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 512), params.far * 0.5f);
+    params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
     params.pool_capacity = f->r->pool_capacity;
     return params;
 }
@@ -127,17 +130,15 @@ static void add_shading(struct frame_state *f) {
     struct shade_input input = {.scene = &f->scene->geometry, .draws = &f->draws, .lights = &f->lights, .view = f->view_address,
                                 .width = f->frame->width, .height = f->frame->height, .counters = f->counters,
                                 .background = {background.x, background.y, background.z}};
+    bool prepass = has_prepass(f->frame);
+    if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
     if (is_deferred(f->frame)) {
-        struct gbuffer gbuffer = gbuffer_add(f->graph, &input, f->radiance, depth);
+        struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
         f->depth = depth;
         add_lists(f);
         deferred_add(f->graph, &input, &gbuffer, f->radiance, depth);
     } else {
-        bool prepass = f->frame->shading == FNL_SHADING_FORWARD_PREPASS;
-        if (prepass) {
-            prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
-            f->depth = depth; /* a single pass has no depth to bound its tiles with */
-        }
+        if (prepass) f->depth = depth; /* a single pass has no depth to bound its tiles with */
         add_lists(f);
         forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
     }
@@ -207,7 +208,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 }
 
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
-static void add_outputs(struct frame_state *f, bool readable_color) {
+static void add_outputs(struct frame_state *f) {
     graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
         images[1] = create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
@@ -215,7 +216,7 @@ static void add_outputs(struct frame_state *f, bool readable_color) {
     }
     graph_buffer buffers[OUTPUT_COUNT] = {0};
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) {
-        if (!(f->frame->outputs & 1u << i) || (i == 0 && !readable_color)) continue;
+        if (!(f->frame->outputs & 1u << i)) continue;
         struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i])};
         struct graph_pass *pass = graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
         graph_use_image(pass, data.image, GRAPH_COPY_FROM);
@@ -274,7 +275,7 @@ static void note_stats(struct frame_state *f) {
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
-    s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (f->frame->shading == FNL_SHADING_FORWARD_PREPASS ? 2 : 1) +
+    s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (has_prepass(f->frame) ? 2 : 1) +
                geometry_draw_count(scene, GEOMETRY_BLEND);
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     r->totals_known = f->lights.totals_known;
@@ -293,7 +294,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     bool wants_color = target || (frame->outputs & FNL_OUTPUT_COLOR);
     if (wants_color) add_picture(&f, target);
     if (target) add_target(&f, target);
-    add_outputs(&f, !target);
+    add_outputs(&f);
     add_counts(&f);
     note_stats(&f);
     return graph_compile(r->graph);

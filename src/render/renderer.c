@@ -156,8 +156,11 @@ fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
 
 fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target) {
     if (!r) return FNL_ERROR_INVALID;
-    REQUIRE(&r->host, target && target->image);
+    REQUIRE(&r->host, target != NULL);
+    REQUIRE(&r->host, target->image != VK_NULL_HANDLE);
+    REQUIRE(&r->host, target->final_layout != VK_IMAGE_LAYOUT_UNDEFINED && target->final_layout != VK_IMAGE_LAYOUT_PREINITIALIZED);
     fnl_frame frame = given ? *given : fnl_frame_default();
+    frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR; /* the picture goes into the target */
     struct gpu_image_params params = {.name = "target", .format = target->format, .width = frame.width, .height = frame.height, .layers = 1,
                                       .mips = 1, .samples = 1, .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB,

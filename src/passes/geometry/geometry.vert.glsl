@@ -20,6 +20,8 @@ layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the insta
 
 invariant gl_Position;
 
+vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
+
 void main() {
     uint item_index = push.visible.at[gl_InstanceIndex];
     gpu_item item = push.scene.scene.items.at[item_index];
@@ -33,9 +35,10 @@ void main() {
 
     float mirror;
     out_position = position;
-    out_normal = transform_normal(instance, unpack_normal(a.normal), mirror);
+    // Unit vectors, so that a scaled instance keeps the proportions of its tangent space.
+    out_normal = unit(transform_normal(instance, unpack_normal(a.normal), mirror));
     vec4 tangent = unpack_tangent(a.tangent);
-    out_tangent = vec4(transform_direction(instance, tangent.xyz), tangent.w * mirror);
+    out_tangent = vec4(unit(transform_direction(instance, tangent.xyz)), tangent.w * mirror);
     out_uv = vec4(a.uv0, a.uv1);
     out_color = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
     out_ids = uvec3(push.scene.scene.primitives.at[item.primitive].material, item_index, mirror < 0.0 ? 1u : 0u);

@@ -64,7 +64,7 @@ struct light_list tiled_add(struct graph *graph, gpu_device *device, const struc
 
 struct clustered_params {
     uint32_t tile_size;     /* pixels; default 64 */
-    uint32_t slices;        /* 1 .. 1024; default 24 */
+    uint32_t slices;        /* 1 .. 1024; default 32 */
     float near, far;        /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
     uint32_t pool_capacity; /* default 2^20 */
 };

@@ -10,7 +10,7 @@ static void execute_gbuffer(const struct graph_context *context, const void *dat
     geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, (struct gpu_geometry_push){.view = d->view});
 }
 
-struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth) {
+struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance, graph_image depth) {
     struct graph_image_params params = {.name = "gbuffer color", .format = VK_FORMAT_R8G8B8A8_SRGB, .width = input->width, .height = input->height};
     struct gbuffer gbuffer;
     gbuffer.color = graph_create_image(graph, &params);
@@ -25,7 +25,8 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_gbuffer_frag, .color_count = 4,
         .color_formats = {graph_image_info(graph, radiance).format, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
-        .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = true, .depth_compare = VK_COMPARE_OP_GREATER, .samples = 1};
+        .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = !prepass,
+        .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER, .samples = 1};
     struct graph_pass *pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){input->background[0], input->background[1], input->background[2], 1});
@@ -33,7 +34,8 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
     graph_color(pass, gbuffer.color, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, gbuffer.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, gbuffer.dielectric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
-    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    if (prepass) graph_depth_read_only(pass, depth);
+    else graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     return gbuffer;
 }
 

@@ -25,10 +25,11 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
 
 /**
  * Deferred shading of the opaque set: G-buffer (layout in shaders/gbuffer.glsl: 16 bytes a pixel beside depth and radiance), then
- * one compute thread per pixel. Single-sampled. `lights` may depend on the depth, so the two halves are apart.
+ * one compute thread per pixel. Single-sampled. `lights` may depend on the depth, so the two halves are apart. With `prepass` the depth
+ * is complete and the G-buffer pass tests for equality (ES-4e): no hidden surface reads its textures; geometry is drawn twice.
  */
 struct gbuffer { graph_image color, normal, dielectric; };
-struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth);
+struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance, graph_image depth);
 void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance, graph_image depth);
 
 #endif
