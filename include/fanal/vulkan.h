@@ -49,14 +49,18 @@ typedef struct fnl_vulkan_target {
     VkImage image;              /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame */
     VkFormat format;            /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
     VkImageLayout initial_layout; /**< layout on entry; UNDEFINED discards the contents, which is what most want */
-    VkImageLayout final_layout;   /**< layout that the image is left in */
+    VkImageLayout final_layout;   /**< layout that the image is left in; not UNDEFINED */
     VkSemaphore wait;           /**< waited for before the image is touched, or VK_NULL_HANDLE */
     uint64_t wait_value;        /**< for timeline semaphores */
     VkSemaphore signal;         /**< signalled when the image is finished, or VK_NULL_HANDLE */
     uint64_t signal_value;
 } fnl_vulkan_target;
 
-/** Renders one frame into the caller's image; returns once the work is submitted. `frame` as for fnl_renderer_render. */
+/**
+ * Renders one frame into the caller's image; returns once the work is submitted. `frame` as for fnl_renderer_render, but for
+ * FNL_OUTPUT_COLOR: the picture is in the image, and fnl_renderer_read has none. After an error nothing was submitted:
+ * neither semaphore was touched. The image must live until the frame is over.
+ */
 FNL_API fnl_result fnl_renderer_render_to(fnl_renderer *renderer, const fnl_frame *frame, const fnl_vulkan_target *target);
 
 #ifdef __cplusplus

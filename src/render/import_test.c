@@ -1,0 +1,507 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * A program with a Vulkan device of its own, which it made with validation and synchronisation validation, lets Fanal render into
+ * its images. What it finds there is compared with what Fanal's own device gives.
+ */
+#include "base/base.h"
+#include "fanal/fanal.h"
+#include "fanal/vulkan.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdatomic.h>
+#include <time.h>
+#include <vulkan/vulkan.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 83, HEIGHT = 45, PIXELS = WIDTH * HEIGHT };
+
+static const char layer[] = "VK_LAYER_KHRONOS_validation";
+
+/* ---- the program ---- */
+
+static struct world {
+    VkInstance instance;
+    VkDebugUtilsMessengerEXT messenger;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    uint32_t family;
+    VkQueue queue;
+    VkCommandPool pool;
+    VkSemaphore binary[2], timeline;
+    uint64_t ticks; /* what the timeline was last asked to reach */
+    uint32_t layer_version;
+    atomic_uint messages;
+    char last_error[512]; /* of Fanal's log */
+    fnl_camera camera;
+    fnl_scene *scene;
+    fnl_device *own, *imported;
+    fnl_renderer *reference, *renderer;
+} w;
+
+#define VK(call) assert_int_equal(call, VK_SUCCESS)
+#define FNL(call) assert_int_equal(call, FNL_OK)
+
+static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                 VkDebugUtilsMessageTypeFlagsEXT types,
+                                                 const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+    UNUSED(severity);
+    UNUSED(types);
+    UNUSED(user);
+    /* Older layers blame every shader that indexes a descriptor array: src/gpu/instance.c tells more. */
+    if (w.layer_version < VK_MAKE_API_VERSION(0, 1, 3, 270) && strstr(data->pMessage, "_SHADER_SHADER_")) return VK_FALSE;
+    print_error("%s\n", data->pMessage);
+    atomic_fetch_add(&w.messages, 1);
+    return VK_FALSE;
+}
+
+static void keep_error(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    if (level == FNL_LOG_ERROR) snprintf(w.last_error, sizeof w.last_error, "%s", line);
+}
+
+static void make_instance(void) {
+    VkLayerProperties layers[32];
+    uint32_t count = COUNT_OF(layers);
+    assert_true(vkEnumerateInstanceLayerProperties(&count, layers) >= 0);
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(layers[i].layerName, layer) == 0) w.layer_version = layers[i].specVersion;
+    const char *layer_names[] = {layer};
+    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                        .enabledValidationFeatureCount = 1,
+                                        .pEnabledValidationFeatures = enabled};
+    VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
+    VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                 .pNext = &features,
+                                 .pApplicationInfo = &application,
+                                 .enabledLayerCount = 1,
+                                 .ppEnabledLayerNames = layer_names,
+                                 .enabledExtensionCount = 2,
+                                 .ppEnabledExtensionNames = extensions};
+    VK(vkCreateInstance(&info, NULL, &w.instance));
+    VkDebugUtilsMessengerCreateInfoEXT messenger = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .pfnUserCallback = on_message};
+    PFN_vkCreateDebugUtilsMessengerEXT create =
+        (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(w.instance, "vkCreateDebugUtilsMessengerEXT");
+    VK(create(w.instance, &messenger, NULL, &w.messenger));
+}
+
+static void make_device(void) {
+    uint32_t count = 1;
+    assert_true(vkEnumeratePhysicalDevices(w.instance, &count, &w.physical) >= 0 && count == 1);
+    VkQueueFamilyProperties families[16];
+    count = COUNT_OF(families);
+    vkGetPhysicalDeviceQueueFamilyProperties(w.physical, &count, families);
+    const VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    while ((families[w.family].queueFlags & both) != both) assert_true(++w.family < count);
+    fnl_vulkan_requirements requirements;
+    fnl_vulkan_requirements_init(&requirements);
+    float priority = 1;
+    VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                     .queueFamilyIndex = w.family,
+                                     .queueCount = 1,
+                                     .pQueuePriorities = &priority};
+    VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                               .pNext = &requirements.features,
+                               .queueCreateInfoCount = 1,
+                               .pQueueCreateInfos = &queue};
+    VK(vkCreateDevice(w.physical, &info, NULL, &w.device));
+    vkGetDeviceQueue(w.device, w.family, 0, &w.queue);
+    VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = w.family};
+    VK(vkCreateCommandPool(w.device, &pool, NULL, &w.pool));
+    VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    for (int i = 0; i < 2; i++) VK(vkCreateSemaphore(w.device, &semaphore, NULL, &w.binary[i]));
+    VkSemaphoreTypeCreateInfo type = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
+                                      .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
+    semaphore.pNext = &type;
+    VK(vkCreateSemaphore(w.device, &semaphore, NULL, &w.timeline));
+}
+
+static fnl_device_params device_params(void) {
+    fnl_device_params params = fnl_device_params_default();
+    params.host.log = keep_error;
+    params.host.thread_count = 2;
+    params.index = 0; /* make_device takes the first one, too */
+    params.cache_folder = "";
+    return params;
+}
+
+static int set_up(void **state) {
+    UNUSED(state);
+    make_instance();
+    make_device();
+    fnl_device_params params = device_params();
+    fnl_vulkan_import handles = {.get_instance_proc_addr = vkGetInstanceProcAddr,
+                                 .instance = w.instance,
+                                 .physical_device = w.physical,
+                                 .device = w.device,
+                                 .graphics_family = w.family,
+                                 .graphics_queue = w.queue};
+    FNL(fnl_scene_load(NULL, "builtin:spheres?lights=16", &w.scene));
+    FNL(fnl_scene_query_camera(w.scene, 0, &w.camera));
+    FNL(fnl_device_create(&params, &w.own));
+    FNL(fnl_device_import(&params, &handles, &w.imported));
+    FNL(fnl_renderer_create(w.own, w.scene, &w.reference));
+    FNL(fnl_renderer_create(w.imported, w.scene, &w.renderer));
+    return 0;
+}
+
+static int tear_down(void **state) {
+    UNUSED(state);
+    fnl_renderer_destroy(&w.reference);
+    fnl_renderer_destroy(&w.renderer);
+    fnl_device_destroy(&w.own);
+    fnl_device_destroy(&w.imported);
+    fnl_scene_destroy(&w.scene);
+    for (int i = 0; i < 2; i++) vkDestroySemaphore(w.device, w.binary[i], NULL);
+    vkDestroySemaphore(w.device, w.timeline, NULL);
+    vkDestroyCommandPool(w.device, w.pool, NULL);
+    vkDestroyDevice(w.device, NULL); /* the layer would name whatever Fanal had left behind */
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(w.instance, "vkDestroyDebugUtilsMessengerEXT");
+    destroy(w.instance, w.messenger, NULL);
+    vkDestroyInstance(w.instance, NULL);
+    return atomic_load(&w.messages) ? -1 : 0;
+}
+
+/* ---- its images ---- */
+
+struct picture {
+    VkFormat format;
+    uint32_t pixel_size;
+    VkImage image;
+    VkBuffer buffer;
+    VkDeviceMemory memory, buffer_memory;
+    void *pixels;
+};
+
+static VkDeviceMemory allocate(const VkMemoryRequirements *needs, VkMemoryPropertyFlags flags) {
+    VkPhysicalDeviceMemoryProperties memory;
+    vkGetPhysicalDeviceMemoryProperties(w.physical, &memory);
+    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size};
+    while (!(needs->memoryTypeBits >> info.memoryTypeIndex & 1) ||
+           (memory.memoryTypes[info.memoryTypeIndex].propertyFlags & flags) != flags)
+        assert_true(++info.memoryTypeIndex < memory.memoryTypeCount);
+    VkDeviceMemory allocated;
+    VK(vkAllocateMemory(w.device, &info, NULL, &allocated));
+    return allocated;
+}
+
+static struct picture make_picture(VkFormat format, uint32_t pixel_size) {
+    struct picture p = {.format = format, .pixel_size = pixel_size};
+    VkImageCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .imageType = VK_IMAGE_TYPE_2D,
+        .format = format,
+        .extent = {WIDTH, HEIGHT, 1},
+        .mipLevels = 1,
+        .arrayLayers = 1,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    VK(vkCreateImage(w.device, &info, NULL, &p.image));
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(w.device, p.image, &needs);
+    p.memory = allocate(&needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    VK(vkBindImageMemory(w.device, p.image, p.memory, 0));
+    VkBufferCreateInfo buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                 .size = (VkDeviceSize)PIXELS * pixel_size,
+                                 .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VK(vkCreateBuffer(w.device, &buffer, NULL, &p.buffer));
+    vkGetBufferMemoryRequirements(w.device, p.buffer, &needs);
+    p.buffer_memory = allocate(&needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    VK(vkBindBufferMemory(w.device, p.buffer, p.buffer_memory, 0));
+    VK(vkMapMemory(w.device, p.buffer_memory, 0, VK_WHOLE_SIZE, 0, &p.pixels));
+    return p;
+}
+
+static void free_picture(struct picture *p) {
+    VK(vkDeviceWaitIdle(w.device));
+    vkDestroyImage(w.device, p->image, NULL);
+    vkDestroyBuffer(w.device, p->buffer, NULL);
+    vkFreeMemory(w.device, p->memory, NULL);
+    vkFreeMemory(w.device, p->buffer_memory, NULL);
+}
+
+static VkSemaphoreSubmitInfo semaphore_info(VkSemaphore semaphore, uint64_t value) {
+    return (VkSemaphoreSubmitInfo){.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                   .semaphore = semaphore,
+                                   .value = value,
+                                   .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+}
+
+static void submit(VkCommandBuffer commands, VkSemaphore wait, uint64_t wait_value, VkSemaphore signal, uint64_t signal_value) {
+    VkSemaphoreSubmitInfo waits = semaphore_info(wait, wait_value), signals = semaphore_info(signal, signal_value);
+    VkCommandBufferSubmitInfo buffer = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = commands};
+    VkSubmitInfo2 info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                          .waitSemaphoreInfoCount = wait != VK_NULL_HANDLE,
+                          .pWaitSemaphoreInfos = &waits,
+                          .commandBufferInfoCount = commands != VK_NULL_HANDLE,
+                          .pCommandBufferInfos = &buffer,
+                          .signalSemaphoreInfoCount = signal != VK_NULL_HANDLE,
+                          .pSignalSemaphoreInfos = &signals};
+    VK(vkQueueSubmit2(w.queue, 1, &info, VK_NULL_HANDLE));
+}
+
+static VkImageMemoryBarrier2 layout_change(VkImage image, VkImageLayout from, VkImageLayout to) {
+    return (VkImageMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                   .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                   .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                   .oldLayout = from,
+                                   .newLayout = to,
+                                   .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                   .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                   .image = image,
+                                   .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+}
+
+/* Once `wait` is signalled, copies the image, which is in `layout` before and after, into p->pixels. */
+static void fetch(struct picture *p, VkImageLayout layout, VkSemaphore wait, uint64_t wait_value) {
+    VkCommandBufferAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, .commandPool = w.pool, .commandBufferCount = 1};
+    VkCommandBuffer commands;
+    VK(vkAllocateCommandBuffers(w.device, &info, &commands));
+    VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VK(vkBeginCommandBuffer(commands, &begin));
+    VkImageMemoryBarrier2 change = layout_change(p->image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    VkDependencyInfo dependency = {
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &change};
+    vkCmdPipelineBarrier2(commands, &dependency);
+    VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(commands, p->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, p->buffer, 1, &region);
+    change = layout_change(p->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout);
+    vkCmdPipelineBarrier2(commands, &dependency);
+    VK(vkEndCommandBuffer(commands));
+    submit(commands, wait, wait_value, VK_NULL_HANDLE, 0);
+    VK(vkQueueWaitIdle(w.queue));
+    vkFreeCommandBuffers(w.device, w.pool, 1, &commands);
+}
+
+/* ---- frames ---- */
+
+static fnl_frame small_frame(void) {
+    fnl_frame frame = fnl_frame_default();
+    frame.width = WIDTH;
+    frame.height = HEIGHT;
+    frame.camera = w.camera;
+    frame.outputs = 0;
+    return frame;
+}
+
+/* What Fanal's own device gives; freed by the caller. */
+static fnl_image expected(fnl_frame frame, fnl_output output) {
+    frame.outputs |= output;
+    FNL(fnl_renderer_render(w.reference, &frame));
+    fnl_image image;
+    FNL(fnl_renderer_read(w.reference, output, &image));
+    return image;
+}
+
+static void assert_bytes_equal(const struct picture *p, const fnl_image *image) {
+    bool swap = p->format == VK_FORMAT_B8G8R8A8_UNORM || p->format == VK_FORMAT_B8G8R8A8_SRGB;
+    const uint8_t *a = p->pixels, *b = image->pixels;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < PIXELS * 4u; i++) {
+        uint32_t from = swap && i % 4 != 3 ? i - i % 4 + 2 - i % 4 : i;
+        if (a[i] != b[from]) fail_msg("byte %u is %d, not %d", i, a[i], b[from]);
+        if (i % 4 != 3) sum += a[i];
+    }
+    assert_true(sum > PIXELS * 3ull * 20); /* far from black */
+}
+
+enum ordering { ORDER_BINARY, ORDER_TIMELINE, ORDER_COUNT };
+
+/* Renders between two semaphores, each of which the program itself signals and waits for. */
+static void render_and_fetch(const fnl_frame *frame, struct picture *p, enum ordering ordering, VkImageLayout from,
+                             VkImageLayout to) {
+    fnl_vulkan_target target = {.image = p->image, .format = p->format, .initial_layout = from, .final_layout = to};
+    if (ordering == ORDER_BINARY) {
+        target.wait = w.binary[0];
+        target.signal = w.binary[1];
+    } else {
+        target.wait = target.signal = w.timeline;
+        target.wait_value = ++w.ticks;
+        target.signal_value = ++w.ticks;
+    }
+    submit(VK_NULL_HANDLE, VK_NULL_HANDLE, 0, target.wait, target.wait_value);
+    memset(p->pixels, 0, (size_t)PIXELS * p->pixel_size);
+    FNL(fnl_renderer_render_to(w.renderer, frame, &target));
+    fetch(p, to, target.signal, target.signal_value);
+}
+
+static const VkImageLayout layouts[] = {VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                        VK_IMAGE_LAYOUT_GENERAL};
+
+static void test_8_bit_targets_get_the_picture(void **state) {
+    UNUSED(state);
+    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
+                                       VK_FORMAT_B8G8R8A8_SRGB};
+    fnl_frame frame = small_frame();
+    fnl_image image = expected(frame, FNL_OUTPUT_COLOR);
+    frame.debug = FNL_DEBUG_NORMAL;
+    fnl_image normals = expected(frame, FNL_OUTPUT_COLOR);
+    for (uint32_t f = 0; f < COUNT_OF(formats); f++) {
+        struct picture p = make_picture(formats[f], 4);
+        VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+        frame.debug = FNL_DEBUG_NONE;
+        for (uint32_t l = 0; l < COUNT_OF(layouts); l++) { /* from the layout that the last one left behind */
+            render_and_fetch(&frame, &p, (enum ordering)((f + l) % ORDER_COUNT), layout, layouts[l]);
+            layout = layouts[l];
+            assert_bytes_equal(&p, &image);
+        }
+        frame.debug = FNL_DEBUG_NORMAL;
+        render_and_fetch(&frame, &p, ORDER_TIMELINE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+        assert_bytes_equal(&p, &normals);
+        free_picture(&p);
+    }
+    fnl_image_free(NULL, &image);
+    fnl_image_free(NULL, &normals);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+static float half_to_float(uint16_t h) {
+    float magnitude = (h & 0x7c00) ? ldexpf((float)((h & 0x3ff) + 0x400), (h >> 10 & 31) - 25) : ldexpf((float)(h & 0x3ff), -24);
+    return h & 0x8000 ? -magnitude : magnitude;
+}
+
+static void test_float_targets_get_exposed_radiance(void **state) {
+    UNUSED(state);
+    fnl_frame frame = small_frame();
+    frame.exposure = FNL_EXPOSURE_EV;
+    frame.ev = 4;
+    frame.outputs = FNL_OUTPUT_RADIANCE; /* read beside the target, and computed in 32 bits */
+    fnl_image radiance = expected(frame, FNL_OUTPUT_RADIANCE);
+    const float *wanted = radiance.pixels, factor = 1 / (1.2f * 16);
+    struct picture full = make_picture(VK_FORMAT_R32G32B32A32_SFLOAT, 16), half = make_picture(VK_FORMAT_R16G16B16A16_SFLOAT, 8);
+    render_and_fetch(&frame, &full, ORDER_BINARY, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    fnl_image read;
+    FNL(fnl_renderer_read(w.renderer, FNL_OUTPUT_RADIANCE, &read));
+    assert_memory_equal(read.pixels, radiance.pixels, PIXELS * 16);
+    fnl_image_free(NULL, &read);
+    render_and_fetch(&frame, &half, ORDER_TIMELINE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    float brightest = 0;
+    for (uint32_t i = 0; i < PIXELS * 4u; i++) {
+        float value = i % 4 == 3 ? wanted[i] : wanted[i] * factor;
+        float a = ((const float *)full.pixels)[i], b = half_to_float(((const uint16_t *)half.pixels)[i]);
+        assert_true(fabsf(a - value) <= value * 1e-6f);
+        assert_true(fabsf(b - value) <= value / 1024 + 1e-6f);
+        brightest = fmaxf(brightest, value);
+    }
+    assert_true(brightest > 1); /* nothing was tone-mapped or clamped */
+    free_picture(&full);
+    free_picture(&half);
+    fnl_image_free(NULL, &radiance);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+static uint64_t timeline_value(void) {
+    uint64_t value;
+    VK(vkGetSemaphoreCounterValue(w.device, w.timeline, &value));
+    return value;
+}
+
+static void test_semaphores_are_waited_for_and_signalled(void **state) {
+    UNUSED(state);
+    fnl_frame frame = small_frame();
+    struct picture p = make_picture(VK_FORMAT_R8G8B8A8_UNORM, 4);
+    fnl_vulkan_target target = {.image = p.image,
+                                .format = p.format,
+                                .final_layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                .wait = w.timeline,
+                                .wait_value = w.ticks + 1,
+                                .signal = w.timeline,
+                                .signal_value = w.ticks + 2};
+    FNL(fnl_renderer_render_to(w.renderer, &frame, &target)); /* returns although nothing may begin */
+    nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
+    assert_int_equal(timeline_value(), w.ticks);
+    VkSemaphoreSignalInfo signal = {
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, .semaphore = w.timeline, .value = w.ticks + 1};
+    VK(vkSignalSemaphore(w.device, &signal));
+    w.ticks += 2;
+    VkSemaphoreWaitInfo wait = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
+                                .semaphoreCount = 1,
+                                .pSemaphores = &w.timeline,
+                                .pValues = &w.ticks};
+    VK(vkWaitSemaphores(w.device, &wait, 60000000000u));
+    fetch(&p, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_NULL_HANDLE, 0);
+    fnl_image image = expected(frame, FNL_OUTPUT_COLOR);
+    assert_bytes_equal(&p, &image);
+
+    /* Without semaphores the order of submission counts. */
+    target.wait = target.signal = VK_NULL_HANDLE;
+    memset(p.pixels, 0, PIXELS * 4);
+    FNL(fnl_renderer_render_to(w.renderer, &frame, &target));
+    fetch(&p, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_NULL_HANDLE, 0);
+    assert_bytes_equal(&p, &image);
+    fnl_image_free(NULL, &image);
+    free_picture(&p);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+static void expect_refusal(const fnl_frame *frame, const fnl_vulkan_target *target, fnl_result result, const char *words) {
+    w.last_error[0] = 0;
+    assert_int_equal(fnl_renderer_render_to(w.renderer, frame, target), result);
+    if (!strstr(w.last_error, words)) fail_msg("'%s' does not say '%s'", w.last_error, words);
+}
+
+static void test_misuse_is_refused_and_does_no_harm(void **state) {
+    UNUSED(state);
+    fnl_frame frame = small_frame();
+    struct picture p = make_picture(VK_FORMAT_R8G8B8A8_UNORM, 4);
+    const fnl_vulkan_target good = {.image = p.image,
+                                    .format = p.format,
+                                    .final_layout = VK_IMAGE_LAYOUT_GENERAL,
+                                    .signal = w.timeline,
+                                    .signal_value = w.ticks + 1};
+    assert_int_equal(fnl_renderer_render_to(NULL, &frame, &good), FNL_ERROR_INVALID);
+    expect_refusal(&frame, NULL, FNL_ERROR_INVALID, "target");
+    fnl_vulkan_target bad = good;
+    bad.image = VK_NULL_HANDLE;
+    expect_refusal(&frame, &bad, FNL_ERROR_INVALID, "image");
+    bad = good;
+    bad.format = VK_FORMAT_R8G8B8A8_SNORM;
+    expect_refusal(&frame, &bad, FNL_ERROR_UNSUPPORTED, "format 38");
+    bad.format = VK_FORMAT_UNDEFINED;
+    expect_refusal(&frame, &bad, FNL_ERROR_UNSUPPORTED, "format 0");
+    bad = good;
+    bad.final_layout = VK_IMAGE_LAYOUT_UNDEFINED; /* no image can be left in it */
+    expect_refusal(&frame, &bad, FNL_ERROR_INVALID, "final_layout");
+    bad.final_layout = VK_IMAGE_LAYOUT_PREINITIALIZED;
+    expect_refusal(&frame, &bad, FNL_ERROR_INVALID, "final_layout");
+    fnl_frame wrong = frame;
+    wrong.width = 0;
+    expect_refusal(&wrong, &good, FNL_ERROR_INVALID, "width");
+    wrong.width = 16385;
+    expect_refusal(&wrong, &good, FNL_ERROR_INVALID, "width");
+    wrong = frame;
+    wrong.msaa = 4; /* deferred */
+    expect_refusal(&wrong, &good, FNL_ERROR_UNSUPPORTED, "MSAA");
+    assert_int_equal(timeline_value(), w.ticks); /* a frame that was refused signals nothing */
+
+    frame.outputs = FNL_OUTPUT_COLOR; /* the picture went to the target: there is none to read */
+    fnl_image image = expected(frame, FNL_OUTPUT_COLOR), read;
+    render_and_fetch(&frame, &p, ORDER_TIMELINE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    assert_bytes_equal(&p, &image);
+    assert_int_equal(fnl_renderer_read(w.renderer, FNL_OUTPUT_COLOR, &read), FNL_ERROR_INVALID);
+    assert_null(read.pixels);
+    fnl_image_free(NULL, &image);
+    free_picture(&p);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_8_bit_targets_get_the_picture),
+        cmocka_unit_test(test_float_targets_get_exposed_radiance),
+        cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),
+        cmocka_unit_test(test_misuse_is_refused_and_does_no_harm),
+    };
+    return cmocka_run_group_tests_name("render: import", tests, set_up, tear_down);
+}
