@@ -2,6 +2,7 @@
 #include "gpu/gpu_test.h"
 
 #include <math.h>
+#include <time.h>
 
 static struct gpu_buffer make_buffer(gpu_device *device, uint64_t size, enum gpu_memory_kind kind) {
     struct gpu_buffer buffer;
@@ -284,6 +285,53 @@ static void test_batches_of_two_queues_wait_for_each_other(void **state) {
     test_device_destroy(&device);
 }
 
+/* What vkQueueSubmit2 was given, one submission each call. */
+static struct {
+    PFN_vkQueueSubmit2 real;
+    VkSemaphoreSubmitInfo waits[8][8];
+    uint32_t wait_counts[8], count;
+} spied;
+
+static VKAPI_ATTR VkResult VKAPI_CALL spy_on_submit(VkQueue queue, uint32_t count, const VkSubmitInfo2 *infos,
+                                                    VkFence fence) {
+    assert_true(count == 1 && infos->waitSemaphoreInfoCount <= 8 && spied.count < 8);
+    spied.wait_counts[spied.count] = infos->waitSemaphoreInfoCount;
+    memcpy(spied.waits[spied.count++], infos->pWaitSemaphoreInfos, infos->waitSemaphoreInfoCount * sizeof *spied.waits[0]);
+    return spied.real(queue, count, infos, fence);
+}
+
+static void check_wait(uint32_t submission, const struct gpu_queue_state *queue, uint64_t value) {
+    assert_int_equal(spied.wait_counts[submission], value ? 1 : 0);
+    if (value)
+        assert_true(spied.waits[submission][0].semaphore == queue->timeline && spied.waits[submission][0].value == value);
+}
+
+/** On one hardware queue the waits cannot be seen in the results, so look at the submissions. */
+static void test_batches_wait_by_timeline_values(void **state) {
+    UNUSED(state);
+    gpu_device *device = test_device_create(NULL);
+    const struct gpu_queue_state *graphics = &device->queues[GPU_QUEUE_GRAPHICS],
+                                 *compute = &device->queues[GPU_QUEUE_COMPUTE];
+    spied.real = device->vk.QueueSubmit2;
+    device->vk.QueueSubmit2 = spy_on_submit;
+    const struct gpu_batch batches[] = {{GPU_QUEUE_GRAPHICS, NULL, 0, GPU_NO_INDEX},
+                                        {GPU_QUEUE_COMPUTE, NULL, 0, 0},
+                                        {GPU_QUEUE_GRAPHICS, NULL, 0, GPU_NO_INDEX},
+                                        {GPU_QUEUE_GRAPHICS, NULL, 0, 1}};
+    for (uint32_t frame = 0; frame < 2; frame++) {
+        spied.count = 0;
+        assert_int_equal(gpu_frame_begin(device), FNL_OK);
+        assert_int_equal(gpu_frame_end(device, batches, COUNT_OF(batches), NULL), FNL_OK);
+        assert_int_equal(spied.count, 4);
+        check_wait(0, compute, frame); /* the frame before, which may share memory */
+        check_wait(1, graphics, 3 * frame + 1);
+        check_wait(2, compute, 0);
+        check_wait(3, compute, frame + 1);
+    }
+    device->vk.QueueSubmit2 = spied.real;
+    test_device_destroy(&device);
+}
+
 static void test_a_callers_semaphores_are_waited_for_and_signalled(void **state) {
     UNUSED(state);
     gpu_device *device = test_device_create(NULL);
@@ -301,6 +349,21 @@ static void test_a_callers_semaphores_are_waited_for_and_signalled(void **state)
         assert_int_equal(gpu_frame_end(device, NULL, 0, &links[i]), FNL_OK); /* no batch: passed on all the same */
     }
     assert_int_equal(gpu_semaphore_wait(device, timeline, 8), FNL_OK);
+
+    /* A frame does not run before its semaphore allows it. */
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_external_semaphores late = {.wait = timeline, .wait_value = 9};
+    assert_int_equal(gpu_frame_end(device, NULL, 0, &late), FNL_OK);
+    const struct timespec moment = {.tv_nsec = 50000000};
+    nanosleep(&moment, NULL);
+    uint64_t reached = 0;
+    const struct gpu_queue_state *queue = &device->queues[GPU_QUEUE_GRAPHICS];
+    assert_int_equal(device->vk.GetSemaphoreCounterValue(device->handle, queue->timeline, &reached), VK_SUCCESS);
+    assert_int_equal(reached, queue->value - 1);
+    PFN_vkSignalSemaphore signal =
+        (PFN_vkSignalSemaphore)device->instance.vk.GetDeviceProcAddr(device->handle, "vkSignalSemaphore");
+    VkSemaphoreSignalInfo allow = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, .semaphore = timeline, .value = 9};
+    assert_int_equal(signal(device->handle, &allow), VK_SUCCESS);
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
     device->vk.DestroySemaphore(device->handle, timeline, NULL);
     device->vk.DestroySemaphore(device->handle, binary, NULL);
@@ -350,6 +413,7 @@ const struct CMUnitTest commands_tests[] = {
     cmocka_unit_test(test_a_steady_frame_allocates_nothing),
     cmocka_unit_test(test_timestamps),
     cmocka_unit_test(test_batches_of_two_queues_wait_for_each_other),
+    cmocka_unit_test(test_batches_wait_by_timeline_values),
     cmocka_unit_test(test_a_callers_semaphores_are_waited_for_and_signalled),
     cmocka_unit_test(test_errors_stick_until_the_frame_ends),
 };

@@ -29,6 +29,28 @@ static void test_devices_are_listed_and_described(void **state) {
     fnl_device_destroy(NULL);
 }
 
+static void test_a_machine_without_a_driver(void **state) {
+    UNUSED(state);
+    static const char *const variables[] = {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}; /* the loader's new and old name */
+    for (uint32_t i = 0; i < 2; i++) {
+        if (getenv(variables[i])) skip(); /* it would be lost for the tests that follow */
+        setenv(variables[i], "/no/such/driver.json", 1);
+    }
+    struct test_memory memory = {0};
+    fnl_device_params params = fnl_device_params_default();
+    params.host = test_host(&memory);
+    uint32_t count = 9;
+    assert_int_equal(fnl_enumerate_devices(&params.host, NULL, 0, &count), FNL_OK);
+    assert_int_equal(count, 0);
+    assert_int_equal(memory.errors, 0);
+    gpu_device *device;
+    assert_int_equal(fnl_device_create(&params, &device), FNL_ERROR_DEVICE);
+    assert_null(device);
+    assert_int_equal(memory.errors, 1);
+    assert_int_equal(memory.live_bytes, 0);
+    for (uint32_t i = 0; i < 2; i++) unsetenv(variables[i]);
+}
+
 static void test_a_device_that_is_not_there_is_refused(void **state) {
     UNUSED(state);
     struct test_memory memory = {0};
@@ -220,7 +242,7 @@ static void test_pipelines_are_kept_in_a_file(void **state) {
     fnl_host host = fnl_host_default();
     struct file_view view;
     assert_int_equal(file_map(&host, path, &view), FNL_OK);
-    unsigned char *bytes = malloc(view.size);
+    unsigned char *bytes = calloc(1, view.size + 1);
     memcpy(bytes, view.data, view.size);
     file_unmap(&view);
     bytes[size - 1] ^= 1;
@@ -228,6 +250,10 @@ static void test_pipelines_are_kept_in_a_file(void **state) {
     assert_int_equal(run_with_cache(folder), 0); /* damaged: not used, and written anew */
     assert_int_equal(run_with_cache(folder), size - 24);
     assert_int_equal(file_save(&host, path, bytes, 10), FNL_OK);
+    assert_int_equal(run_with_cache(folder), 0);
+    bytes[size - 1] ^= 1;
+    bytes[8] += 1; /* one byte more, as the size says, but not as the hash says */
+    assert_int_equal(file_save(&host, path, bytes, size + 1), FNL_OK);
     assert_int_equal(run_with_cache(folder), 0);
     free(bytes);
     unlink(path);
@@ -239,11 +265,9 @@ static void test_pipelines_are_kept_in_a_file(void **state) {
 }
 
 const struct CMUnitTest device_tests[] = {
-    cmocka_unit_test(test_devices_are_listed_and_described),
-    cmocka_unit_test(test_a_device_that_is_not_there_is_refused),
-    cmocka_unit_test(test_two_devices_at_once),
-    cmocka_unit_test(test_a_callers_device_is_imported),
-    cmocka_unit_test(test_every_allocation_may_fail),
+    cmocka_unit_test(test_devices_are_listed_and_described),      cmocka_unit_test(test_a_machine_without_a_driver),
+    cmocka_unit_test(test_a_device_that_is_not_there_is_refused), cmocka_unit_test(test_two_devices_at_once),
+    cmocka_unit_test(test_a_callers_device_is_imported),          cmocka_unit_test(test_every_allocation_may_fail),
     cmocka_unit_test(test_pipelines_are_kept_in_a_file),
 };
 const size_t device_test_count = COUNT_OF(device_tests);

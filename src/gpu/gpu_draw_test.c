@@ -204,6 +204,14 @@ static void test_depth_is_reversed_written_and_clamped(void **state) {
     test_device_destroy(&device);
 }
 
+static PFN_vkCmdBeginRendering real_begin_rendering;
+static VkRenderingAttachmentInfo last_depth;
+
+static VKAPI_ATTR void VKAPI_CALL spy_on_rendering(VkCommandBuffer commands, const VkRenderingInfo *info) {
+    last_depth = *info->pDepthAttachment;
+    real_begin_rendering(commands, info);
+}
+
 static void draw_with_depth_read_only(struct gpu_commands *commands, struct canvas *canvas) {
     canvas->pipeline.depth_write = true;
     gpu_bind(commands, gpu_graphics_pipeline(canvas->device, &canvas->pipeline));
@@ -223,7 +231,12 @@ static void draw_with_depth_read_only(struct gpu_commands *commands, struct canv
                   .store = VK_ATTACHMENT_STORE_OP_STORE,
                   .read_only = true},
     };
+    real_begin_rendering = canvas->device->vk.CmdBeginRendering;
+    canvas->device->vk.CmdBeginRendering = spy_on_rendering;
     gpu_begin_rendering(commands, &rendering);
+    canvas->device->vk.CmdBeginRendering = real_begin_rendering;
+    assert_int_equal(last_depth.imageLayout, VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL);
+    assert_int_equal(last_depth.storeOp, VK_ATTACHMENT_STORE_OP_NONE); /* old layers do not see a store as the write it is */
     canvas->pipeline.depth_write = false;
     gpu_bind(commands, gpu_graphics_pipeline(canvas->device, &canvas->pipeline));
     gpu_draw(commands, canvas->vertex_count - 6, 1, 6, 0);

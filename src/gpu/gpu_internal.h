@@ -36,7 +36,7 @@ struct gpu_instance {
 
 /**
  * Opens the loader and makes an instance. `out` has its final address, for messages keep a pointer to it. Without a loader
- * FNL_ERROR_DEVICE; `quiet` then logs nothing. Close it even after a failure.
+ * or a driver FNL_ERROR_DEVICE; `quiet` then logs nothing. Close it even after a failure.
  */
 fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, bool validate, bool quiet);
 fnl_result gpu_instance_import(struct gpu_instance *out, const fnl_host *host, PFN_vkGetInstanceProcAddr get_proc,

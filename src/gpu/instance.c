@@ -91,7 +91,7 @@ static fnl_result load_functions(struct gpu_instance *instance) {
     return FNL_OK;
 }
 
-static fnl_result create_instance(struct gpu_instance *instance, bool validate) {
+static fnl_result create_instance(struct gpu_instance *instance, bool validate, bool quiet) {
     PFN_vkCreateInstance create = (PFN_vkCreateInstance)instance->get_proc(NULL, "vkCreateInstance");
     const char *extensions[2];
     const char *layers[] = {validation_layer};
@@ -141,8 +141,12 @@ static fnl_result create_instance(struct gpu_instance *instance, bool validate) 
     VkResult result = create ? create(&info, NULL, &instance->handle) : VK_ERROR_INITIALIZATION_FAILED;
     if (result != VK_SUCCESS) {
         instance->handle = VK_NULL_HANDLE;
-        log_error(&instance->host, "Vulkan cannot be started: vkCreateInstance: %s", gpu_result_text(result));
-        return result == VK_ERROR_INCOMPATIBLE_DRIVER ? FNL_ERROR_DEVICE : gpu_result_meaning(result);
+        bool no_driver = result == VK_ERROR_INCOMPATIBLE_DRIVER;
+        if (!no_driver || !quiet) {
+            log_error(&instance->host, "Vulkan cannot be started: vkCreateInstance: %s%s", gpu_result_text(result),
+                      no_driver ? ", there is no driver (Debian: mesa-vulkan-drivers)" : "");
+        }
+        return gpu_result_meaning(result);
     }
     instance->owned = true;
     return FNL_OK;
@@ -171,7 +175,7 @@ fnl_result gpu_instance_open(struct gpu_instance *out, const fnl_host *host, boo
         return FNL_ERROR_DEVICE;
     }
     memcpy(&out->get_proc, &symbol, sizeof symbol); /* ISO C has no cast from object to function pointer */
-    TRY(create_instance(out, validate));
+    TRY(create_instance(out, validate, quiet));
     TRY(load_functions(out));
     return validate ? create_messenger(out) : FNL_OK;
 }
