@@ -77,6 +77,7 @@ typedef struct fnl_frame {
     uint32_t outputs;         /**< fnl_output bits; default FNL_OUTPUT_COLOR */
     bool count_lights;        /**< count light evaluations exactly (slower); they then appear in the stats; default false */
     bool timers;              /**< measure each pass on the GPU; default true */
+    bool gbuffer_prepass;     /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
     uint32_t record_threads;  /**< threads that record commands; 0 (default): as many as the job system has */
 } fnl_frame;
 
