@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: MIT */
+/** The clusters' lists of both builders, entry by entry, against geometry in double precision and sampled points. */
+#include "base/jobs.h"
+#include "tests/list_bench.h"
+
+enum { LIGHTS = 400, WIDTH = 301, HEIGHT = 173, POINTS = 20000 };
+
+static fnl_light_params params[4096];
+static struct gpu_light lights[4096];
+
+static struct list_request request_of(const struct gpu_view *view, enum list_builder builder, uint32_t light_count) {
+    struct list_request r = {.builder = builder, .view = *view, .lights = lights, .light_count = light_count,
+                             .tiled = tiled_params_default(), .clustered = clustered_params_default()};
+    r.clustered.tile_size = 32;
+    return r;
+}
+
+/* Random points in the view, surfaces or air: no light that reaches them is missing. Returns the pairs that are lit. */
+static uint64_t check_points(const struct list_request *r, const struct list_copy *list, struct random_state *random, double nearest, double farthest) {
+    uint64_t lit = 0;
+    for (uint32_t k = 0; k < POINTS; k++) {
+        double view_depth = nearest * exp2((double)random_float(random) * log2(farthest / nearest)), seen[3], point[3];
+        double x = (double)random_range(random, 0, (float)r->view.size.x), y = (double)random_range(random, 0, (float)r->view.size.y);
+        view_of_pixel(&r->view, x, y, view_depth, seen);
+        view_to_world(&r->view, seen, point);
+        uint32_t cells[2];
+        list_cells_of(list, MIN((uint32_t)x, r->view.size.x - 1), MIN((uint32_t)y, r->view.size.y - 1), view_depth, cells);
+        for (uint32_t i = 0; i < r->light_count; i++) {
+            if (!light_reaches(&params[i], point)) continue;
+            lit++;
+            assert_true(list_holds(list, cells[0], i) && list_holds(list, cells[1], i));
+        }
+    }
+    return lit;
+}
+
+static void test_sets_ES_50_ES_53(void **state) {
+    UNUSED(state);
+    struct random_state random = {21};
+    uint64_t lit = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH - 3 * kind, HEIGHT + kind);
+        list_random_lights(&view, &random, LIGHTS, params, lights);
+        struct list_request r = request_of(&view, LIST_CLUSTERED, LIGHTS);
+        struct list_copy gpu = list_build(&r), again = list_build(&r);
+        list_check_form(&gpu, LIGHTS);
+        assert_true(list_equal(&gpu, &again));
+        reference_check(&r, &gpu);
+        lit += check_points(&r, &gpu, &random, (double)view.near_distance, 300);
+        r.builder = LIST_CLUSTERED_CPU;
+        struct list_copy cpu = list_build(&r);
+        list_check_form(&cpu, LIGHTS);
+        lit += check_points(&r, &cpu, &random, (double)view.near_distance, 300);
+
+        /* Two different tests of the same cells; both hold whatever touches them. */
+        uint64_t common = 0, entries[2] = {list_entries(&gpu), list_entries(&cpu)};
+        for (uint32_t c = 0; c < gpu.cell_count; c++)
+            for (uint32_t k = 0; k < gpu.cells[c].count; k++) common += list_holds(&cpu, c, gpu.ids[gpu.cells[c].offset + k]);
+        print_message("%s: %llu entries on the GPU, %llu on the CPU, %llu in both\n", list_view_names[kind],
+                      (unsigned long long)entries[0], (unsigned long long)entries[1], (unsigned long long)common);
+        assert_true((double)common > 0.8 * (double)entries[0]);
+        list_free(&gpu);
+        list_free(&again);
+        list_free(&cpu);
+    }
+    assert_true(lit > 10000);
+}
+
+static void test_grids_and_counts_ES_53(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {0, 1, 255, 256, 257, 2048};
+    static const struct { uint32_t width, height, tile_size, slices; float near, far; } grids[] = {
+        {1, 1, 64, 24, 0.5f, 100}, {65, 3, 64, 1, 0.5f, 100}, {97, 61, 16, 2, 1, 2}, {97, 61, 48, 3, 3, 4}, {120, 67, 40, 64, 0.01f, 1000}};
+    struct random_state random = {4};
+    for (uint32_t g = 0; g < COUNT_OF(grids); g++)
+        for (uint32_t c = 0; c < COUNT_OF(counts); c++)
+            for (int cpu = 0; cpu < 2; cpu++) {
+                if (counts[c] > 257 && g != 3) continue;
+                struct gpu_view view = list_random_view(g % LIST_VIEWS, &random, grids[g].width, grids[g].height);
+                list_random_lights(&view, &random, counts[c], params, lights);
+                struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, counts[c]);
+                r.clustered.tile_size = grids[g].tile_size;
+                r.clustered.slices = grids[g].slices;
+                r.clustered.near = grids[g].near;
+                r.clustered.far = grids[g].far;
+                struct list_copy list = list_build(&r);
+                list_check_form(&list, counts[c]);
+                if (!cpu) reference_check(&r, &list);
+                list_free(&list);
+            }
+}
+
+/* Nearer than the first slice's end and farther than the last one's start there are still cells, and they hold their lights. */
+static void test_depths_outside_ES_51(void **state) {
+    UNUSED(state);
+    struct random_state random = {8};
+    for (int cpu = 0; cpu < 2; cpu++)
+        for (uint32_t kind = 0; kind < 2; kind++) {
+            struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+            list_random_lights(&view, &random, LIGHTS, params, lights);
+            for (uint32_t i = 0; i < LIGHTS; i += 2) { /* half of them very near, or very far and large */
+                double at[3], world[3], depth = i % 4 ? 0.3 : 3000;
+                view_of_pixel(&view, (double)random_range(&random, 0, WIDTH), (double)random_range(&random, 0, HEIGHT), depth, at);
+                view_to_world(&view, at, world);
+                params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
+                params[i].range = i % 4 ? 0.3f : 700;
+                lights[i] = device_light(&params[i]);
+            }
+            struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, LIGHTS);
+            r.clustered.near = 2;
+            r.clustered.far = 20;
+            struct list_copy list = list_build(&r);
+            assert_true(check_points(&r, &list, &random, 0.05, 2) > 100);
+            assert_true(check_points(&r, &list, &random, 20, 1e4) > 100);
+            uint32_t cells[2];
+            const double depths[] = {1e-30, 1e-3, 1.999, 20.001, 1e6, 1e30};
+            for (uint32_t k = 0; k < COUNT_OF(depths); k++) {
+                list_cells_of(&list, WIDTH - 1, HEIGHT - 1, depths[k], cells);
+                uint32_t slice = cells[0] / (list.grid.tiles_x * list.grid.tiles_y);
+                assert_int_equal(slice, k < 3 ? 0 : list.grid.slices - 1);
+                assert_true(cells[0] < list.cell_count);
+            }
+            list_free(&list);
+        }
+}
+
+/* ---- the voxeliser ---- */
+
+/* Lists by screen and depth extents alone: slices, rows and columns of the sphere's box, each by its tangent planes. */
+static bool in_box_fill(const struct list_request *r, const struct list_copy *list, uint32_t cell, uint32_t light) {
+    const struct gpu_light_list *g = &list->grid;
+    uint32_t tile = cell % (g->tiles_x * g->tiles_y), x = tile % g->tiles_x, y = tile / g->tiles_x, slice = cell / (g->tiles_x * g->tiles_y);
+    /* A column of all rows and slices, a row of all columns and slices, a slice of all tiles. */
+    for (int axis = 0; axis < 3; axis++) {
+        struct list_request one = *r;
+        struct gpu_light_list grid = *g;
+        struct reference_cell cells[2];
+        uint32_t first = axis == 0 ? x : axis == 1 ? y * g->tiles_x : slice * g->tiles_x * g->tiles_y;
+        uint32_t last = axis == 0 ? first + (g->tiles_y - 1) * g->tiles_x : axis == 1 ? first + g->tiles_x - 1 : first + g->tiles_x * g->tiles_y - 1;
+        if (axis < 2) last += (g->slices - 1) * g->tiles_x * g->tiles_y;
+        cells[0] = reference_cell_of(&one, &grid, first, 2e-4);
+        cells[1] = reference_cell_of(&one, &grid, last, 2e-4);
+        struct reference_cell both = cells[0]; /* left, top and near of the first; right, bottom and far of the last */
+        memcpy(both.planes[1], cells[1].planes[1], sizeof both.planes[1]);
+        memcpy(both.planes[2], cells[1].planes[2], sizeof both.planes[2]);
+        both.low[2] = cells[1].low[2];
+        if (!reference_touches(&both, r, light, 3e-4, false)) return false;
+    }
+    return true;
+}
+
+static void test_voxels_ES_52(void **state) {
+    UNUSED(state);
+    struct random_state random = {33};
+    uint64_t voxels = 0, boxes = 0, beyond = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        list_random_lights(&view, &random, 80, params, lights);
+        struct list_request r = request_of(&view, LIST_CLUSTERED_CPU, 80);
+        struct list_copy list = list_build(&r);
+        list_check_form(&list, 80);
+        assert_true(check_points(&r, &list, &random, (double)view.near_distance, 300) > 100);
+        for (uint32_t c = 0; c < list.cell_count; c++)
+            for (uint32_t i = 0; i < 80; i++) {
+                if (!reference_in_view(&r, i)) continue;
+                bool held = list_holds(&list, c, i), boxed = in_box_fill(&r, &list, c, i);
+                beyond += held && !boxed;
+                voxels += held;
+                boxes += boxed;
+            }
+        list_free(&list);
+    }
+    print_message("%llu voxels, %llu by bounding boxes, %llu of them outside of those\n", (unsigned long long)voxels, (unsigned long long)boxes,
+                  (unsigned long long)beyond);
+    assert_true((double)voxels < 0.9 * (double)boxes);
+}
+
+static void test_threads_ES_52(void **state) {
+    UNUSED(state);
+    struct random_state random = {34};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    struct list_request r = request_of(&view, LIST_CLUSTERED_CPU, LIGHTS);
+    struct gpu_light_list grid = list_grid(&r);
+    struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, false, WIDTH, HEIGHT};
+    struct list_copy first = {0};
+    for (uint32_t threads = 1; threads <= 5; threads++) {
+        fnl_host host = host_resolve(NULL);
+        host.thread_count = threads;
+        struct jobs *jobs;
+        assert_int_equal(jobs_create(&host, &jobs), FNL_OK);
+        assert_int_equal(jobs_thread_count(jobs), threads);
+        struct clustered_cpu builder;
+        clustered_cpu_init(&builder, &host);
+        for (uint32_t i = 0; i < LIGHTS; i++) {
+            struct clustered_cpu_sphere sphere = {mat4_point(&view.world_to_view, lights[i].bound_center), lights[i].bound_radius};
+            assert_true(array_push(&host, &builder.spheres, sphere));
+        }
+        assert_int_equal(clustered_cpu_build(&builder, jobs, &grid, &cpu_view), FNL_OK);
+        struct list_copy list = list_copy_of_cpu(&builder, &grid);
+        list_check_form(&list, LIGHTS);
+        if (threads == 1) {
+            first = list;
+        } else {
+            assert_true(list_equal(&first, &list));
+            list_free(&list);
+        }
+        clustered_cpu_finish(&builder);
+        jobs_destroy(&jobs);
+    }
+    assert_true(list_entries(&first) > 1000);
+    list_free(&first);
+}
+
+/* ---- a row of lamps that a picture shows in one tile ---- */
+
+static void test_lamp_row_ES_50(void **state) {
+    UNUSED(state);
+    enum { LAMPS = 200 };
+    uint32_t least = UINT32_MAX, most = 0, tile = 0;
+    for (uint32_t step = 0; step < 12; step++) { /* the camera walks along the row */
+        fnl_camera camera = fnl_camera_default();
+        camera.position = vec3_make(0, 2.2f, 2 - 0.7f * (float)step);
+        camera.target = vec3_make(0, 2.2f, -1000);
+        struct gpu_view view = view_from_camera(&camera, WIDTH, HEIGHT);
+        for (uint32_t i = 0; i < LAMPS; i++) {
+            params[i] = fnl_light_params_default();
+            params[i].position = vec3_make(0, 2.2f, -3 - 4 * (float)i);
+            params[i].range = 3;
+            lights[i] = device_light(&params[i]);
+        }
+        for (int cpu = 0; cpu < 2; cpu++) {
+            struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, LAMPS);
+            r.clustered.near = 1;
+            r.clustered.far = 1000;
+            r.clustered.slices = 115;
+            struct list_copy list = list_build(&r);
+            least = MIN(least, list_longest(&list));
+            most = MAX(most, list_longest(&list));
+            list_free(&list);
+        }
+        struct list_request tiles = request_of(&view, LIST_TILED, LAMPS);
+        struct list_copy list = list_build(&tiles);
+        tile = MAX(tile, list_longest(&list));
+        list_free(&list);
+    }
+    print_message("lamps in a row: the fullest cluster holds %u .. %u, the fullest tile %u\n", least, most, tile);
+    assert_int_equal(tile, LAMPS);
+    assert_true(most <= LAMPS / 8 && most <= least + least / 2);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_sets_ES_50_ES_53, harness_check),
+        cmocka_unit_test_teardown(test_grids_and_counts_ES_53, harness_check),
+        cmocka_unit_test_teardown(test_depths_outside_ES_51, harness_check),
+        cmocka_unit_test_teardown(test_voxels_ES_52, harness_check),
+        cmocka_unit_test_teardown(test_threads_ES_52, harness_check),
+        cmocka_unit_test_teardown(test_lamp_row_ES_50, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}

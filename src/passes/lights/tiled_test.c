@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/** The tiles' lists, entry by entry: built on the device, compared with geometry in double precision. */
+#include "tests/list_bench.h"
+
+enum { LIGHTS = 300, WIDTH = 157, HEIGHT = 93 };
+
+static fnl_light_params params[4096];
+static struct gpu_light lights[4096];
+
+static struct list_request request_of(const struct gpu_view *view, const float *depth, uint32_t light_count) {
+    return (struct list_request){.builder = LIST_TILED, .view = *view, .lights = lights, .light_count = light_count, .depth = depth,
+                                 .tiled = tiled_params_default(), .clustered = clustered_params_default()};
+}
+
+/* Every pixel's surface point against every light: none that reaches it is missing. Returns the pairs that are lit. */
+static uint64_t check_surface_points(const struct list_request *r, const struct list_copy *list) {
+    uint64_t lit = 0;
+    for (uint32_t y = 0; y < r->view.size.y; y++)
+        for (uint32_t x = 0; x < r->view.size.x; x++) {
+            double depth = (double)r->depth[(size_t)y * r->view.size.x + x], seen[3], point[3];
+            if (depth <= 0) continue;
+            const vec4 *d = &r->view.depth_decode;
+            double view_depth = ((double)d->x + (double)d->y * depth) / ((double)d->z + (double)d->w * depth);
+            view_of_pixel(&r->view, x + 0.5, y + 0.5, view_depth, seen);
+            view_to_world(&r->view, seen, point);
+            uint32_t cells[2];
+            list_cells_of(list, x, y, view_depth, cells);
+            for (uint32_t i = 0; i < r->light_count; i++) {
+                if (!light_reaches(&params[i], point)) continue;
+                lit++;
+                assert_true(list_holds(list, cells[0], i));
+            }
+        }
+    return lit;
+}
+
+static void test_sets_ES_37(void **state) {
+    UNUSED(state);
+    struct random_state random = {7};
+    uint64_t lit = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
+        list_random_lights(&view, &random, LIGHTS, params, lights);
+        float *depth = list_random_depth(&view, &random);
+        for (int flags = 0; flags < 4; flags++) {
+            struct list_request r = request_of(&view, depth, LIGHTS);
+            r.tiled.min_depth = flags & 1;
+            r.tiled.max_depth = flags & 2;
+            if (flags == 2) r.tiled.tile_size = 32;
+            struct list_copy list = list_build(&r);
+            list_check_form(&list, LIGHTS);
+            assert_int_equal(list.totals.overflow_cells, 0);
+            reference_check(&r, &list);
+            lit += check_surface_points(&r, &list);
+            list_free(&list);
+        }
+        struct list_request r = request_of(&view, NULL, LIGHTS); /* no depth: tiles of the whole frustum */
+        struct list_copy list = list_build(&r);
+        list_check_form(&list, LIGHTS);
+        reference_check(&r, &list);
+        list_free(&list);
+        free(depth);
+    }
+    assert_true(lit > 50000);
+}
+
+static void test_sizes_and_counts_ES_37(void **state) {
+    UNUSED(state);
+    static const uint32_t sizes[][2] = {{1, 1}, {1, 95}, {15, 16}, {17, 1}, {131, 83}};
+    static const uint32_t counts[] = {0, 1, 255, 256, 257, 4096};
+    struct random_state random = {3};
+    for (uint32_t s = 0; s < COUNT_OF(sizes); s++)
+        for (uint32_t c = 0; c < COUNT_OF(counts); c++) {
+            if (s > 0 && s < 4 && counts[c] > 1 && counts[c] < 4096) continue;
+            struct gpu_view view = list_random_view(0, &random, sizes[s][0], sizes[s][1]);
+            list_random_lights(&view, &random, counts[c], params, lights);
+            float *depth = list_random_depth(&view, &random);
+            struct list_request r = request_of(&view, depth, counts[c]);
+            struct list_copy list = list_build(&r), again = list_build(&r);
+            list_check_form(&list, counts[c]);
+            reference_check(&r, &list);
+            assert_true(list_equal(&list, &again));
+            list_free(&list);
+            list_free(&again);
+            free(depth);
+        }
+}
+
+/* Planes alone keep many lights that the box rejects: the GPU's lists are those of both tests. */
+static void test_box_rejects_ES_38_ES_39(void **state) {
+    UNUSED(state);
+    struct random_state random = {11};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    float *depth = list_random_depth(&view, &random);
+    struct list_request r = request_of(&view, depth, LIGHTS);
+    struct list_copy list = list_build(&r);
+    uint64_t planes = 0, both = 0, entries = list_entries(&list);
+    for (uint32_t c = 0; c < list.cell_count; c++) {
+        struct reference_cell cell = reference_cell_of(&r, &list.grid, c, 0);
+        for (uint32_t i = 0; i < LIGHTS; i++) {
+            if (!reference_in_view(&r, i)) continue;
+            bool by_planes = reference_touches(&cell, &r, i, 0, false), by_both = reference_touches(&cell, &r, i, 0, true);
+            assert_true(by_planes || !by_both);
+            planes += by_planes;
+            both += by_both;
+        }
+    }
+    print_message("entries of the tiles: %llu by planes, %llu by planes and box, %llu on the GPU\n", (unsigned long long)planes,
+                  (unsigned long long)both, (unsigned long long)entries);
+    assert_true((double)both < 0.9 * (double)planes);
+    assert_true(entries >= both && (double)entries <= (double)both * 1.01 + 8);
+    reference_check(&r, &list);
+    check_surface_points(&r, &list);
+    list_free(&list);
+    free(depth);
+}
+
+/* ---- the figure: 6 x 6 tiles, A sees lights 1 and 2, B all three, C the third ---- */
+
+enum { TILE = 16, SIDE = 6 * TILE, TILE_A = 2 * 6 + 1, TILE_B = 2 * 6 + 2, TILE_C = 2 * 6 + 3, TILE_SKY = 1 * 6 + 3 };
+
+/* A sphere at tile coordinates whose radius is given in tiles. */
+static void place(const struct gpu_view *view, uint32_t index, double x, double y, double view_depth, double radius) {
+    double at[3], edge[3], world[3];
+    view_of_pixel(view, x * TILE, y * TILE, view_depth, at);
+    view_of_pixel(view, (x + radius) * TILE, y * TILE, view_depth, edge);
+    view_to_world(view, at, world);
+    params[index] = fnl_light_params_default();
+    params[index].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
+    params[index].range = (float)(edge[0] - at[0]);
+    lights[index] = device_light(&params[index]);
+}
+
+static uint32_t bits_of(const struct list_copy *list, uint32_t cell) {
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < list->cells[cell].count; i++) bits |= 1u << list->ids[list->cells[cell].offset + i];
+    return bits;
+}
+
+static void test_figure_ES_43(void **state) {
+    UNUSED(state);
+    for (int orthographic = 0; orthographic < 2; orthographic++) {
+        fnl_camera camera = fnl_camera_default();
+        camera.position = vec3_make(1, 2, 3);
+        camera.target = vec3_make(1, 2, 2);
+        camera.orthographic = orthographic;
+        struct gpu_view view = view_from_camera(&camera, SIDE, SIDE);
+        place(&view, 0, 2.0, 2.5, 10, 0.4); /* over A and B */
+        place(&view, 1, 2.1, 2.5, 11, 0.3);
+        place(&view, 2, 3.1, 2.3, 20, 0.4); /* over B and C, far behind, and over the tiles above them */
+        float depth[SIDE * SIDE];
+        for (uint32_t y = 0; y < SIDE; y++)
+            for (uint32_t x = 0; x < SIDE; x++) {
+                uint32_t tile = y / TILE * 6 + x / TILE;
+                double at = tile == TILE_A || tile == TILE_B ? (x + y) % 2 ? 10 : 11 : 20;
+                depth[y * SIDE + x] = tile == TILE_SKY ? 0 : depth_of_view_depth(&view, at);
+            }
+        struct list_request r = request_of(&view, NULL, 3);
+        struct list_copy list = list_build(&r);
+        assert_int_equal(bits_of(&list, TILE_A), 3);
+        assert_int_equal(bits_of(&list, TILE_B), 7);
+        assert_int_equal(bits_of(&list, TILE_C), 4);
+        assert_int_equal(bits_of(&list, TILE_SKY), 4);
+        list_free(&list);
+
+        for (int flags = 1; flags < 4; flags++) { /* the farthest pixel drops the third light from B */
+            r.depth = depth;
+            r.tiled.min_depth = flags & 1;
+            r.tiled.max_depth = flags & 2;
+            list = list_build(&r);
+            assert_int_equal(bits_of(&list, TILE_A), 3);
+            assert_int_equal(bits_of(&list, TILE_B), flags & 2 ? 3 : 7);
+            assert_int_equal(bits_of(&list, TILE_C), 4);
+            if (flags & 1) assert_int_equal(list.cells[TILE_SKY].count, 0);
+            for (uint32_t c = 0; c < list.cell_count; c++)
+                if (c != TILE_A && c != TILE_B && c != TILE_C && c != TILE_SKY && c != TILE_B - 6) assert_int_equal(list.cells[c].count, 0);
+            list_free(&list);
+        }
+        for (uint32_t i = 0; i < SIDE * SIDE; i++) depth[i] = depth_of_view_depth(&view, 20);
+        for (int flags = 1; flags < 4; flags++) { /* the first two hang before a far wall: the nearest pixel drops them */
+            r.tiled.min_depth = flags & 1;
+            r.tiled.max_depth = flags & 2;
+            list = list_build(&r);
+            assert_int_equal(bits_of(&list, TILE_A), flags & 1 ? 0 : 3);
+            assert_int_equal(bits_of(&list, TILE_B), flags & 1 ? 4 : 7);
+            list_free(&list);
+        }
+    }
+}
+
+/* A pool that is too small: exact counts, whole lists up to it, all lights beyond. */
+static void test_overflow_ES_37(void **state) {
+    UNUSED(state);
+    struct random_state random = {5};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    float *depth = list_random_depth(&view, &random);
+    struct list_request r = request_of(&view, depth, LIGHTS);
+    struct list_copy full = list_build(&r);
+    uint32_t entries = (uint32_t)list_entries(&full);
+    assert_true(entries > 100);
+    const uint32_t capacities[] = {0, 1, entries / 2, entries - 1, entries, entries + 1};
+    for (uint32_t k = 0; k < COUNT_OF(capacities); k++) {
+        r.tiled.pool_capacity = capacities[k];
+        struct list_copy list = list_build(&r);
+        list_check_form(&list, LIGHTS);
+        assert_int_equal(list.totals.entries, entries);
+        uint32_t overflow = 0;
+        for (uint32_t c = 0; c < full.cell_count; c++) {
+            struct gpu_cell want = full.cells[c];
+            if (want.offset + want.count > capacities[k]) {
+                assert_int_equal(list.cells[c].count, GPU_CELL_ALL);
+                overflow++;
+            } else {
+                assert_int_equal(list.cells[c].count, want.count);
+                assert_memory_equal(list.ids + want.offset, full.ids + want.offset, want.count * 4ull);
+            }
+        }
+        assert_int_equal(list.totals.overflow_cells, overflow);
+        assert_true((overflow > 0) == (capacities[k] < entries));
+        list_free(&list);
+    }
+    list_free(&full);
+    free(depth);
+}
+
+/* A NaN or an infinity in one light must not take others along, nor hang. */
+static void test_broken_lights(void **state) {
+    UNUSED(state);
+    struct random_state random = {9};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    float *depth = list_random_depth(&view, &random);
+    struct list_request r = request_of(&view, depth, LIGHTS);
+    lights[17].bound_radius = 0;
+    lights[40].bound_center.y = NAN;
+    lights[41].bound_radius = INFINITY;
+    struct list_copy list = list_build(&r);
+    list_check_form(&list, LIGHTS);
+    for (uint32_t c = 0; c < list.cell_count; c++) {
+        assert_false(list_holds(&list, c, 17));
+        struct reference_cell cell = reference_cell_of(&r, &list.grid, c, 0);
+        if (!cell.empty) assert_true(list_holds(&list, c, 41));
+    }
+    lights[40].bound_center.y = 0;
+    lights[40].bound_radius = lights[41].bound_radius = 0; /* the rest is as ever */
+    struct list_copy rest = list_build(&r);
+    for (uint32_t c = 0; c < list.cell_count; c++)
+        for (uint32_t i = 0; i < LIGHTS; i++)
+            if (i != 40 && i != 41) assert_int_equal(list_holds(&list, c, i), list_holds(&rest, c, i));
+    reference_check(&r, &rest);
+    list_free(&list);
+    list_free(&rest);
+    free(depth);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_figure_ES_43, harness_check),
+        cmocka_unit_test_teardown(test_sets_ES_37, harness_check),
+        cmocka_unit_test_teardown(test_sizes_and_counts_ES_37, harness_check),
+        cmocka_unit_test_teardown(test_box_rejects_ES_38_ES_39, harness_check),
+        cmocka_unit_test_teardown(test_overflow_ES_37, harness_check),
+        cmocka_unit_test_teardown(test_broken_lights, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}

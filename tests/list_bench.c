@@ -1,0 +1,448 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/list_bench.h"
+
+/* ---- reading back ---- */
+
+struct readback_data { graph_buffer from[3], to[3]; uint64_t sizes[3]; };
+
+static void execute_readback(const struct graph_context *context, const void *data) {
+    const struct readback_data *d = data;
+    for (int i = 0; i < 3; i++)
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0, d->sizes[i]);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out) {
+    struct readback_data data = {.from = {list->cells, list->ids, list->totals}};
+    struct gpu_buffer *buffers[3] = {&out->cells, &out->ids, &out->totals};
+    static const char *const names[3] = {"test cells", "test ids", "test totals"};
+    for (int i = 0; i < 3; i++) {
+        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
+        assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, buffers[i]), FNL_OK);
+        data.to[i] = graph_import_buffer(graph, names[i], buffers[i]);
+    }
+    out->cell_count = list->cell_count;
+    struct graph_pass *pass = graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_readback, &data, sizeof data);
+    struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    for (int i = 0; i < 3; i++) {
+        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
+        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
+        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
+    }
+}
+
+static void *copy_bytes(const void *data, size_t size) {
+    void *copy = malloc(MAX(size, 1u));
+    assert_non_null(copy);
+    if (size) memcpy(copy, data, size);
+    return copy;
+}
+
+struct list_copy list_readback_take(struct list_readback *readback, const struct gpu_light_list *grid) {
+    struct list_copy list = {.grid = *grid, .cell_count = readback->cell_count};
+    assert_int_equal(list.cell_count, grid->tiles_x * grid->tiles_y * grid->slices);
+    list.cells = copy_bytes(readback->cells.mapped, list.cell_count * sizeof *list.cells);
+    list.ids = copy_bytes(readback->ids.mapped, readback->ids.size);
+    memcpy(&list.totals, readback->totals.mapped, sizeof list.totals);
+    gpu_buffer_destroy(harness_device(), &readback->cells);
+    gpu_buffer_destroy(harness_device(), &readback->ids);
+    gpu_buffer_destroy(harness_device(), &readback->totals);
+    return list;
+}
+
+struct list_copy list_copy_of_cpu(const struct clustered_cpu *builder, const struct gpu_light_list *grid) {
+    struct list_copy list = {.grid = *grid, .cell_count = builder->cells.count};
+    list.cells = copy_bytes(builder->cells.data, list.cell_count * sizeof *list.cells);
+    list.ids = copy_bytes(builder->ids.data, builder->ids.count * 4ull);
+    list.totals = (struct light_totals){builder->in_view, (uint32_t)builder->entry_count, 0};
+    return list;
+}
+
+/* ---- building ---- */
+
+struct gpu_light_list list_grid(const struct list_request *request) {
+    struct gpu_light_list grid = {.local_count = request->light_count, .slices = 1};
+    uint32_t width = request->view.size.x, height = request->view.size.y;
+    if (request->builder == LIST_TILED) {
+        grid.tile_size = request->tiled.tile_size;
+        grid.tiles_x = DIVIDE_UP(width, grid.tile_size);
+        grid.tiles_y = DIVIDE_UP(height, grid.tile_size);
+    } else {
+        clustered_grid(&grid, width, height, &request->clustered);
+    }
+    return grid;
+}
+
+static struct list_copy build_on_cpu(const struct list_request *request) {
+    gpu_device *device = harness_device();
+    const struct gpu_view *v = &request->view;
+    struct clustered_cpu builder;
+    clustered_cpu_init(&builder, gpu_host(device));
+    struct light_input input = {.local_count = request->light_count, .width = v->size.x, .height = v->size.y};
+    struct clustered_cpu_view view = {v->ndc_scale, v->ndc_offset, v->orthographic > 0.5f, v->size.x, v->size.y};
+    struct gpu_light_list grid = list_grid(request);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct light_list list = clustered_cpu_add(&builder, device, &input, request->lights, &v->world_to_view, &view, &request->clustered);
+    assert_int_equal(gpu_frame_end(device, NULL, 0, NULL), FNL_OK);
+    struct list_copy copy = list_copy_of_cpu(&builder, &grid);
+    assert_true(list.totals_known);
+    copy.totals = list.known;
+    clustered_cpu_finish(&builder);
+    return copy;
+}
+
+static graph_image import_depth(struct graph *graph, const struct list_request *request, struct gpu_image *image) {
+    gpu_device *device = harness_device();
+    struct gpu_image_params params = {.name = "test depth", .format = VK_FORMAT_R32_SFLOAT, .width = request->view.size.x,
+                                      .height = request->view.size.y, .layers = 1, .mips = 1, .samples = 1,
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    assert_int_equal(gpu_image_create(device, &params, image), FNL_OK);
+    uint64_t size = (uint64_t)params.width * params.height * 4;
+    assert_int_equal(gpu_upload_image(device, image, request->depth, size, false, false), FNL_OK);
+    assert_int_equal(gpu_upload_flush(device), FNL_OK);
+    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+struct list_copy list_build(const struct list_request *request) {
+    if (request->builder == LIST_CLUSTERED_CPU) return build_on_cpu(request);
+    gpu_device *device = harness_device();
+    struct graph *graph;
+    struct gpu_buffer lights;
+    struct gpu_image depth_image = {0};
+    uint64_t size = request->light_count * sizeof(struct gpu_light);
+    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &lights), FNL_OK);
+    if (size) memcpy(lights.mapped, request->lights, size);
+
+    graph_begin(graph);
+    graph_image depth = {0};
+    if (request->depth) depth = import_depth(graph, request, &depth_image);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_slice view = gpu_frame_allocate(device, sizeof request->view);
+    assert_non_null(view.data);
+    memcpy(view.data, &request->view, sizeof request->view);
+    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &lights), .lights = lights.address,
+                                .local_count = request->light_count, .view = view.address, .width = request->view.size.x,
+                                .height = request->view.size.y};
+    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
+    struct light_list list = request->builder == LIST_TILED ? tiled_add(graph, device, &input, &in_view, depth, &request->tiled)
+                                                            : clustered_add(graph, device, &input, &in_view, &request->clustered);
+    struct list_readback readback;
+    list_readback_add(graph, &list, &readback);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+
+    struct gpu_light_list grid = list_grid(request);
+    struct list_copy copy = list_readback_take(&readback, &grid);
+    graph_destroy(&graph);
+    gpu_buffer_destroy(device, &lights);
+    if (request->depth) gpu_image_destroy(device, &depth_image);
+    return copy;
+}
+
+void list_free(struct list_copy *list) {
+    free(list->cells);
+    free(list->ids);
+    *list = (struct list_copy){0};
+}
+
+/* ---- looking at lists ---- */
+
+uint64_t list_entries(const struct list_copy *list) {
+    uint64_t sum = 0;
+    for (uint32_t c = 0; c < list->cell_count; c++)
+        if (list->cells[c].count != GPU_CELL_ALL) sum += list->cells[c].count;
+    return sum;
+}
+
+uint32_t list_longest(const struct list_copy *list) {
+    uint32_t longest = 0;
+    for (uint32_t c = 0; c < list->cell_count; c++)
+        if (list->cells[c].count != GPU_CELL_ALL) longest = MAX(longest, list->cells[c].count);
+    return longest;
+}
+
+bool list_holds(const struct list_copy *list, uint32_t cell, uint32_t light) {
+    if (list->cells[cell].count == GPU_CELL_ALL) return true;
+    const uint32_t *ids = list->ids + list->cells[cell].offset;
+    uint32_t low = 0, high = list->cells[cell].count; /* they ascend */
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (ids[middle] < light) low = middle + 1;
+        else high = middle;
+    }
+    return low < list->cells[cell].count && ids[low] == light;
+}
+
+void list_check_form(const struct list_copy *list, uint32_t light_count) {
+    uint64_t sum = 0;
+    uint32_t overflowed = 0;
+    for (uint32_t c = 0; c < list->cell_count; c++) {
+        struct gpu_cell cell = list->cells[c];
+        if (cell.count == GPU_CELL_ALL) {
+            overflowed++;
+            continue;
+        }
+        if (!overflowed) assert_int_equal(cell.offset, sum);
+        sum += cell.count;
+        for (uint32_t i = 0; i < cell.count; i++) {
+            assert_true(list->ids[cell.offset + i] < light_count);
+            assert_true(i == 0 || list->ids[cell.offset + i - 1] < list->ids[cell.offset + i]);
+        }
+    }
+    assert_int_equal(list->totals.overflow_cells, overflowed);
+    if (overflowed) assert_true(list->totals.entries > sum);
+    else assert_int_equal(list->totals.entries, sum);
+    assert_true(list->totals.in_view <= light_count);
+}
+
+bool list_equal(const struct list_copy *a, const struct list_copy *b) {
+    if (a->cell_count != b->cell_count || memcmp(&a->totals, &b->totals, sizeof a->totals) != 0) return false;
+    for (uint32_t c = 0; c < a->cell_count; c++) {
+        if (a->cells[c].count != b->cells[c].count || a->cells[c].offset != b->cells[c].offset) return false;
+        if (a->cells[c].count == GPU_CELL_ALL) continue;
+        if (memcmp(a->ids + a->cells[c].offset, b->ids + b->cells[c].offset, a->cells[c].count * sizeof *a->ids) != 0) return false;
+    }
+    return true;
+}
+
+void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double view_depth, uint32_t out[2]) {
+    const struct gpu_light_list *g = &list->grid;
+    uint32_t tile = y / g->tile_size * g->tiles_x + x / g->tile_size;
+    for (int i = 0; i < 2; i++) {
+        double slice = 0;
+        if (g->slices > 1) {
+            slice = log2(view_depth) * (double)g->slice_scale + (double)g->slice_bias + (i ? 2e-5 : -2e-5);
+            slice = fmin(fmax(slice, 0), g->slices - 1);
+        }
+        out[i] = (uint32_t)slice * g->tiles_x * g->tiles_y + tile;
+    }
+}
+
+/* ---- the reference ---- */
+
+static void transform(const mat4 *m, const double p[3], double out[3]) {
+    for (int row = 0; row < 3; row++)
+        out[row] = (double)m->m[row] * p[0] + (double)m->m[4 + row] * p[1] + (double)m->m[8 + row] * p[2] + (double)m->m[12 + row];
+}
+
+void view_to_world(const struct gpu_view *view, const double from[3], double out[3]) {
+    /* The inverse of what the GPU multiplies with, not the stored inverse: rigid, but perhaps mirrored. */
+    double d[3] = {from[0] - (double)view->world_to_view.m[12], from[1] - (double)view->world_to_view.m[13], from[2] - (double)view->world_to_view.m[14]};
+    for (int i = 0; i < 3; i++) {
+        const float *column = &view->world_to_view.m[i * 4];
+        out[i] = (double)column[0] * d[0] + (double)column[1] * d[1] + (double)column[2] * d[2];
+    }
+}
+
+static double screen_edge(const struct gpu_view *view, int axis, double pixel) {
+    double size = axis ? view->size.y : view->size.x, ndc = axis ? 1 - 2 * pixel / size : 2 * pixel / size - 1;
+    return axis ? ndc * (double)view->ndc_scale.y + (double)view->ndc_offset.y : ndc * (double)view->ndc_scale.x + (double)view->ndc_offset.x;
+}
+
+void view_of_pixel(const struct gpu_view *view, double x, double y, double view_depth, double out[3]) {
+    double spread = view->orthographic > 0.5f ? 1 : view_depth;
+    out[0] = screen_edge(view, 0, x) * spread;
+    out[1] = screen_edge(view, 1, y) * spread;
+    out[2] = -view_depth;
+}
+
+float depth_of_view_depth(const struct gpu_view *view, double view_depth) {
+    /* view depth = (x + y d) / (z + w d) */
+    double x = view->depth_decode.x, y = view->depth_decode.y, z = view->depth_decode.z, w = view->depth_decode.w;
+    return (float)((x - view_depth * z) / (view_depth * w - y));
+}
+
+static double view_depth_of(const struct gpu_view *view, float depth) {
+    double d = depth;
+    return ((double)view->depth_decode.x + (double)view->depth_decode.y * d) / ((double)view->depth_decode.z + (double)view->depth_decode.w * d);
+}
+
+static const double FAR_AWAY = 1e9;
+
+struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell, double slack) {
+    const struct gpu_view *v = &request->view;
+    struct reference_cell r = {0};
+    uint32_t tile_x = cell % grid->tiles_x, tile_y = cell / grid->tiles_x % grid->tiles_y, slice = cell / (grid->tiles_x * grid->tiles_y);
+    uint32_t x0 = tile_x * grid->tile_size, y0 = tile_y * grid->tile_size;
+    uint32_t x1 = MIN(x0 + grid->tile_size, v->size.x), y1 = MIN(y0 + grid->tile_size, v->size.y);
+    double near = 0, far = FAR_AWAY;
+    if (request->builder == LIST_TILED) {
+        if (request->depth) {
+            double nearest = FAR_AWAY, farthest = 0;
+            for (uint32_t y = y0; y < y1; y++)
+                for (uint32_t x = x0; x < x1; x++) {
+                    float d = request->depth[(size_t)y * v->size.x + x];
+                    if (d <= 0) continue;
+                    nearest = fmin(nearest, view_depth_of(v, d));
+                    farthest = fmax(farthest, view_depth_of(v, d));
+                }
+            r.empty = farthest == 0 && request->tiled.min_depth;
+            if (farthest > 0 && request->tiled.min_depth) near = nearest * (1 - slack);
+            if (farthest > 0 && request->tiled.max_depth) far = farthest * (1 + slack);
+        }
+    } else {
+        if (slice > 0) near = exp2(((double)slice - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 - slack);
+        if (slice + 1 < grid->slices) far = exp2((slice + 1.0 - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 + slack);
+    }
+    double edges[4] = {screen_edge(v, 0, x0), screen_edge(v, 0, x1), screen_edge(v, 1, y1), screen_edge(v, 1, y0)}; /* left right bottom top */
+    bool orthographic = v->orthographic > 0.5f;
+    for (int i = 0; i < 4; i++) {
+        double sign = i & 1 ? -1 : 1, length = orthographic ? 1 : sqrt(1 + edges[i] * edges[i]);
+        r.planes[i][i / 2] = sign / length;
+        if (orthographic) r.planes[i][3] = -sign * edges[i];
+        else r.planes[i][2] = sign * edges[i] / length;
+    }
+    double spread_near = orthographic ? 1 : near, spread_far = orthographic ? 1 : far;
+    for (int axis = 0; axis < 2; axis++) {
+        r.low[axis] = fmin(edges[axis * 2] * spread_near, edges[axis * 2] * spread_far);
+        r.high[axis] = fmax(edges[axis * 2 + 1] * spread_near, edges[axis * 2 + 1] * spread_far);
+    }
+    r.low[2] = -far;
+    r.high[2] = -near;
+    return r;
+}
+
+static double bound_in_view(const struct list_request *request, uint32_t light, double center[3]) {
+    const struct gpu_light *l = &request->lights[light];
+    double world[3] = {l->bound_center.x, l->bound_center.y, l->bound_center.z};
+    transform(&request->view.world_to_view, world, center);
+    return l->bound_radius;
+}
+
+bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack, bool box) {
+    double c[3], radius = bound_in_view(request, light, c), outside2 = 0;
+    if (!(radius > 0) || cell->empty) return false;
+    radius = radius * (1 + slack) + slack * (1e-2 + sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) * 1e-2);
+    for (int i = 0; i < 4; i++)
+        if (cell->planes[i][0] * c[0] + cell->planes[i][1] * c[1] + cell->planes[i][2] * c[2] + cell->planes[i][3] < -radius) return false;
+    for (int i = box ? 0 : 2; i < 3; i++) {
+        double d = fmax(fmax(cell->low[i] - c[i], c[i] - cell->high[i]), 0);
+        outside2 += d * d;
+    }
+    return outside2 <= radius * radius;
+}
+
+bool reference_in_view(const struct list_request *request, uint32_t light) {
+    double c[3], radius = bound_in_view(request, light, c);
+    struct gpu_light_list whole = {.tile_size = MAX(request->view.size.x, request->view.size.y), .tiles_x = 1, .tiles_y = 1, .slices = 1};
+    struct list_request all = *request;
+    all.builder = LIST_TILED;
+    all.depth = NULL;
+    struct reference_cell frustum = reference_cell_of(&all, &whole, 0, 0);
+    return -c[2] + radius >= (double)request->view.near_distance && reference_touches(&frustum, request, light, 0, false);
+}
+
+void reference_check(const struct list_request *request, const struct list_copy *list) {
+    enum { SAID = 5 };
+    uint32_t missing = 0, needless = 0;
+    bool *in_view = malloc(request->light_count + 1);
+    assert_non_null(in_view);
+    for (uint32_t light = 0; light < request->light_count; light++) in_view[light] = reference_in_view(request, light);
+    for (uint32_t c = 0; c < list->cell_count; c++) {
+        if (list->cells[c].count == GPU_CELL_ALL) continue;
+        struct reference_cell exact = reference_cell_of(request, &list->grid, c, 0), wide = reference_cell_of(request, &list->grid, c, 2e-4);
+        for (uint32_t light = 0; light < request->light_count; light++) {
+            bool holds = list_holds(list, c, light);
+            if (!holds && in_view[light] && reference_touches(&exact, request, light, 0, true) && missing++ < SAID)
+                print_error("cell %u misses light %u\n", c, light);
+            if (holds && !reference_touches(&wide, request, light, 3e-4, true) && needless++ < SAID)
+                print_error("cell %u holds light %u, which is far from it\n", c, light);
+        }
+    }
+    free(in_view);
+    assert_int_equal(missing, 0);
+    assert_int_equal(needless, 0);
+}
+
+bool light_reaches(const fnl_light_params *light, const double point[3]) {
+    double d[3] = {point[0] - (double)light->position.x, point[1] - (double)light->position.y, point[2] - (double)light->position.z};
+    double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    if (light->kind == FNL_LIGHT_DIRECTIONAL || distance >= (double)light_effective_range(light)) return false;
+    if (light->kind == FNL_LIGHT_POINT || distance == 0) return true;
+    double along = d[0] * (double)light->direction.x + d[1] * (double)light->direction.y + d[2] * (double)light->direction.z;
+    return along > distance * cos((double)light->outer_cone_angle);
+}
+
+/* ---- made-up views, lights and depths ---- */
+
+const char *const list_view_names[LIST_VIEWS] = {"perspective", "orthographic", "off-axis", "mirrored", "wide"};
+
+struct gpu_view list_random_view(uint32_t kind, struct random_state *random, uint32_t width, uint32_t height) {
+    fnl_camera camera = fnl_camera_default();
+    float yaw = random_range(random, 0, 6.28f);
+    camera.position = vec3_make(random_range(random, -20, 20), random_range(random, -5, 5), random_range(random, -20, 20));
+    camera.target = vec3_add(camera.position, vec3_make(sinf(yaw), random_range(random, -0.5f, 0.5f), cosf(yaw)));
+    camera.vertical_fov = kind == 4 ? 2.4f : random_range(random, 0.5f, 1.3f);
+    camera.orthographic = kind == 1;
+    camera.vertical_extent = 25;
+    if (kind == 2) camera.shift = (fnl_vec2){random_range(random, -1.5f, 1.5f), random_range(random, -1.5f, 1.5f)};
+    struct gpu_view view = view_from_camera(&camera, width, height);
+    if (kind == 3) { /* the world is mirrored before it is seen */
+        mat4 mirror = mat4_scaling(vec3_make(-1, 1, 1));
+        view.world_to_view = mat4_mul(view.world_to_view, mirror);
+        view.world_to_clip = mat4_mul(view.world_to_clip, mirror);
+        mat4_inverse(&view.world_to_view, &view.view_to_world);
+        view.eye.x = -view.eye.x;
+        view.back.x = -view.back.x;
+        for (int i = 0; i < 5; i++) view.planes[i].x = -view.planes[i].x;
+    }
+    return view;
+}
+
+static vec3 world_of(const struct gpu_view *view, double x, double y, double view_depth) {
+    double seen[3], world[3];
+    view_of_pixel(view, x, y, view_depth, seen);
+    view_to_world(view, seen, world);
+    return vec3_make((float)world[0], (float)world[1], (float)world[2]);
+}
+
+void list_random_lights(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
+                        struct gpu_light *lights) {
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        double depth = exp2((double)random_range(random, -2, 6.5f));
+        double x = (double)random_range(random, -0.3f, 1.3f) * view->size.x, y = (double)random_range(random, -0.3f, 1.3f) * view->size.y;
+        light.range = exp2f(random_range(random, -4, 3));
+        if (i % 8 == 1) { /* centred on a tile's corner */
+            x = floor(x / 16) * 16;
+            y = floor(y / 16) * 16;
+        } else if (i % 8 == 2) { /* the centre at the near plane */
+            depth = (double)view->near_distance;
+        } else if (i % 8 == 3) { /* behind */
+            depth = -depth * 0.1;
+        }
+        light.position = world_of(view, x, y, depth);
+        if (i % 8 == 4) { /* the rim on the edge of a tile and, to a rounding, on its box */
+            vec3 edge = world_of(view, floor(x / 16) * 16, y, depth);
+            light.range = fmaxf(vec3_distance(light.position, edge), 1e-3f);
+        }
+        if (i % 4 == 0) {
+            light.kind = FNL_LIGHT_SPOT;
+            light.direction = vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+            light.outer_cone_angle = random_range(random, 0.05f, 1.57f);
+            light.inner_cone_angle = light.outer_cone_angle * 0.5f;
+        }
+        params[i] = light;
+        lights[i] = device_light(&light);
+    }
+}
+
+float *list_random_depth(const struct gpu_view *view, struct random_state *random) {
+    float *depth = malloc((size_t)view->size.x * view->size.y * sizeof *depth);
+    assert_non_null(depth);
+    double base = (double)random_range(random, 2, 20), slope = (double)random_range(random, -0.01f, 0.05f);
+    for (uint32_t y = 0; y < view->size.y; y++)
+        for (uint32_t x = 0; x < view->size.x; x++) {
+            double at = base + slope * x + (x / 23 % 3 == 1 ? 15 : 0) + (x % 31 == 7 && y > 9 ? -0.9 * base : 0);
+            bool sky = (y < 20 && x > 40) || (x + y) % 57 == 3;
+            depth[(size_t)y * view->size.x + x] = sky ? 0 : depth_of_view_depth(view, fmax(at, (double)view->near_distance));
+        }
+    return depth;
+}

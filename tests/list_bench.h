@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Light lists for tests: built by their own passes from lights, a view and a depth that the test makes up, read back, and
+ * compared with a slow evaluation in double precision. Runs on the device of render_harness.h.
+ */
+#ifndef FNL_TESTS_LIST_BENCH_H
+#define FNL_TESTS_LIST_BENCH_H
+
+#include "tests/render_harness.h"
+
+enum list_builder { LIST_TILED, LIST_CLUSTERED, LIST_CLUSTERED_CPU };
+
+struct list_request {
+    enum list_builder builder;
+    struct gpu_view view;
+    const struct gpu_light *lights; /* local ones */
+    uint32_t light_count;
+    const float *depth;             /* reversed, one per pixel; NULL: none. For tiles */
+    struct tiled_params tiled;
+    struct clustered_params clustered;
+};
+
+struct list_copy {
+    struct gpu_light_list grid; /* without its addresses */
+    struct gpu_cell *cells;
+    uint32_t *ids;              /* the whole pool */
+    uint32_t cell_count;
+    struct light_totals totals;
+};
+
+/** Declares the copies of a list's cells, ids and totals to the host; only for lists whose buffers the graph owns. */
+struct list_readback { struct gpu_buffer cells, ids, totals; uint32_t cell_count; };
+void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out);
+/** After the frame; frees the readback's buffers. `grid` comes from list_grid. */
+struct list_copy list_readback_take(struct list_readback *readback, const struct gpu_light_list *grid);
+struct list_copy list_copy_of_cpu(const struct clustered_cpu *builder, const struct gpu_light_list *grid);
+
+struct gpu_light_list list_grid(const struct list_request *request);
+struct list_copy list_build(const struct list_request *request);
+void list_free(struct list_copy *list);
+
+/** Sum of all counts; cells that overflowed are not counted. */
+uint64_t list_entries(const struct list_copy *list);
+uint32_t list_longest(const struct list_copy *list);
+bool list_holds(const struct list_copy *list, uint32_t cell, uint32_t light);
+/** Fails unless every cell's ids ascend, are lights, and offsets follow each other; and the totals say the same. */
+void list_check_form(const struct list_copy *list, uint32_t light_count);
+bool list_equal(const struct list_copy *a, const struct list_copy *b);
+/** The cells in which a point on this pixel may look itself up: two where the depth is on a slice's border. */
+void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double view_depth, uint32_t out[2]);
+
+/* ---- the reference, in double ---- */
+
+struct reference_cell { double planes[4][4], low[3], high[3]; bool empty; };
+
+/** View-space bounds of the cell; near and far are moved apart by `slack`, relatively. */
+struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell, double slack);
+/** The light's bounding sphere against the four planes (and near and far), and with `box` against the box too. */
+bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack, bool box);
+/** Whether the sphere touches the frustum of the view, near plane included. */
+bool reference_in_view(const struct list_request *request, uint32_t light);
+
+/**
+ * Fails unless each list holds all lights that touch its cell by the planes-and-box test, and none that a slightly wider
+ * test would reject. Cells that overflowed are left out.
+ */
+void reference_check(const struct list_request *request, const struct list_copy *list);
+
+/* ---- made-up views, lights and depths ---- */
+
+enum { LIST_VIEWS = 5 };
+extern const char *const list_view_names[LIST_VIEWS];
+/** A camera of the given kind (perspective, orthographic, off-axis, mirrored, wide) somewhere near the origin. */
+struct gpu_view list_random_view(uint32_t kind, struct random_state *random, uint32_t width, uint32_t height);
+/** Points and spots of all sizes before, around and behind the viewer; some with rim or centre on the edge of a tile. */
+void list_random_lights(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
+                        struct gpu_light *lights);
+/** Slanted surfaces with jumps, and sky; reversed. To be freed. */
+float *list_random_depth(const struct gpu_view *view, struct random_state *random);
+
+/** Whether a world-space point is lit by the light: nearer than its range, and in the cone of a spot. */
+bool light_reaches(const fnl_light_params *light, const double point[3]);
+void view_to_world(const struct gpu_view *view, const double from[3], double out[3]);
+/** View-space position of a point on the screen (pixels from the top left) at a view depth. */
+void view_of_pixel(const struct gpu_view *view, double x, double y, double view_depth, double out[3]);
+/** The reversed depth that the view stores for a view depth. */
+float depth_of_view_depth(const struct gpu_view *view, double view_depth);
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Whole frames for tests. One device with validation and synchronisation validation serves all tests of a program (its
+ * pipelines are made once); a stage is a scene with a renderer and the frame to start from; a shot is what came out.
+ *
+ *     const struct CMUnitTest tests[] = {cmocka_unit_test_teardown(test_thing, harness_check)};
+ *     return cmocka_run_group_tests(tests, harness_begin, harness_end);
+ *
+ *     struct stage s = stage_open("builtin:hall?lights=256", 0);
+ *     struct shot a = stage_shoot(&s, &s.frame);
+ *     …
+ *     shot_free(&a);
+ *     stage_close(&s);
+ *
+ * Everything here fails the running test when something goes wrong.
+ */
+#ifndef FNL_TESTS_RENDER_HARNESS_H
+#define FNL_TESTS_RENDER_HARNESS_H
+
+#include "render/renderer_internal.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+/** Set-up and tear-down of the group: the device. Four threads, no cache folder. */
+int harness_begin(void **state);
+int harness_end(void **state);
+/** Tear-down of a test: fails it if validation said anything since the last check. */
+int harness_check(void **state);
+fnl_device *harness_device(void);
+
+struct stage {
+    fnl_scene *scene;
+    fnl_renderer *renderer;
+    fnl_frame frame; /* 161x91, the scene's first camera, EV100 5, colour and radiance, no timers */
+};
+
+/**
+ * `source`: "builtin:…", or a file in $FANAL_SCENES (default ../shared/scenes), without which the test is skipped and says
+ * so. `scattered` lights are added with fnl_scene_scatter_lights.
+ */
+struct stage stage_open(const char *source, uint32_t scattered);
+/** Takes a scene over. */
+struct stage stage_open_scene(fnl_scene *scene);
+void stage_close(struct stage *stage);
+
+struct shot {
+    fnl_image color, radiance, surface, normal, position; /* those that the frame asked for */
+    fnl_frame_stats stats;                                /* without the passes */
+};
+
+struct shot stage_shoot(struct stage *stage, const fnl_frame *frame);
+void shot_free(struct shot *shot);
+
+/** Number of pixels whose bytes differ; UINT64_MAX when size or format do. */
+uint64_t count_differing(const fnl_image *a, const fnl_image *b);
+/** Greatest difference of a channel of two RGBA8 pictures, 0 .. 255. */
+int greatest_difference(const fnl_image *a, const fnl_image *b);
+/** Number of pixels of an RGBA32F picture that hold an infinity, a NaN or a negative value. */
+uint64_t count_broken(const fnl_image *image);
+
+#endif
