@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# run.sh cmake|pkgconfig BUILD CC [CFLAG…]: installs BUILD into a prefix, moves the prefix, builds the consumer against
-# it and runs it.
+# run.sh cmake|pkgconfig BUILD CC [CFLAG…]: installs BUILD into a prefix, moves the prefix, builds the consumer and
+# examples/hello.c against it and runs them.
 set -euo pipefail
 kind=$1 build=$2 compiler=$3
 shift 3
@@ -16,13 +16,18 @@ case $kind in
 cmake)
     cmake -S "$source" -B "$work/build" -DCMAKE_C_COMPILER="$compiler" -DCMAKE_C_FLAGS="$*" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/configure.log"
     cmake --build "$work/build" >"$work/build.log"
-    program=$work/build/consumer
+    programs=$work/build
     ;;
 pkgconfig)
     export PKG_CONFIG_PATH=$folder/pkgconfig
     static=; [ -e "$folder/libfanal.so" ] || static=--static
-    program=$work/consumer
-    "$compiler" "$@" "$source/consumer.c" -o "$program" $(pkg-config $static --cflags --libs fanal)
+    programs=$work
+    for file in "$source/consumer.c" "$source/../../examples/hello.c"; do
+        "$compiler" -std=c11 "$@" "$file" -o "$programs/$(basename "$file" .c)" $(pkg-config $static --cflags --libs fanal)
+    done
     ;;
 esac
-LD_LIBRARY_PATH=$folder "$program"
+export LD_LIBRARY_PATH=$folder
+"$programs/consumer"
+"$programs/hello" "builtin:spheres?lights=0" "$work/hello.png"
+[ -s "$work/hello.png" ]
