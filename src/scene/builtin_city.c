@@ -114,12 +114,11 @@ static void place_ground_floor(struct city *c, const struct frame *f, const stru
         add_point(c, LIGHT_SHOP, frame_point(f, x - 0.78f, 3.0f, 0.35f), LIGHT_WARM, 14, 4);
         return;
     }
-    add_light(c, LIGHT_SHOP, frame_point(f, x, 3.25f, 0.2f), vec3_add_scaled(vec3_make(0, -1, 0), f->out, 0.75f),
-              LIGHT_NEUTRAL, 55, 7, 1.1f);
-    if (chance(c) < 0.45f) {
+    add_point(c, LIGHT_SHOP, frame_point(f, x, 2.9f, -0.4f), LIGHT_NEUTRAL, 42, 7);
+    if (chance(c) < 0.6f) {
         uint32_t sign = choose(c, CITY_SIGNS);
         place_in_frame(c, c->meshes.signs[sign], f, x + 1.6f, 4.3f, 0, 0);
-        add_point(c, LIGHT_SIGN, frame_point(f, x + 1.6f, 5.1f, 0.6f), city_sign_colors[sign], 26, 6.5f);
+        add_point(c, LIGHT_SIGN, frame_point(f, x + 1.6f, 5.1f, 0.6f), city_sign_colors[sign], 60, 9);
     }
 }
 
@@ -139,7 +138,7 @@ static void place_house(struct city *c, const struct frame *f, const struct hous
         if ((bay - house->first) % 2 == 0 && house->style) { /* the better houses are lit from their first ledge */
             vec3 tint = house->style == 3 ? LIGHT_COOL : LIGHT_WARM;
             vec3 up = vec3_add_scaled(vec3_make(0, 1, 0), f->out, -0.22f);
-            add_light(c, LIGHT_WASH, frame_point(f, x + CITY_BAY / 2, CITY_GROUND + 0.4f, 0.75f), up, tint, 260, 17, 0.75f);
+            add_light(c, LIGHT_WASH, frame_point(f, x + CITY_BAY / 2, CITY_GROUND + 0.4f, 0.75f), up, tint, 150, 15, 0.75f);
         }
         if (corner) continue;
         place_in_frame(c, c->meshes.roof, f, x, top + 0.4f, 0, 0);
@@ -182,20 +181,19 @@ static void place_pavement(struct city *c, const struct frame *f) {
     for (int i = 0; i < 4; i++) {
         float x = ((float)i + 0.5f) * step - CITY_BLOCK / 2;
         place_in_frame(c, m->lamp, f, x, y, kerb, 0);
-        vec3 head = frame_point(f, x, 7.35f + y, kerb + 1.75f), lamp = vec3_lerp(LIGHT_SODIUM, LIGHT_WARM, 0.6f);
-        add_light(c, LIGHT_LAMP, head, vec3_add_scaled(vec3_make(0, -1, 0), f->out, 0.12f), lamp, 1900, 20, 1.15f);
-        add_point(c, LIGHT_LAMP, head, lamp, 170, 22);
+        vec3 head = frame_point(f, x, 7.35f + y, kerb + 1.75f), lamp = vec3_lerp(LIGHT_WARM, LIGHT_NEUTRAL, 0.4f);
+        add_light(c, LIGHT_LAMP, head, vec3_add_scaled(vec3_make(0, -1, 0), f->out, 0.12f), lamp, 1300, 20, 1.15f);
+        add_point(c, LIGHT_LAMP, head, lamp, 420, 26);
         float lantern = x + step / 2;
         if (i < 3) {
             place_in_frame(c, m->lantern, f, lantern, y, kerb, 0);
             add_point(c, LIGHT_LANTERN, frame_point(f, lantern, 3.25f + y, kerb), LIGHT_WARM, 60, 9);
         }
-        for (int k = -1; k <= 1; k += 2) {
-            float tree = x + 0.25f * step * (float)k;
-            place_in_frame(c, m->tree[choose(c, COUNT_OF(m->tree))], f, tree, y, kerb - 0.25f, 2 * PI * chance(c));
-            add_light(c, LIGHT_GARDEN, frame_point(f, tree + 0.4f, y + 0.1f, kerb - 0.9f), vec3_make(0, 1, 0), LIGHT_WARM,
-                      28, 6, 0.8f);
-        }
+        float tree = x - 0.27f * step;
+        uint32_t kind = choose(c, COUNT_OF(m->tree));
+        place_in_frame(c, m->tree[kind], f, tree, y, kerb - 0.25f, 2 * PI * chance(c));
+        add_light(c, LIGHT_GARDEN, frame_point(f, tree + 0.4f, y + 0.1f, kerb - 0.9f), vec3_make(0, 1, 0), LIGHT_WARM, 28, 6,
+                  0.8f);
         float spot = x + 1.3f;
         uint32_t what = choose(c, 4);
         if (what == 0) place_in_frame(c, m->bench, f, spot, y, kerb - 0.3f, PI);
@@ -241,7 +239,7 @@ static void place_strings(struct city *c, const struct frame *street) {
         place_in_frame(c, c->meshes.string[kind], street, 0, 7.6f, along, 0);
         for (uint32_t k = 0; k < CITY_BULBS; k++) {
             vec3 bulb = city_bulb(k), color = kind ? city_sign_colors[k % 3] : LIGHT_WARM;
-            add_point(c, LIGHT_STRING, frame_point(street, bulb.x, 7.6f + bulb.y - 0.1f, along), color, 9, 6);
+            add_point(c, LIGHT_STRING, frame_point(street, bulb.x, 7.6f + bulb.y - 0.1f, along), color, 16, 8);
         }
     }
 }
@@ -367,7 +365,7 @@ void builtin_make_city(struct builtin *b, const uint64_t *values) {
     b->random.state = values[2];
     float end = CITY_PITCH * (float)c.blocks / 2;
     c.avenue = c.blocks % 2 ? CITY_PITCH / 2 : 0;
-    c.eye = vec3_make(c.avenue + 0.7f, 1.55f, end - 14);
+    c.eye = vec3_make(c.avenue + 0.5f, 1.6f, end - 13);
     city_make_facades(b, &c.meshes);
     city_make_street(b, &c.meshes);
     city_make_vehicles(b, &c.meshes);
@@ -397,5 +395,5 @@ void builtin_make_city(struct builtin *b, const uint64_t *values) {
     b->scene->ambient_ground = vec3_make(0.12f, 0.09f, 0.07f);
     b->scene->background = vec3_make(0.07f, 0.11f, 0.26f);
     builtin_camera(b, "street", c.eye, vec3_make(c.avenue - 0.4f, 4.2f, end - 60), 0.82f);
-    builtin_camera(b, "above", vec3_make(c.avenue + 40, 62, end + 46), vec3_make(c.avenue - 10, 0, -10), 0.9f);
+    builtin_camera(b, "above", vec3_make(c.avenue + 34, 58, end + 34), vec3_make(c.avenue - 8, -8, end - 95), 0.9f);
 }

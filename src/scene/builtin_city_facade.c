@@ -36,7 +36,7 @@ static void make_materials(struct builtin *b, struct facade_materials *f) {
     f->display = builtin_material(b, "shop display", TEXTURE_ROOMS, vec3_make(1, 1, 1));
     builtin_material_at(b, f->room)->roughness = 0.08f;
     builtin_material_at(b, f->room)->emissive = vec3_make(6, 5.6f, 5);
-    builtin_material_at(b, f->display)->emissive = vec3_make(13, 11.5f, 9.5f);
+    builtin_material_at(b, f->display)->emissive = vec3_make(12, 10.5f, 8.5f);
     f->iron = builtin_material(b, "wrought iron", TEXTURE_METAL, vec3_make(0.05f, 0.05f, 0.055f));
     f->roof = builtin_material(b, "roof", TEXTURE_CONCRETE, vec3_make(0.35f, 0.34f, 0.36f));
     f->plaster = builtin_material(b, "courtyard plaster", TEXTURE_PLASTER, vec3_make(0.7f, 0.66f, 0.6f));
@@ -53,7 +53,7 @@ static void make_materials(struct builtin *b, struct facade_materials *f) {
     const vec3 fascias[] = {{0.03f, 0.05f, 0.04f}, {0.10f, 0.015f, 0.015f}, {0.02f, 0.03f, 0.07f}, {0.05f, 0.04f, 0.03f}};
     for (int i = 0; i < CITY_SHOPS; i++) {
         f->fascia[i] = builtin_plain(b, "fascia", fascias[i], 0, 0.35f);
-        f->letters[i] = builtin_glow(b, "shop letters", vec3_scale(city_sign_colors[i], 20));
+        f->letters[i] = builtin_glow(b, "shop letters", vec3_scale(city_sign_colors[i], 9));
     }
 }
 
@@ -183,7 +183,7 @@ static void add_letters(struct mesh_builder *m, int seed) {
 
 /** Kinds 0 to 2 are lit shops, the first two with awnings; kind 3 is a house door beside a closed shutter. */
 static uint32_t make_shop(struct builtin *b, const struct facade_materials *f, int style, int kind) {
-    const float half = 1.42f, low = kind == 3 ? 0.0f : 0.45f, high = 3.2f, depth = kind == 3 ? 0.3f : 1.3f, w = CITY_BAY / 2;
+    const float half = 1.42f, low = kind == 3 ? 0.0f : 0.45f, high = 3.2f, depth = kind == 3 ? 0.3f : 0.9f, w = CITY_BAY / 2;
     struct mesh_builder m;
     mesh_begin(&m, b);
     mesh_material(&m, f->wall[style == 3 ? 3 : 2]);
@@ -214,11 +214,11 @@ static uint32_t make_shop(struct builtin *b, const struct facade_materials *f, i
     mesh_material(&m, f->frame); /* what is on show */
     for (int i = 0; i < 4; i++) {
         float x = -1.05f + 0.7f * (float)i, tall = 0.35f + 0.25f * (float)((i * 7 + kind * 3 + style) % 4);
-        mesh_box(&m, vec3_make(x - 0.2f, low, -0.8f), vec3_make(x + 0.2f, low + 0.3f, -0.4f), FACE_NO_BOTTOM);
+        mesh_box(&m, vec3_make(x - 0.2f, low, -0.7f), vec3_make(x + 0.2f, low + 0.3f, -0.3f), FACE_NO_BOTTOM);
         if ((i + kind) % 2)
-            mesh_cylinder(&m, vec3_make(x, low + 0.3f, -0.6f), 0.13f, 0.07f, tall, 7);
+            mesh_cylinder(&m, vec3_make(x, low + 0.3f, -0.5f), 0.13f, 0.07f, tall, 7);
         else
-            mesh_sphere(&m, vec3_make(x, low + 0.3f + 0.17f, -0.6f), 0.17f, 8);
+            mesh_sphere(&m, vec3_make(x, low + 0.3f + 0.17f, -0.5f), 0.17f, 8);
     }
     mesh_box(&m, vec3_make(-0.03f, low, -0.06f), vec3_make(0.03f, high, 0), FACE_LEFT | FACE_RIGHT | FACE_FRONT | FACE_BACK);
     mesh_material(&m, f->fascia[(kind + style) % CITY_SHOPS]);

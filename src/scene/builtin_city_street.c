@@ -171,7 +171,7 @@ static void make_lamps(struct builtin *b, struct city_meshes *meshes) {
         mesh_material(&m, wire);
         mesh_box(&m, vec3_make(-0.02f, 1.5f, 0), vec3_make(0.02f, 1.54f, 0.9f), FACE_ALL);
         mesh_bevel_box(&m, vec3_make(-0.06f, 0, 0.15f), vec3_make(0.06f, 1.5f, 0.85f), 0.02f);
-        mesh_material(&m, builtin_glow(b, "neon", vec3_scale(city_sign_colors[i], 30)));
+        mesh_material(&m, builtin_glow(b, "neon", vec3_scale(city_sign_colors[i], 10)));
         for (int side = -1; side <= 1; side += 2) {
             float x = 0.085f * (float)side;
             vec3 path[25];

@@ -58,8 +58,8 @@ static void add_wheels(struct mesh_builder *m, uint32_t tyre, uint32_t rim) {
         /* The lathe's axis +Y turns outwards, to +X or -X. */
         m->transform = (mat4){{0, -side, 0, 0, side, 0, 0, 0, 0, 0, 1, 0, x, 0.315f, z, 1}};
         mesh_material(m, tyre);
-        mesh_lathe(m, vec3_make(0, 0, 0), arch, COUNT_OF(arch), 12);
-        mesh_lathe(m, vec3_make(0, 0, 0), outline, COUNT_OF(outline), 12);
+        mesh_lathe(m, vec3_make(0, 0, 0), arch, COUNT_OF(arch), 16);
+        mesh_lathe(m, vec3_make(0, 0, 0), outline, COUNT_OF(outline), 16);
         mesh_material(m, rim);
         mesh_lathe(m, vec3_make(0, 0, 0), disc, COUNT_OF(disc), 10);
     }

@@ -102,12 +102,12 @@ struct texel texel_asphalt(float u, float v) {
     float worn = noise_fractal(u, v, 6, 6, 3, 14), crack = fabsf(noise_fractal(u, v, 5, 5, 5, 15) - 0.5f);
     float puddle = smooth_step(0.50f, 0.57f, broad), damp = smooth_step(0.33f, 0.50f, broad);
     float open = smooth_step(0.0f, 0.006f, crack);
-    float albedo = (0.05f + 0.03f * stone.id + 0.02f * grain) * (0.75f + 0.4f * worn) * (0.5f + 0.5f * open);
+    float albedo = (0.035f + 0.025f * stone.id + 0.015f * grain) * (0.75f + 0.4f * worn) * (0.5f + 0.5f * open);
     albedo *= 1 - 0.45f * damp;
     float height = 0.0018f * (1 - stone.first) * (1 - 0.7f * damp) + 0.004f * open;
     struct texel t = solid(gray(albedo), height * (1 - 0.97f * puddle), 0, 1);
     t.color = vec3_mul(t.color, vec3_make(1, 1, 1.06f));
-    float wet = 0.23f + 0.09f * grain + 0.08f * worn - 0.10f * damp;
+    float wet = 0.19f + 0.07f * grain + 0.08f * worn - 0.07f * damp;
     t.roughness = wet + (0.07f - wet) * puddle;
     return t;
 }
