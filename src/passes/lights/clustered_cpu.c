@@ -50,15 +50,11 @@ static void visit_cell(struct build *b, uint32_t cell, uint32_t light) {
     c->count++;
 }
 
-static void visit_row(struct build *b, uint32_t row, uint32_t slice, uint32_t light, vec3 center, float depth, float radius) {
-    const struct gpu_light_list *header = b->header;
-    float tile = (float)header->tile_size;
-    uint32_t first = 0, end = header->tiles_x;
-    /* Columns from both ends, until the sphere no longer is wholly beyond the column's inner edge. */
-    while (first < end && edge_distance(edge_at(b->view, 0, fminf((float)(first + 1) * tile, (float)b->view->width)), center.x, depth) > radius) first++;
-    while (end > first && edge_distance(edge_at(b->view, 0, (float)(end - 1) * tile), center.x, depth) < -radius) end--;
-    uint32_t row_start = (slice * header->tiles_y + row) * header->tiles_x;
-    for (uint32_t x = first; x < end; x++) visit_cell(b, row_start + x, light);
+/* Columns of a row from both ends, until the sphere no longer is wholly beyond the column's inner edge. */
+static void narrow_columns(const struct build *b, uint32_t *first, uint32_t *end, float x, float depth, float radius) {
+    float tile = (float)b->header->tile_size;
+    while (*first < *end && edge_distance(edge_at(b->view, 0, fminf((float)(*first + 1) * tile, (float)b->view->width)), x, depth) > radius) (*first)++;
+    while (*end > *first && edge_distance(edge_at(b->view, 0, (float)(*end - 1) * tile), x, depth) < -radius) (*end)--;
 }
 
 static void visit_slice(void *context, uint32_t slice) {
@@ -70,7 +66,7 @@ static void visit_slice(void *context, uint32_t slice) {
     for (uint32_t light = 0; light < b->builder->spheres.count; light++) {
         struct clustered_cpu_sphere sphere = b->builder->spheres.data[light];
         if (!(sphere.radius > 0)) continue;
-        float depth = -sphere.center.z, radius = sphere.radius;
+        float whole_depth = -sphere.center.z, depth = whole_depth, radius = sphere.radius;
         if (depth + radius < near || depth - radius > far) continue;
         if (depth < near) {
             radius = shrink(radius, near - depth);
@@ -80,6 +76,10 @@ static void visit_slice(void *context, uint32_t slice) {
             depth = far;
         }
         if (radius < 0) continue;
+        /* A smaller sphere may bulge out of the whole one on the far side of its plane: both must touch. */
+        uint32_t first = 0, end = header->tiles_x;
+        narrow_columns(b, &first, &end, sphere.center.x, whole_depth, sphere.radius);
+        narrow_columns(b, &first, &end, sphere.center.x, depth, radius);
         for (uint32_t row = 0; row < header->tiles_y; row++) {
             /* Rows go down the screen, y goes up. */
             struct edge top = edge_at(b->view, 1, (float)row * tile);
@@ -87,17 +87,15 @@ static void visit_slice(void *context, uint32_t slice) {
             float above = edge_distance(top, sphere.center.y, depth), below = -edge_distance(bottom, sphere.center.y, depth);
             float distance = fmaxf(above, below);
             if (distance > radius) continue;
-            if (distance <= 0) { /* the centre is in the row */
-                visit_row(b, row, slice, light, sphere.center, depth, radius);
-                continue;
+            if (edge_distance(top, sphere.center.y, whole_depth) > sphere.radius || edge_distance(bottom, sphere.center.y, whole_depth) < -sphere.radius) continue;
+            uint32_t row_first = first, row_end = end, row_start = (slice * header->tiles_y + row) * header->tiles_x;
+            if (distance > 0) { /* the centre is not in the row */
+                /* Shrink onto the facing plane and move the centre there: the plane's normal leans in y and depth. */
+                struct edge facing = above > below ? top : bottom;
+                float moved_depth = depth + (above > below ? distance : -distance) * facing.slope * facing.scale;
+                narrow_columns(b, &row_first, &row_end, sphere.center.x, moved_depth, shrink(radius, distance));
             }
-            /* Shrink onto the facing plane and move the centre there: the plane's normal leans in y and depth. */
-            struct edge facing = above > below ? top : bottom;
-            float sign = above > below ? 1.0f : -1.0f;
-            vec3 center = sphere.center;
-            center.y -= sign * distance * facing.scale;
-            float moved_depth = depth + sign * distance * facing.slope * facing.scale;
-            visit_row(b, row, slice, light, center, moved_depth, shrink(radius, distance));
+            for (uint32_t x = row_first; x < row_end; x++) visit_cell(b, row_start + x, light);
         }
     }
 }

@@ -152,7 +152,7 @@ static bool in_box_fill(const struct list_request *r, const struct list_copy *li
 static void test_voxels_ES_52(void **state) {
     UNUSED(state);
     struct random_state random = {33};
-    uint64_t voxels = 0, boxes = 0, beyond = 0;
+    uint64_t voxels = 0, boxes = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
         list_random_lights(&view, &random, 80, params, lights);
@@ -160,18 +160,20 @@ static void test_voxels_ES_52(void **state) {
         struct list_copy list = list_build(&r);
         list_check_form(&list, 80);
         assert_true(check_points(&r, &list, &random, (double)view.near_distance, 300) > 100);
+        bool behind[80];
+        for (uint32_t i = 0; i < 80; i++) behind[i] = mat4_point(&view.world_to_view, lights[i].bound_center).z > 0;
         for (uint32_t c = 0; c < list.cell_count; c++)
             for (uint32_t i = 0; i < 80; i++) {
                 if (!reference_in_view(&r, i)) continue;
                 bool held = list_holds(&list, c, i), boxed = in_box_fill(&r, &list, c, i);
-                beyond += held && !boxed;
+                /* Beyond a right angle from the centre the distances of edges fall again: the scan from the ends stops early. */
+                assert_true(boxed || !held || behind[i] || kind == 4);
                 voxels += held;
                 boxes += boxed;
             }
         list_free(&list);
     }
-    print_message("%llu voxels, %llu by bounding boxes, %llu of them outside of those\n", (unsigned long long)voxels, (unsigned long long)boxes,
-                  (unsigned long long)beyond);
+    print_message("%llu voxels, %llu by bounding boxes\n", (unsigned long long)voxels, (unsigned long long)boxes);
     assert_true((double)voxels < 0.9 * (double)boxes);
 }
 
