@@ -226,7 +226,10 @@ int render_run(const struct render_options *o) {
     }
     if (good && o->plan) print_plan(renderer);
     if (good && o->output_count) good = save_outputs(o, &host, renderer);
-    if (good && o->stats) good = report_save(&report, o->stats);
+    if (good && o->stats && !report_save(&report, o->stats)) {
+        for (int i = 0; i < o->output_count; i++) unlink(o->outputs[i]); /* all or nothing */
+        good = false;
+    }
     if (good && !o->quiet && !o->plan) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);

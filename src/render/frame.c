@@ -70,7 +70,9 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
 }
 
 static void add_lists(struct frame_state *f) {
-    const struct light_input *input = &f->scene->lights;
+    struct light_input *input = &f->scene->lights;
+    /* Clusters need no depth and are built beside the drawing; tiles would only wait for it. */
+    input->queue = f->frame->lists == FNL_LISTS_CLUSTERED ? GRAPH_QUEUE_ASYNC : GRAPH_QUEUE_GRAPHICS;
     gpu_device *device = f->r->device;
     switch (f->frame->lists) {
     case FNL_LISTS_TILED: {

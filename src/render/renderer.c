@@ -140,7 +140,7 @@ static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct f
         gpu_frame_end(r->device, NULL, 0, NULL);
         return result;
     }
-    struct graph_execute_params execute = {.record_threads = frame.record_threads, .timers = frame.timers, .external = external};
+    struct graph_execute_params execute = {.record_threads = frame.record_threads, .timers = frame.timers, .force_async_on_graphics = r->force_async, .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     r->frame = frame;
     r->frame_number = gpu_frame_number(r->device);

@@ -25,6 +25,7 @@ struct fnl_renderer {
     struct device_scene device_scene;
     struct device_scene_frame scene_frame; /* of the frame being made */
     struct clustered_cpu clustered_cpu;
+    bool force_async;       /* tests: passes for the compute queue go through it even where it is the graphics queue */
     uint32_t pool_capacity; /* entries of the id pool; grows after an overflow */
 
     /* The last frame, and where its results are. */

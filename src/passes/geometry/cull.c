@@ -73,7 +73,7 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
                                  .counts = graph_create_buffer(graph, sort_names[step].counts, run_count * SORT_DIGITS * 4ull),
                                  .shader = &shader_sort_count_comp};
         graph_use_buffer(add_sort_pass(graph, sort_names[step].count, &data), data.counts, GRAPH_WRITE_COMPUTE);
-        prefix_sum_add(graph, &sort_sum_names[step], data.counts, run_count * SORT_DIGITS);
+        prefix_sum_add(graph, &sort_sum_names[step], GRAPH_QUEUE_GRAPHICS, data.counts, run_count * SORT_DIGITS);
         data.keys_out = graph_create_buffer(graph, sort_names[step].keys, count * 8ull);
         data.shader = &shader_sort_scatter_comp;
         graph_use_buffer(add_sort_pass(graph, sort_names[step].scatter, &data), data.counts, GRAPH_READ_COMPUTE);
@@ -98,7 +98,7 @@ struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene 
     struct graph_pass *pass = graph_add_pass(graph, "cull mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, draws.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, draws.sums, scene->item_count + 1);
+    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
     data.shader = &shader_cull_fill_comp;
     pass = graph_add_pass(graph, "cull fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, draws.sums, GRAPH_READ_COMPUTE);

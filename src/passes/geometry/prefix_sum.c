@@ -4,7 +4,7 @@
 #include "passes/geometry/prefix_sum_shared.h"
 #include "shaders.h"
 
-struct sum_data { graph_buffer values, blocks; uint32_t count; const struct gpu_shader *shader; };
+struct sum_data { graph_buffer values, blocks; uint32_t count; enum graph_queue queue; const struct gpu_shader *shader; };
 
 static void execute_sum(const struct graph_context *context, const void *data) {
     const struct sum_data *d = data;
@@ -17,23 +17,23 @@ static void execute_sum(const struct graph_context *context, const void *data) {
 }
 
 static void add_step(struct graph *graph, const char *name, struct sum_data data) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_sum, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, name, data.queue, execute_sum, &data, sizeof data);
     bool adds = data.shader == &shader_prefix_sum_add_comp;
     graph_use_buffer(pass, data.values, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.blocks, adds ? GRAPH_READ_COMPUTE : GRAPH_WRITE_COMPUTE);
 }
 
-static void add_level(struct graph *graph, const struct prefix_sum_names *names, graph_buffer values, uint32_t count, int level) {
+static void add_level(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values, uint32_t count, int level) {
     uint32_t block_count = DIVIDE_UP(count, PREFIX_SUM_BLOCK);
-    struct sum_data data = {.values = values, .count = count, .shader = &shader_prefix_sum_block_comp,
+    struct sum_data data = {.values = values, .count = count, .queue = queue, .shader = &shader_prefix_sum_block_comp,
                             .blocks = graph_create_buffer(graph, names->buffers[level], block_count * 4ull)};
     add_step(graph, names->block[level], data);
     if (block_count == 1) return;
-    add_level(graph, names, data.blocks, block_count, level + 1);
+    add_level(graph, names, queue, data.blocks, block_count, level + 1);
     data.shader = &shader_prefix_sum_add_comp;
     add_step(graph, names->add[level], data);
 }
 
-void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, graph_buffer values, uint32_t count) {
-    add_level(graph, names, values, count, 0);
+void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values, uint32_t count) {
+    add_level(graph, names, queue, values, count, 0);
 }

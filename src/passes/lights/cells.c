@@ -70,22 +70,22 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     data.ids = graph_create_buffer(graph, names->ids_buffer, MAX(build->pool_capacity, 1u) * 4ull);
     data.overflow = graph_create_buffer(graph, names->overflow_buffer, 4);
 
-    struct graph_pass *pass = graph_add_pass(graph, names->bounds, GRAPH_QUEUE_ASYNC, execute_step, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, names->bounds, input->queue, execute_step, &data, sizeof data);
     if (build->depth.id) graph_use_image(pass, build->depth, GRAPH_SAMPLE_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
 
     data.step = STEP_COUNT;
-    pass = graph_add_pass(graph, names->count, GRAPH_QUEUE_ASYNC, execute_step, &data, sizeof data);
+    pass = graph_add_pass(graph, names->count, input->queue, execute_step, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
 
-    prefix_sum_add(graph, &names->sum, data.sums, sum_count);
+    prefix_sum_add(graph, &names->sum, input->queue, data.sums, sum_count);
 
     data.step = STEP_FILL;
-    pass = graph_add_pass(graph, names->fill, GRAPH_QUEUE_ASYNC, execute_step, &data, sizeof data);
+    pass = graph_add_pass(graph, names->fill, input->queue, execute_step, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
@@ -98,7 +98,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     struct totals_data totals = {.sums = data.sums, .overflow = data.overflow, .lights = in_view->sums,
                                  .totals = graph_create_buffer(graph, names->totals_buffer, sizeof(struct light_totals)),
                                  .sums_offset = (sum_count - 1) * 4ull, .lights_offset = input->local_count * 4ull};
-    pass = graph_add_pass(graph, names->totals, GRAPH_QUEUE_ASYNC, execute_totals, &totals, sizeof totals);
+    pass = graph_add_pass(graph, names->totals, input->queue, execute_totals, &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);

@@ -53,12 +53,12 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
     data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
     light_list_header(device, input, &data.header);
-    struct graph_pass *pass = graph_add_pass(graph, "lights mark", GRAPH_QUEUE_ASYNC, execute_lights, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "lights mark", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, data.in_view.sums, input->local_count + 1);
+    prefix_sum_add(graph, &names, input->queue, data.in_view.sums, input->local_count + 1);
     data.shader = &shader_lights_gather_comp;
-    pass = graph_add_pass(graph, "lights gather", GRAPH_QUEUE_ASYNC, execute_lights, &data, sizeof data);
+    pass = graph_add_pass(graph, "lights gather", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);
