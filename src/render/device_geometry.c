@@ -207,8 +207,8 @@ static fnl_result upload_deforming_nodes(struct upload *u, uint32_t first_vertex
                 TRY(upload_deform(u, node, &deform, p, &influences, &morphs, &out));
                 g.vertex_offset = (int32_t)first_vertex;
                 first_vertex += p->vertex_count;
-                /* Joints may carry the vertices anywhere: a skinned primitive is never culled. */
-                if (out.joint_count) g.half_extent = (vec3){1e18f, 1e18f, 1e18f};
+                /* Joints and weights may carry the vertices anywhere: what deforms is never culled. */
+                g.half_extent = (vec3){1e18f, 1e18f, 1e18f};
                 if (!array_push(&d->host, &u->deforms, out) || !array_push(&d->host, &d->deform_vertex_counts, p->vertex_count))
                     return FNL_ERROR_MEMORY;
             }
