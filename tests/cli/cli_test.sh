@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The command as a user meets it: exit codes, messages, files. Usage: cli_test.sh FANAL
+set -u
+fanal=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+
+# expect STATUS PATTERN ARGUMENTS…: the status, and a line of stderr or stdout that matches.
+expect() {
+    local status=$1 pattern=$2 got
+    shift 2
+    "$fanal" "$@" >"$work/out" 2>&1
+    got=$?
+    [ $got = "$status" ] || fail "fanal $*: exit $got, not $status: $(head -c 300 "$work/out")"
+    [ -z "$pattern" ] || grep -qE -- "$pattern" "$work/out" || fail "fanal $*: no line with '$pattern': $(head -c 300 "$work/out")"
+}
+absent() { for file in "$@"; do [ ! -e "$file" ] || fail "$file was left behind"; done; }
+small="--size 64x36"
+
+expect 0 'fanal COMMAND' --help
+expect 2 'no command .foo.' foo
+expect 0 '^fanal [0-9]+\.[0-9]+\.[0-9]+$' --version
+for command in render info devices compare; do expect 0 'Examples?:' $command --help; done
+
+# Bad options name themselves; nothing is written.
+expect 2 'one scene is needed' render -o "$work/a.png"
+expect 2 'no output was asked for' render builtin:spheres
+expect 2 "size: '12' is not a size" render builtin:spheres --size 12 -o "$work/a.png"
+expect 2 "shading: 'x' is not one of forward forward-prepass deferred" render builtin:spheres --shading x -o "$work/a.png"
+expect 2 "lists: 'x' is not one of all tiled" render builtin:spheres --lists x -o "$work/a.png"
+expect 2 "msaa: '3'" render builtin:spheres --msaa 3 -o "$work/a.png"
+expect 2 "tonemap: 'x'" render builtin:spheres --tonemap x -o "$work/a.png"
+expect 2 "exposure: 'bright'" render builtin:spheres --exposure bright -o "$work/a.png"
+expect 2 'ends in .png or .exr' render builtin:spheres -o "$work/a.jpg"
+expect 2 'belong together' render builtin:spheres --eye 1,2,3 -o "$work/a.png"
+expect 2 'aov needs an .exr' render builtin:spheres --aov depth -o "$work/a.png"
+expect 2 'unrecognized option|unknown option|invalid option' render builtin:spheres --nonsense -o "$work/a.png"
+expect 2 'nowhere' render builtin:nowhere -o "$work/a.png"
+expect 2 'camera' render builtin:spheres --camera nobody $small -o "$work/a.png"
+expect 2 'animation' render builtin:spheres --animation 7 $small -o "$work/a.png"
+expect 2 'missing.gltf: cannot be opened' render "$work/missing.gltf" -o "$work/a.png"
+echo '{"asset": {"version": "2.0"' >"$work/cut.gltf"
+expect 2 'cut.gltf' render "$work/cut.gltf" -o "$work/a.png"
+expect 2 'deferred shading has no MSAA' render builtin:spheres $small --shading deferred --msaa 4 -o "$work/a.png"
+absent "$work"/a.*
+
+# An output that cannot be written leaves none of its siblings behind.
+expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" -o "$work/none/b.exr"
+absent "$work/a.png" "$work"/*part*
+expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --stats "$work/none/s.json"
+absent "$work/a.png"
+
+# The main job, twice: equal bytes; every output at once; numbers that are there.
+expect 0 'light evaluations' render builtin:spheres $small -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2
+expect 0 '' render builtin:spheres $small -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position --quiet
+cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
+cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
+cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the stats are not as documented'
+expect 0 'tonemap' render builtin:spheres $small --plan
+expect 0 'size' compare "$work/a.png" "$work/b.png"
+expect 1 'max-diff|max' compare "$work/a.png" "$work/a.exr" --max-diff 0
+expect 2 'missing.png' compare "$work/a.png" "$work/missing.png"
+expect 0 '"usable"' devices --json
+expect 0 'triangles' info builtin:spheres
+expect 0 '"triangle' info builtin:spheres --json
+expect 2 'cut.gltf' info "$work/cut.gltf"
+
+# Each way to choose exposure, tone mapper and camera gives a picture of its own.
+for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces' '--tonemap agx' '--eye 0,3,9 --look-at 0,1,0 --fov 30' \
+    '--background 3,0,0' '--ambient 2,2,2' '--lights 20' '--lights 20 --light-seed 2' '--debug albedo' '--debug normal' '--debug depth' \
+    '--debug roughness' '--debug lights' '--debug cells' '--debug overdraw'; do
+    # shellcheck disable=SC2086
+    expect 0 '' render builtin:spheres $small $option -o "$work/c.png" --quiet
+    [ -e "$work/c.png" ] || continue
+    for other in "$work"/kept-*; do [ -e "$other" ] && cmp -s "$work/c.png" "$other" && fail "$option gives the same picture as ${other##*/}"; done
+    mv "$work/c.png" "$work/kept-${option// /}"
+done
+[ $failures = 0 ] && echo 'all checks of the command passed'
+exit $((failures > 0))
