@@ -58,7 +58,7 @@ build) setup; build build all ;;
 demo)
     setup
     build build fanal_cli
-    build/fanal render "builtin:city?lights=4096" --size 1280x720 -o demo.png
+    build/fanal render "builtin:city?lights=4096" --size 1280x720 --msaa 4 --exposure 2.7 -o demo.png
     ;;
 test)
     setup ${clang:+--clang}
