@@ -2,6 +2,7 @@
 /** Prefix sums, culling and sorting, with their buffers read back and compared with the CPU. */
 #include "passes/debug/debug.h"
 #include "passes/geometry/prefix_sum.h"
+#include "passes/shade/shade.h"
 #include "render/render_test.h"
 
 /* ---- frames made by hand ---- */
@@ -376,11 +377,118 @@ static void test_sorting(void **state) {
     maker_close(&m);
 }
 
+/* ---- normals in the G-buffer ---- */
+
+/* shaders/common.glsl in C. */
+static void encode_direction(const double n[3], double out[2]) {
+    double sum = fabs(n[0]) + fabs(n[1]) + fabs(n[2]), x = n[0] / sum, y = n[1] / sum;
+    out[0] = n[2] < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
+    out[1] = n[2] < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
+}
+
+static void decode_direction(const double e[2], double out[3]) {
+    double x = e[0], y = e[1], z = 1 - fabs(x) - fabs(y);
+    if (z < 0) {
+        double folded = (1 - fabs(y)) * (x < 0 ? -1 : 1);
+        y = (1 - fabs(x)) * (y < 0 ? -1 : 1);
+        x = folded;
+    }
+    double length = sqrt(x * x + y * y + z * z);
+    out[0] = x / length;
+    out[1] = y / length;
+    out[2] = z / length;
+}
+
+/* Degrees; exact for small angles. */
+static double angle_between(const double a[3], const double b[3]) {
+    double c[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    return atan2(sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * 57.29577951308232;
+}
+
+static double worst_octahedral_error(uint32_t bits) {
+    struct random_state random = {12};
+    double worst = 0, steps = (double)((1u << bits) - 1);
+    for (uint32_t i = 0; i < 1000000; i++) {
+        double n[3], e[2], back[3], length = 0;
+        if (i < 27) { /* axes, edges and corners */
+            for (uint32_t c = 0, k = i; c < 3; c++, k /= 3) n[c] = (double)(k % 3) - 1;
+            if (i == 13) n[0] = 1;
+        } else {
+            double z = random_range(&random, -1, 1), phi = random_range(&random, 0, 2 * PI), r = sqrt(1 - z * z);
+            n[0] = r * cos(phi);
+            n[1] = r * sin(phi);
+            n[2] = z;
+        }
+        for (int c = 0; c < 3; c++) length += n[c] * n[c];
+        for (int c = 0; c < 3; c++) n[c] /= sqrt(length);
+        encode_direction(n, e);
+        for (int c = 0; c < 2; c++) e[c] = round((e[c] * 0.5 + 0.5) * steps) / steps * 2 - 1;
+        decode_direction(e, back);
+        worst = fmax(worst, angle_between(n, back));
+    }
+    return worst;
+}
+
+static void test_octahedral_normals(void **state) {
+    UNUSED(state);
+    enum { SIDE = 128 };
+    double twelve = worst_octahedral_error(12), sixteen = worst_octahedral_error(16), on_device = 0;
+    assert_true(twelve < 0.06 && sixteen < 0.004);
+    /* A sphere from eight sides: what the G-buffer holds against the normals that were put in. */
+    fnl_scene *scene = test_scene();
+    struct scene_material material = scene_material_default();
+    material.metallic = 0.2f;
+    material.roughness = 0.6f;
+    test_place(scene, test_sphere_mesh(scene, scene_add_material(scene, &material), 16), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    struct device_scene d;
+    device_scene_init(&d, test_device, scene);
+    assert_int_equal(device_scene_prepare(&d), FNL_OK);
+    struct frame_maker m = maker_open();
+    uint32_t covered = 0;
+    for (uint32_t k = 0; k < 8; k++) {
+        fnl_camera camera = test_front_camera();
+        camera.position = (vec3){k & 1 ? 3.0f : -3.0f, k & 2 ? 3.0f : -2.5f, k & 4 ? 2.8f : -3.0f};
+        struct gpu_view view = view_from_camera(&camera, SIDE, SIDE);
+        struct device_scene_frame frame;
+        maker_begin(&m);
+        assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
+        VkDeviceAddress address = send_view(&view);
+        struct geometry_draws draws = cull_add(m.graph, &frame.geometry, address);
+        struct shade_input input = {.scene = &frame.geometry, .draws = &draws, .view = address, .width = SIDE, .height = SIDE};
+        struct graph_image_params params = {.name = "radiance", .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width = SIDE, .height = SIDE};
+        graph_image radiance = graph_create_image(m.graph, &params);
+        params.name = "depth";
+        params.format = GEOMETRY_DEPTH_FORMAT;
+        graph_image depth = graph_create_image(m.graph, &params);
+        struct gbuffer gbuffer = gbuffer_add(m.graph, &input, false, radiance, depth);
+        struct aov_images aov = aov_add(m.graph, &frame.geometry, &draws, address, SIDE, SIDE);
+        const uint16_t *packed = maker_read_image(&m, gbuffer.normal, SIDE * SIDE * 8);
+        const float *normals = maker_read_image(&m, aov.normal, SIDE * SIDE * 16);
+        maker_end(&m);
+        for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+            const float *n = normals + i * 4;
+            if (n[3] <= 0) continue;
+            double e[2] = {packed[i * 4] / 65535.0 * 2 - 1, packed[i * 4 + 1] / 65535.0 * 2 - 1}, back[3], given[3] = {n[0], n[1], n[2]};
+            decode_direction(e, back);
+            on_device = fmax(on_device, angle_between(given, back));
+            assert_true(abs((int)packed[i * 4 + 2] - (int)(0.6 * 65535 + 0.5)) <= 1);
+            assert_int_equal(packed[i * 4 + 3], 51 * 256 + 255); /* metalness 0.2, no occlusion */
+            covered++;
+        }
+    }
+    print_message("octahedral normals off by at most %.4f degrees at 2x12 bits, %.5f at 2x16; %.5f in the G-buffer\n", twelve, sixteen, on_device);
+    assert_true(covered > 50000 && on_device < 0.004);
+    maker_close(&m);
+    device_scene_finish(&d);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_prefix_sum),
         cmocka_unit_test(test_culling),
         cmocka_unit_test(test_sorting),
+        {"ES-12: octahedral normals keep their directions", test_octahedral_normals, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests_name("geometry", tests, test_group_begin, test_group_end);
 }
