@@ -344,6 +344,56 @@ static void test_indirect_draws_are_counted_on_the_gpu(void **state) {
     test_device_destroy(&device);
 }
 
+enum { HEAVY_WORDS = 4000000 };
+
+struct timed {
+    struct canvas canvas;
+    struct gpu_buffer words;
+};
+
+static void record_timed(struct gpu_commands *commands, void *context) {
+    struct timed *timed = context;
+    test_transition(commands, &timed->canvas.color, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    struct gpu_rendering rendering = {
+        .width = SIDE,
+        .height = SIDE,
+        .layers = 1,
+        .color_count = 1,
+        .colors[0] = {.image = &timed->canvas.color,
+                      .load = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                      .store = VK_ATTACHMENT_STORE_OP_STORE},
+    };
+    gpu_timestamp(commands, 0);
+    gpu_begin_rendering(commands, &rendering);
+    gpu_bind(commands, gpu_graphics_pipeline(timed->canvas.device, &timed->canvas.pipeline));
+    gpu_push(commands, &timed->canvas.vertices.address, 8);
+    gpu_draw(commands, timed->canvas.vertex_count, 1, 0, 0);
+    gpu_end_rendering(commands);
+    gpu_timestamp(commands, 1);
+    gpu_timestamp(commands, 2);
+    test_dispatch(
+        commands, TEST_MULTIPLY, 3,
+        &(struct test_push){.from = timed->words.address, .to = timed->words.address, .count = HEAVY_WORDS, .width = 1});
+    gpu_timestamp(commands, 3);
+}
+
+static void test_a_draws_time_is_not_that_of_the_next_dispatch(void **state) {
+    UNUSED(state);
+    gpu_device *device = test_device_create(NULL);
+    struct timed timed;
+    canvas_init(&timed.canvas, device, 1);
+    timed.canvas.pipeline.depth_format = VK_FORMAT_UNDEFINED;
+    add_quad(&timed.canvas, -1, -1, 1, 1, 0.5f, 1, 1, 1, 1);
+    assert_int_equal(gpu_buffer_create(device, "words", HEAVY_WORDS * 4, GPU_MEMORY_DEVICE, &timed.words), FNL_OK);
+    uint64_t times[4];
+    for (uint32_t round = 0; round < 2; round++) test_run(device, record_timed, &timed); /* the first compiles */
+    assert_true(gpu_frame_timestamps(device, gpu_frame_slot(device), COUNT_OF(times), times));
+    assert_true(times[3] - times[2] > 4 * (times[1] - times[0]));
+    gpu_buffer_destroy(device, &timed.words);
+    canvas_finish(&timed.canvas);
+    test_device_destroy(&device);
+}
+
 static void test_pipelines_are_made_once(void **state) {
     UNUSED(state);
     gpu_device *device = test_device_create(NULL);
@@ -380,6 +430,7 @@ const struct CMUnitTest draw_tests[] = {
     cmocka_unit_test(test_blending_is_premultiplied),
     cmocka_unit_test(test_msaa_is_resolved),
     cmocka_unit_test(test_indirect_draws_are_counted_on_the_gpu),
+    cmocka_unit_test(test_a_draws_time_is_not_that_of_the_next_dispatch),
     cmocka_unit_test(test_pipelines_are_made_once),
 };
 const size_t draw_test_count = COUNT_OF(draw_tests);
