@@ -172,7 +172,7 @@ static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_pa
         .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
         .anisotropyEnable = params->anisotropy > 1,
         .maxAnisotropy = params->anisotropy,
-        /* Without mips, a quarter still tells minification from magnification (Vulkan specification, VkSamplerCreateInfo). */
+        /* Without mips, a quarter still tells minifying from magnifying (Vulkan specification, VkSamplerCreateInfo). */
         .maxLod = params->mipmapped ? VK_LOD_CLAMP_NONE : 0.25f,
         .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
     };

@@ -318,8 +318,8 @@ void gpu_timestamp(struct gpu_commands *commands, uint32_t index) {
     if (!commands->handle || !device->timestamp_mask || index >= GPU_MAX_TIMESTAMPS) return;
     struct gpu_frame *frame = &device->frames[commands->slot];
     device->vk.CmdWriteTimestamp2(commands->handle, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, frame->queries, index);
-    /* The CPU driver takes the time when it next flushes, which may be after a later dispatch: a barrier flushes. It makes no
-       memory visible, so that validation still finds what lacks a barrier of its own. */
+    /* The CPU driver takes the time when it next flushes, which may be after a later dispatch: a barrier flushes. It makes
+       no memory visible, so that validation still finds what lacks a barrier of its own. */
     if (device->info.type == FNL_DEVICE_CPU)
         gpu_barrier(commands, NULL, 0, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0);
     unsigned count = atomic_load(&frame->timestamp_count);
