@@ -207,6 +207,8 @@ static void read_timers(struct graph *graph, uint32_t index) {
     uint32_t count = slot->names.count;
     slot->results_frame = slot->frame_number;
     slot->results.count = 0;
+    /* Another graph of the device may have used the slot since. */
+    if (gpu_frame_number(graph->device) > slot->frame_number + GPU_FRAMES_IN_FLIGHT) return;
     if (count == 0 || !gpu_frame_timestamps(graph->device, index, 2 * count, times)) return;
     if (!array_reserve(&graph->host, &slot->results, count)) return;
     for (uint32_t i = 0; i < count; i++) {
@@ -276,6 +278,7 @@ bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && graph->device; i++) {
         struct graph_timer_slot *slot = &graph->timer_slots[i];
         if (slot->frame_number == frame_number && slot->results_frame != frame_number && slot->names.count) {
+            if (gpu_frame_number(graph->device) >= frame_number + GPU_FRAMES_IN_FLIGHT) return false; /* overwritten by another graph */
             if (gpu_frame_wait(graph->device, frame_number) != FNL_OK) return false;
             read_timers(graph, i);
         }

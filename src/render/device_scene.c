@@ -22,13 +22,36 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->node_instances);
+    array_free(&d->host, &d->node_mirrored);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
     array_free(&d->host, &d->light_data);
 }
 
+void device_scene_forget(struct device_scene *d) { d->structure_version = d->light_version = UINT64_MAX; }
+
+static bool node_mirrors(const struct scene_node *node) { return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0; }
+
+/* Nodes that moved since the device was last told: those of the scene's list, or any when a step was missed. */
+static bool moved_nodes_listed(const struct device_scene *d) { return d->transform_version >= d->scene->moved_since; }
+
+/* Draws are sorted by handedness: they are made anew when a node begins or ceases to mirror. */
+static bool handedness_changed(const struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    if (d->transform_version == scene->transform_version) return false;
+    bool listed = moved_nodes_listed(d);
+    uint32_t count = listed ? scene->moved.count : scene->nodes.count;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t n = listed ? scene->moved.data[i] : i;
+        if (d->node_instances.data[n] != SCENE_NONE && node_mirrors(&scene->nodes.data[n]) != d->node_mirrored.data[n]) return true;
+    }
+    return false;
+}
+
 static fnl_result prepare_structure(struct device_scene *d) {
     free_structure(d);
+    if (!array_reserve(&d->host, &d->node_mirrored, d->scene->nodes.count)) return FNL_ERROR_MEMORY;
+    for (uint32_t n = 0; n < d->scene->nodes.count; n++) d->node_mirrored.data[n] = node_mirrors(&d->scene->nodes.data[n]);
     TRY(device_images_upload(d, gpu_jobs(d->device)));
     TRY(device_geometry_upload(d));
     TRY(gpu_upload_flush(d->device));
@@ -39,7 +62,10 @@ static fnl_result prepare_structure(struct device_scene *d) {
 }
 
 fnl_result device_scene_prepare(struct device_scene *d) {
-    if (d->structure_version != d->scene->structure_version) TRY(prepare_structure(d));
+    if (d->structure_version != d->scene->structure_version || handedness_changed(d)) {
+        d->structure_version = UINT64_MAX; /* until it is whole */
+        TRY(prepare_structure(d));
+    }
     /* The lights' buffer only grows; its contents are sent inside the frame. */
     uint64_t needed = MAX(d->scene->lights.count, 1u) * sizeof(struct gpu_light);
     if (d->lights.size < needed) {
@@ -91,7 +117,7 @@ static void execute_move(const struct graph_context *context, const void *data) 
 static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
     const fnl_scene *scene = d->scene;
     if (d->transform_version == scene->transform_version) return FNL_OK;
-    bool listed = d->transform_version >= scene->moved_since; /* else a step was missed: every node is a candidate */
+    bool listed = moved_nodes_listed(d);
     uint32_t candidate_count = listed ? scene->moved.count : scene->nodes.count;
     uint64_t size = 0;
     uint32_t count = 0;

@@ -24,6 +24,7 @@ struct device_scene {
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(struct geometry_bucket) buckets;
     ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
+    ARRAY(bool) node_mirrored;      /* whether its draws were sorted as those of a mirrored node */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t item_count, group_count, blend_first_item, blend_item_count, matrix_count, weight_count;
@@ -39,6 +40,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
 void device_scene_finish(struct device_scene *d);
 /** Uploads what changed in the scene's structure; blocks while images are decoded and copied. Call outside of frames. */
 fnl_result device_scene_prepare(struct device_scene *d);
+/** After a frame that failed: uploads everything again with the next. */
+void device_scene_forget(struct device_scene *d);
 
 struct device_scene_frame {
     struct geometry_scene geometry;

@@ -9,22 +9,26 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[FNL_SHADING_COUNT] = {"forward", "forward-prepass", "deferred"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred"};
+    _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
 
 const char *fnl_light_lists_name(fnl_light_lists lists) {
-    static const char *const names[FNL_LISTS_COUNT] = {"all", "tiled", "clustered", "clustered-cpu"};
+    static const char *const names[] = {"all", "tiled", "clustered", "clustered-cpu"};
+    _Static_assert(COUNT_OF(names) == FNL_LISTS_COUNT, "each has a name");
     return NAME_OF(names, lists);
 }
 
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
-    static const char *const names[FNL_TONEMAP_COUNT] = {"none", "khronos-neutral", "aces", "agx"};
+    static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
+    _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
     return NAME_OF(names, tonemap);
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
-    static const char *const names[FNL_DEBUG_COUNT] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw"};
+    static const char *const names[] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw"};
+    _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
 
@@ -68,6 +72,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     gpu_buffer_destroy(r->device, &r->draws);
     gpu_buffer_destroy(r->device, &r->counters);
     array_free(&r->host, &r->pass_times);
+    gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
     fnl_host host = r->host;
     host_free(&host, r, sizeof *r);
     *handle = NULL;
@@ -125,28 +130,39 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
 
-static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target, const struct gpu_external_semaphores *external) {
-    fnl_frame frame = given ? *given : fnl_frame_default();
-    TRY(check_frame(r, &frame));
+static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target, const struct gpu_external_semaphores *external) {
     TRY(device_scene_prepare(&r->device_scene));
-    TRY(prepare_buffers(r, &frame));
+    TRY(prepare_buffers(r, frame));
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
     uint32_t slot = gpu_frame_slot(r->device);
     if (r->slot_frames[slot]) grow_pool(r, slot_counts(r, slot));
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
-    fnl_result result = frame_declare(r, &frame, target);
+    fnl_result result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
         return result;
     }
-    struct graph_execute_params execute = {.record_threads = frame.record_threads, .timers = frame.timers, .force_async_on_graphics = r->force_async, .external = external};
+    struct graph_execute_params execute = {.record_threads = frame->record_threads, .timers = frame->timers, .force_async_on_graphics = r->force_async, .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
-    r->frame = frame;
+    r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
+    r->frame_slot = slot;
     r->slot_frames[slot] = r->frame_number;
     r->cpu_milliseconds = (time_now() - start) * 1e3;
     return FNL_OK;
+}
+
+static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target, const struct gpu_external_semaphores *external) {
+    fnl_frame frame = given ? *given : fnl_frame_default();
+    TRY(check_frame(r, &frame));
+    fnl_result result = make_frame(r, &frame, target, external);
+    if (result != FNL_OK) {
+        /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
+        r->frame_number = 0;
+        device_scene_forget(&r->device_scene);
+    }
+    return result;
 }
 
 fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
@@ -221,7 +237,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     if (!r || !out) return FNL_ERROR_INVALID;
     REQUIRE(&r->host, r->frame_number > 0);
     TRY(gpu_frame_wait(r->device, r->frame_number));
-    const struct frame_counts *counts = slot_counts(r, gpu_frame_slot(r->device));
+    const struct frame_counts *counts = slot_counts(r, r->frame_slot);
     grow_pool(r, counts);
     *out = r->stats;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;

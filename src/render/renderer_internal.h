@@ -30,7 +30,8 @@ struct fnl_renderer {
 
     /* The last frame, and where its results are. */
     fnl_frame frame;
-    uint64_t frame_number; /* 0: none yet */
+    uint64_t frame_number; /* 0: none yet, or the last one failed */
+    uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     struct gpu_buffer outputs[OUTPUT_COUNT];
     struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];
     struct gpu_buffer draws, counters; /* read back with count_lights */
