@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/debug/debug.h"
 
+#include "fanal/renderer.h"
 #include "shaders.h"
+
+_Static_assert((uint32_t)FNL_DEBUG_OVERDRAW == GPU_DEBUG_OVERDRAW && FNL_DEBUG_COUNT == FNL_DEBUG_OVERDRAW + 1,
+               "debug_shared.h has the values of fnl_debug_view");
 
 struct draw_data { const struct geometry_scene *scene; struct geometry_draws draws; VkDeviceAddress view; graph_buffer counters; struct gpu_graphics_params state; };
 

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/post/post.h"
 
+#include "fanal/renderer.h"
 #include "passes/post/post_shared.h"
 #include "shaders.h"
+
+_Static_assert((uint32_t)FNL_TONEMAP_AGX == GPU_TONEMAP_AGX && FNL_TONEMAP_COUNT == FNL_TONEMAP_AGX + 1,
+               "post_shared.h has the values of fnl_tonemap");
 
 static uint32_t sample_count(const struct graph *graph, graph_image image) { return MAX(graph_image_info(graph, image).samples, 1u); }
 
