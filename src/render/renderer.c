@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+#include "fanal/vulkan.h"
+#include "render/renderer_internal.h"
+
+enum { SIDE_MAX = 16384, POOL_START = 1 << 18 };
+
+/* ---- names and defaults ---- */
+
+#define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
+
+const char *fnl_shading_name(fnl_shading shading) {
+    static const char *const names[] = {"forward", "forward-prepass", "deferred"};
+    _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
+    return NAME_OF(names, shading);
+}
+
+const char *fnl_light_lists_name(fnl_light_lists lists) {
+    static const char *const names[] = {"all", "tiled", "clustered", "clustered-cpu"};
+    _Static_assert(COUNT_OF(names) == FNL_LISTS_COUNT, "each has a name");
+    return NAME_OF(names, lists);
+}
+
+const char *fnl_tonemap_name(fnl_tonemap tonemap) {
+    static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
+    _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
+    return NAME_OF(names, tonemap);
+}
+
+const char *fnl_debug_view_name(fnl_debug_view view) {
+    static const char *const names[] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw"};
+    _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
+    return NAME_OF(names, view);
+}
+
+fnl_frame fnl_frame_default(void) {
+    return (fnl_frame){.width = 1280, .height = 720, .camera = fnl_camera_default(), .shading = FNL_SHADING_DEFERRED,
+                       .lists = FNL_LISTS_CLUSTERED, .msaa = 1, .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
+                       .exposure = FNL_EXPOSURE_AUTO, .outputs = FNL_OUTPUT_COLOR, .timers = true};
+}
+
+/* ---- life ---- */
+
+fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out) {
+    if (!device || !scene || !out) return FNL_ERROR_INVALID;
+    *out = NULL;
+    const fnl_host *host = gpu_host(device);
+    fnl_renderer *r = host_allocate_zero(host, sizeof *r);
+    if (!r) return FNL_ERROR_MEMORY;
+    r->host = *host;
+    r->device = device;
+    r->scene = scene;
+    r->pool_capacity = POOL_START;
+    device_scene_init(&r->device_scene, device, scene);
+    clustered_cpu_init(&r->clustered_cpu, &r->host);
+    fnl_result result = graph_create(&r->host, device, &r->graph);
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
+        result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
+    if (result != FNL_OK) fnl_renderer_destroy(&r);
+    *out = r;
+    return result;
+}
+
+void fnl_renderer_destroy(fnl_renderer **handle) {
+    fnl_renderer *r = handle ? *handle : NULL;
+    if (!r) return;
+    gpu_wait_idle(r->device);
+    graph_destroy(&r->graph);
+    device_scene_finish(&r->device_scene);
+    clustered_cpu_finish(&r->clustered_cpu);
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
+    gpu_buffer_destroy(r->device, &r->draws);
+    gpu_buffer_destroy(r->device, &r->counters);
+    array_free(&r->host, &r->pass_times);
+    gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
+    fnl_host host = r->host;
+    host_free(&host, r, sizeof *r);
+    *handle = NULL;
+}
+
+/* ---- one frame ---- */
+
+static size_t output_pixel_size(uint32_t bit) { return bit == 0 ? 4 : 16; }
+
+static fnl_result keep_buffer(fnl_renderer *r, struct gpu_buffer *buffer, const char *name, uint64_t size) {
+    if (buffer->size >= size) return FNL_OK;
+    gpu_buffer_destroy(r->device, buffer);
+    return gpu_buffer_create(r->device, name, size, GPU_MEMORY_READBACK, buffer);
+}
+
+static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
+    uint64_t pixels = (uint64_t)frame->width * frame->height;
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
+        if (frame->outputs & 1u << i) TRY(keep_buffer(r, &r->outputs[i], "output", pixels * output_pixel_size(i)));
+    if (!frame->count_lights) return FNL_OK;
+    /* Exactly one counter per pixel: the whole buffer is summed. */
+    if (r->counters.size != pixels * 4) gpu_buffer_destroy(r->device, &r->counters);
+    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 4));
+    return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
+}
+
+static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
+    REQUIRE(host, camera_valid(&frame->camera));
+    REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
+    REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
+    REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
+    REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
+    REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || isfinite(frame->ev));
+    REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
+    REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
+    REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
+    if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1) {
+        log_error(host, "deferred shading has no MSAA; use a forward order or 1 sample");
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
+        log_error(host, "this device cannot render with %u samples (at most %u)", frame->msaa, gpu_info(r->device)->max_msaa);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
+/* After an overflow the pool takes what the frame needed and a quarter more. */
+static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
+    uint64_t needed = MAX(counts->lights.entries, counts->blend_lights.entries);
+    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, (uint64_t)UINT32_MAX / 4);
+}
+
+static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
+
+static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target, const struct gpu_external_semaphores *external) {
+    TRY(device_scene_prepare(&r->device_scene));
+    TRY(prepare_buffers(r, frame));
+    TRY(gpu_frame_begin(r->device));
+    double start = time_now();
+    uint32_t slot = gpu_frame_slot(r->device);
+    if (r->slot_frames[slot]) grow_pool(r, slot_counts(r, slot));
+    memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
+    fnl_result result = frame_declare(r, frame, target);
+    if (result != FNL_OK) {
+        gpu_frame_end(r->device, NULL, 0, NULL);
+        return result;
+    }
+    struct graph_execute_params execute = {.record_threads = frame->record_threads, .timers = frame->timers, .force_async_on_graphics = r->force_async, .external = external};
+    TRY(graph_execute_frame(r->graph, &execute));
+    r->frame = *frame;
+    r->frame_number = gpu_frame_number(r->device);
+    r->frame_slot = slot;
+    r->slot_frames[slot] = r->frame_number;
+    r->cpu_milliseconds = (time_now() - start) * 1e3;
+    return FNL_OK;
+}
+
+static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target, const struct gpu_external_semaphores *external) {
+    fnl_frame frame = given ? *given : fnl_frame_default();
+    TRY(check_frame(r, &frame));
+    fnl_result result = make_frame(r, &frame, target, external);
+    if (result != FNL_OK) {
+        /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
+        r->frame_number = 0;
+        device_scene_forget(&r->device_scene);
+    }
+    return result;
+}
+
+fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
+    if (!r) return FNL_ERROR_INVALID;
+    return render(r, frame, NULL, NULL);
+}
+
+fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target) {
+    if (!r) return FNL_ERROR_INVALID;
+    REQUIRE(&r->host, target != NULL);
+    REQUIRE(&r->host, target->image != VK_NULL_HANDLE);
+    REQUIRE(&r->host, target->final_layout != VK_IMAGE_LAYOUT_UNDEFINED && target->final_layout != VK_IMAGE_LAYOUT_PREINITIALIZED);
+    fnl_frame frame = given ? *given : fnl_frame_default();
+    frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR; /* the picture goes into the target */
+    struct gpu_image_params params = {.name = "target", .format = target->format, .width = frame.width, .height = frame.height, .layers = 1,
+                                      .mips = 1, .samples = 1, .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB,
+                                       VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
+    bool known = false;
+    for (uint32_t i = 0; i < COUNT_OF(formats); i++) known = known || formats[i] == target->format;
+    if (!known) {
+        log_error(&r->host, "the target image has format %d, which is none of those that fnl_vulkan_target lists", (int)target->format);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    struct gpu_image image;
+    TRY(gpu_image_import(r->device, target->image, &params, &image));
+    struct frame_target frame_target = {&image, target->initial_layout, target->final_layout};
+    struct gpu_external_semaphores external = {target->wait, target->signal, target->wait_value, target->signal_value};
+    fnl_result result = render(r, &frame, &frame_target, &external);
+    gpu_image_destroy(r->device, &image);
+    return result;
+}
+
+/* ---- results ---- */
+
+fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out) {
+    if (!r || !out) return FNL_ERROR_INVALID;
+    *out = (fnl_image){0};
+    uint32_t bit = 0;
+    while (bit < OUTPUT_COUNT && output != (fnl_output)(1u << bit)) bit++;
+    REQUIRE(&r->host, bit < OUTPUT_COUNT && r->frame_number > 0 && (r->frame.outputs & (uint32_t)output));
+    TRY(gpu_frame_wait(r->device, r->frame_number));
+    size_t size = (size_t)r->frame.width * r->frame.height * output_pixel_size(bit);
+    void *pixels = host_allocate(&r->host, size);
+    if (!pixels) return FNL_ERROR_MEMORY;
+    memcpy(pixels, r->outputs[bit].mapped, size);
+    *out = (fnl_image){r->frame.width, r->frame.height, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    return FNL_OK;
+}
+
+static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
+    const uint32_t *counters = r->counters.mapped;
+    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
+    for (uint64_t i = 0; i < pixels; i++) {
+        s->evaluations += counters[i];
+        s->max_per_pixel = MAX(s->max_per_pixel, counters[i]);
+    }
+    s->mean_per_pixel = (double)s->evaluations / (double)pixels;
+    s->evaluations_counted = true;
+    const struct gpu_draw *draws = r->draws.mapped;
+    for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
+        const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
+        if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
+        for (uint32_t i = 0; i < bucket->group_count; i++) {
+            const struct gpu_draw *draw = &draws[bucket->first_group + i];
+            s->triangles_visible += (uint64_t)draw->index_count / 3 * draw->instance_count;
+        }
+    }
+}
+
+fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
+    if (!r || !out) return FNL_ERROR_INVALID;
+    REQUIRE(&r->host, r->frame_number > 0);
+    TRY(gpu_frame_wait(r->device, r->frame_number));
+    const struct frame_counts *counts = slot_counts(r, r->frame_slot);
+    grow_pool(r, counts);
+    *out = r->stats;
+    struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
+    out->lights_in_view = lights.in_view + r->device_scene.directional_count;
+    out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
+    out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
+    out->items_visible = counts->visible_items;
+    if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
+    if (r->frame.count_lights) sum_evaluations(r, out);
+    out->cpu_milliseconds = r->cpu_milliseconds;
+    struct gpu_memory_stats memory = gpu_memory_stats(r->device);
+    out->device_bytes = memory.used_bytes;
+    out->device_peak_bytes = memory.peak_used_bytes;
+    const struct graph_timer *timers;
+    uint32_t count;
+    r->pass_times.count = 0;
+    if (r->frame.timers && graph_query_timers(r->graph, r->frame_number, &timers, &count)) {
+        if (!array_reserve(&r->host, &r->pass_times, count)) return FNL_ERROR_MEMORY;
+        for (uint32_t i = 0; i < count; i++) {
+            r->pass_times.data[r->pass_times.count++] = (fnl_pass_time){timers[i].name, timers[i].milliseconds};
+            out->gpu_milliseconds += timers[i].milliseconds;
+        }
+    }
+    out->passes = r->pass_times.data;
+    out->pass_count = r->pass_times.count;
+    return FNL_OK;
+}
+
+size_t fnl_renderer_print_plan(const fnl_renderer *r, char *text, size_t capacity) {
+    return r ? graph_print(r->graph, text, capacity) : 0;
+}
