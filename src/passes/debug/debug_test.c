@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/** Debug views at probed pixels. */
+#include "passes/shade/reference.h"
+#include "render/render_test.h"
+
+enum { WIDTH = 200, HEIGHT = 100, LEGEND_HEIGHT = 14, BOX = 16 };
+
+static fnl_frame debug_frame(fnl_debug_view view) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+    frame.width = WIDTH;
+    frame.height = HEIGHT;
+    frame.debug = view;
+    frame.exposure = FNL_EXPOSURE_AUTO; /* must not matter */
+    return frame;
+}
+
+static void assert_color(const fnl_image *image, uint32_t x, uint32_t y, double r, double g, double b) {
+    const uint8_t *p = test_pixel8(image, x, y);
+    const double wanted[3] = {r, g, b};
+    for (int c = 0; c < 3; c++)
+        if (fabs(p[c] - wanted[c] * 255) > 1.01)
+            fail_msg("pixel %u, %u is %d %d %d, expected %g %g %g", x, y, p[0], p[1], p[2], r * 255, g * 255, b * 255);
+    assert_int_equal(p[3], 255);
+}
+
+/* The scale of counts: dark blue, blue, cyan, green, yellow, red; 1, 2, 4 … 256 in equal steps. */
+static vec3 heat(double count) {
+    static const vec3 stops[6] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f}, {0.55f, 0.95f, 0.2f}, {1, 0.7f, 0.1f}, {0.85f, 0.05f, 0.05f}};
+    float x = (float)fmin((log2(count) + 1) / 9, 1) * 5;
+    int i = MIN((int)x, 4);
+    return count == 0 ? (vec3){0, 0, 0} : vec3_lerp(stops[i], stops[i + 1], x - (float)i);
+}
+
+/* ---- surfaces ---- */
+
+/* A square at z = 1 in the middle, tilted about y; nothing around it. */
+static fnl_scene *tilted(struct scene_material *material) {
+    *material = scene_material_default();
+    material->base_color = (vec4){0.8f, 0.2f, 0.05f, 1};
+    material->roughness = 0.3f;
+    fnl_scene *scene = test_scene();
+    mat4 matrix = mat4_from_trs((vec3){0, 0, 1}, quat_axis_angle((vec3){0, 1, 0}, 0.5f), (vec3){0.8f, 0.8f, 1});
+    scene_add_node(scene, "", SCENE_NONE, &matrix, test_quad_mesh(scene, scene_add_material(scene, material)));
+    assert_int_equal(fnl_scene_set_background(scene, (vec3){9, 9, 9}), FNL_OK);
+    return scene;
+}
+
+static void test_surface_views(void **state) {
+    UNUSED(state);
+    struct scene_material m;
+    fnl_scene *scene = tilted(&m);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const fnl_debug_view views[] = {FNL_DEBUG_ALBEDO, FNL_DEBUG_NORMAL, FNL_DEBUG_DEPTH, FNL_DEBUG_ROUGHNESS};
+    for (uint32_t v = 0; v < COUNT_OF(views); v++)
+        for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++) {
+            fnl_frame frame = debug_frame(views[v]);
+            frame.shading = (fnl_shading)shading;
+            test_render_frame(renderer, &frame);
+            fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+            for (uint32_t x = 70; x < 130; x += 9) {
+                double world_x = (x + 0.5) / 50 - 2, z = 1 - world_x * tan(0.5), depth = 5 - z, r = 0.3;
+                if (views[v] == FNL_DEBUG_ALBEDO) assert_color(&image, x, 50, reference_srgb(0.8), reference_srgb(0.2), reference_srgb(0.05));
+                if (views[v] == FNL_DEBUG_NORMAL) assert_color(&image, x, 50, sin(0.5) * 0.5 + 0.5, 0.5, cos(0.5) * 0.5 + 0.5);
+                if (views[v] == FNL_DEBUG_DEPTH) assert_color(&image, x, 50, 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth));
+                if (views[v] == FNL_DEBUG_ROUGHNESS) assert_color(&image, x, 50, r, r, r);
+            }
+            assert_color(&image, 5, 5, 0, 0, 0); /* the sky is black in each */
+            free_picture(&image);
+        }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- counts ---- */
+
+/* The digits that the legend needs, as anyone would draw them on 3 x 5 dots. */
+static const char *const digit_rows[10][5] = {
+    {"###", "#.#", "#.#", "#.#", "###"}, {".#.", "##.", ".#.", ".#.", "###"}, {"###", "..#", "###", "#..", "###"}, {"###", "..#", "###", "..#", "###"},
+    {"#.#", "#.#", "###", "..#", "..#"}, {"###", "#..", "###", "..#", "###"}, {"###", "#..", "###", "#.#", "###"}, {"###", "..#", "..#", "..#", "..#"},
+    {"###", "#.#", "###", "#.#", "###"}, {"###", "#.#", "###", "..#", "###"}};
+
+/* Ten boxes in the lower left corner: 0 and the powers of two, each with its number in ink that stands out. */
+static void check_legend(const fnl_image *image) {
+    for (uint32_t box = 0; box < 10; box++) {
+        uint32_t value = box ? 1u << (box - 1) : 0, digits[3] = {value / 100, value / 10 % 10, value % 10};
+        vec3 color = heat(value);
+        float luma = 0.2126f * color.x + 0.7152f * color.y + 0.0722f * color.z, ink = luma > 0.4f ? 0 : 1;
+        for (uint32_t y = 0; y < LEGEND_HEIGHT; y++)
+            for (uint32_t x = 0; x < BOX; x++) {
+                bool inked = false;
+                for (uint32_t d = 0; d < 3; d++) {
+                    int dx = (int)x - 2 - (int)d * 4, dy = (int)y - 5;
+                    bool shown = d == 2 || value >= (d == 0 ? 100u : 10u);
+                    inked = inked || (shown && dx >= 0 && dx < 3 && dy >= 0 && dy < 5 && digit_rows[digits[d]][dy][dx] == '#');
+                }
+                vec3 wanted = inked ? (vec3){ink, ink, ink} : color;
+                assert_color(image, box * BOX + x, HEIGHT - LEGEND_HEIGHT + y, wanted.x, wanted.y, wanted.z);
+            }
+    }
+}
+
+static double grey_of(const struct scene_material *m, double normal_y) {
+    return 0.12 + 0.88 * (0.2126 * m->base_color.x + 0.7152 * m->base_color.y + 0.0722 * m->base_color.z) * (0.6 + 0.4 * normal_y);
+}
+
+static void test_light_counts(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    m.base_color = (vec4){0.5f, 0.5f, 0.5f, 1};
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 0}, (vec3){1.9f, 1, 1});
+    for (int i = 0; i < 5; i++) { /* all on the left */
+        fnl_light_params light = test_point((vec3){-1.5f, 0, 0.2f}, 1, 0.3f);
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    }
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++)
+        for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++) {
+            fnl_frame frame = debug_frame(FNL_DEBUG_LIGHTS);
+            frame.lists = (fnl_light_lists)lists;
+            frame.shading = (fnl_shading)shading;
+            frame.count_lights = true;
+            test_render_frame(renderer, &frame);
+            fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+            double grey = grey_of(&m, 0);
+            vec3 five = heat(5);
+            double far = lists == FNL_LISTS_ALL ? 5 : 0;
+            vec3 there = heat(far);
+            assert_color(&image, 25, 50, grey * 0.2 + five.x * 0.8, grey * 0.2 + five.y * 0.8, grey * 0.2 + five.z * 0.8);
+            assert_color(&image, 180, 50, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8, grey * 0.2 + there.z * 0.8);
+            check_legend(&image);
+            /* The map shows what the shading visits. */
+            fnl_frame_stats stats;
+            assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+            assert_int_equal(stats.max_per_pixel, 5);
+            if (lists == FNL_LISTS_ALL) assert_int_equal(stats.evaluations, 5ull * 190 * 100);
+            else assert_true(stats.evaluations < 5ull * 100 * 100);
+            free_picture(&image);
+        }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_cells(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    m.base_color = (vec4){0.5f, 0.5f, 0.5f, 1};
+    uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &m));
+    test_place(scene, mesh, (vec3){-1, 0, 3}, (vec3){1, 1, 1});   /* left: near */
+    test_place(scene, mesh, (vec3){1, 0, -12}, (vec3){1, 1, 1}); /* right: far */
+    fnl_light_params light = test_point((vec3){0, 0, 3}, 1, 90);
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t lists = FNL_LISTS_ALL; lists < FNL_LISTS_COUNT; lists++) {
+        fnl_frame frame = debug_frame(FNL_DEBUG_CELLS);
+        frame.lists = (fnl_light_lists)lists;
+        frame.shading = FNL_SHADING_DEFERRED;
+        test_render_frame(renderer, &frame);
+        fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
+        uint32_t size = lists == FNL_LISTS_TILED ? 16 : 64;
+        const uint8_t *inside = test_pixel8(&image, size + 5, 70), *line = test_pixel8(&image, size, 70), *far = test_pixel8(&image, 150, 70);
+        double half_grey = grey_of(&m, 0) * 0.5;
+        if (lists == FNL_LISTS_ALL) { /* no cells */
+            assert_color(&image, size + 5, 70, half_grey, half_grey, half_grey);
+            assert_color(&image, size, 70, half_grey, half_grey, half_grey);
+        } else {
+            for (int c = 0; c < 3; c++) assert_true(fabs(line[c] - (inside[c] * 0.65 + 255 * 0.35)) <= 1.5);
+            bool same = memcmp(inside, far, 4) == 0;
+            assert_int_equal(same, lists == FNL_LISTS_TILED); /* slices have hues of their own, tiles the colour of their count */
+            vec3 one = heat(1);
+            if (lists == FNL_LISTS_TILED)
+                assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45, half_grey * 0.55 + one.z * 0.45);
+        }
+        free_picture(&image);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_overdraw(void **state) {
+    UNUSED(state);
+    static const uint8_t hole[4] = {255, 255, 255, 0};
+    fnl_scene *scene = test_scene();
+    struct scene_material m = scene_material_default();
+    uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &m));
+    test_place(scene, mesh, (vec3){-0.5f, 0, 1}, (vec3){1, 1, 1});
+    test_place(scene, mesh, (vec3){0, 0, 0}, (vec3){1, 1, 1}); /* hidden behind the others */
+    test_place(scene, mesh, (vec3){0.5f, 0, 2}, (vec3){1, 1, 1});
+    fnl_image texel = {1, 1, FNL_PIXEL_FORMAT_RGBA8, (void *)(uintptr_t)hole};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &texel, true, &id), FNL_OK);
+    m.alpha_mode = FNL_ALPHA_MASK;
+    m.textures[SCENE_TEXTURE_BASE_COLOR].image = id.index;
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 3}, (vec3){1, 1, 1}); /* nothing but a hole */
+    fnl_frame frame = debug_frame(FNL_DEBUG_OVERDRAW);
+    fnl_image image = test_render(scene, &frame, FNL_OUTPUT_COLOR);
+    static const struct { uint32_t x, count; } probes[] = {{10, 0}, {35, 1}, {60, 2}, {100, 3}, {140, 2}, {165, 1}, {190, 0}};
+    for (uint32_t i = 0; i < COUNT_OF(probes); i++) {
+        vec3 color = heat(probes[i].count);
+        assert_color(&image, probes[i].x, 40, color.x, color.y, color.z);
+    }
+    check_legend(&image);
+    free_picture(&image);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_surface_views),
+        cmocka_unit_test(test_light_counts),
+        cmocka_unit_test(test_cells),
+        cmocka_unit_test(test_overdraw),
+    };
+    return cmocka_run_group_tests_name("debug views", tests, test_group_begin, test_group_end);
+}
