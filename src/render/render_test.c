@@ -119,12 +119,19 @@ static uint32_t add_mesh(fnl_scene *scene, struct scene_primitive *primitive) {
 }
 
 uint32_t test_quad_mesh(fnl_scene *scene, uint32_t material) {
-    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                      normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     static const vec4 tangents[4] = {{1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, 1}};
     static const vec2 uv[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
     static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-    struct scene_primitive primitive = {.material = material, .vertex_count = 4, .index_count = 6, .indices = indices, .positions = positions,
-                                        .normals = normals, .tangents = tangents, .uv = {uv, NULL}};
+    struct scene_primitive primitive = {.material = material,
+                                        .vertex_count = 4,
+                                        .index_count = 6,
+                                        .indices = indices,
+                                        .positions = positions,
+                                        .normals = normals,
+                                        .tangents = tangents,
+                                        .uv = {uv, NULL}};
     return add_mesh(scene, &primitive);
 }
 
@@ -144,8 +151,13 @@ uint32_t test_sphere_mesh(fnl_scene *scene, uint32_t material, uint32_t rings) {
             memcpy(indices + at, quad, sizeof quad);
             at += 6;
         }
-    struct scene_primitive primitive = {.material = material, .vertex_count = vertex_count, .index_count = index_count, .indices = indices,
-                                        .positions = positions, .normals = positions, .uv = {uv, NULL}};
+    struct scene_primitive primitive = {.material = material,
+                                        .vertex_count = vertex_count,
+                                        .index_count = index_count,
+                                        .indices = indices,
+                                        .positions = positions,
+                                        .normals = positions,
+                                        .uv = {uv, NULL}};
     return add_mesh(scene, &primitive);
 }
 
@@ -242,7 +254,8 @@ const uint8_t *test_pixel8(const fnl_image *image, uint32_t x, uint32_t y) {
 void assert_pixel(const fnl_image *image, uint32_t x, uint32_t y, double r, double g, double b, double tolerance) {
     const float *p = test_pixel(image, x, y);
     if (fabs(p[0] - r) <= tolerance && fabs(p[1] - g) <= tolerance && fabs(p[2] - b) <= tolerance) return;
-    fail_msg("pixel %u, %u is %.9g %.9g %.9g, expected %.9g %.9g %.9g within %g", x, y, (double)p[0], (double)p[1], (double)p[2], r, g, b, tolerance);
+    fail_msg("pixel %u, %u is %.9g %.9g %.9g, expected %.9g %.9g %.9g within %g", x, y, (double)p[0], (double)p[1],
+             (double)p[2], r, g, b, tolerance);
 }
 
 double test_difference(const fnl_image *a, const fnl_image *b) {

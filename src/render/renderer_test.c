@@ -24,14 +24,20 @@ static fnl_mesh_id add_ball(fnl_scene *scene, const fnl_material_params *materia
         memcpy(indices + at, quad, sizeof quad);
         at += 6;
     }
-    fnl_mesh_params params = {.vertex_count = VERTICES, .index_count = at, .positions = positions, .normals = positions, .indices = indices,
+    fnl_mesh_params params = {.vertex_count = VERTICES,
+                              .index_count = at,
+                              .positions = positions,
+                              .normals = positions,
+                              .indices = indices,
                               .material = test_material(scene, material)};
     fnl_mesh_id mesh;
     assert_int_equal(fnl_scene_add_mesh(scene, &params, &mesh), FNL_OK);
     return mesh;
 }
 
-static fnl_mat4 placed(float x, float y, float z, float size) { return mat4_from_trs((vec3){x, y, z}, quat_identity(), (vec3){size, size, size}); }
+static fnl_mat4 placed(float x, float y, float z, float size) {
+    return mat4_from_trs((vec3){x, y, z}, quat_identity(), (vec3){size, size, size});
+}
 
 static struct stage_set stage_set_open(void) {
     struct stage_set s = {.scene = test_scene()};
@@ -51,7 +57,8 @@ static struct stage_set stage_set_open(void) {
         assert_int_equal(fnl_scene_add_instance(s.scene, meshes[i], &matrix, &s.instances[i]), FNL_OK);
     }
     for (int i = 0; i < 6; i++) {
-        fnl_light_params light = test_point((vec3){(float)(i % 3) * 0.8f - 0.8f, (float)(i / 3) - 0.5f, 1.6f}, 1 + (float)i * 0.2f, 2.5f);
+        fnl_light_params light =
+            test_point((vec3){(float)(i % 3) * 0.8f - 0.8f, (float)(i / 3) - 0.5f, 1.6f}, 1 + (float)i * 0.2f, 2.5f);
         if (i == 4) light.kind = FNL_LIGHT_SPOT;
         if (i == 5) light.kind = FNL_LIGHT_DIRECTIONAL;
         assert_int_equal(fnl_scene_add_light(s.scene, &light, &s.lights[i]), FNL_OK);
@@ -65,9 +72,11 @@ static int compare_doubles(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-/* Milliseconds to record and submit a frame in the steady state, on a device without validation. The median is for the reader;
-   the least is what is compared, for other programs' work is in the rest. */
-struct record_time { double median, least; };
+/* Milliseconds to record and submit a frame in the steady state, on a device without validation. The median is for the
+   reader; the least is what is compared, for other programs' work is in the rest. */
+struct record_time {
+    double median, least;
+};
 
 static fnl_device *quiet_device(void) {
     fnl_device_params params = fnl_device_params_default();
@@ -118,7 +127,8 @@ static void test_recording_does_not_grow_with_lights(void **state) {
     }
     fnl_device_destroy(&device);
     for (uint32_t lists = 0; lists < FNL_LISTS_CLUSTERED_CPU; lists++) {
-        print_message("%s: %.3f ms to record with 16 lights, %.3f ms with 65536\n", fnl_light_lists_name((fnl_light_lists)lists), times[0][lists].median, times[1][lists].median);
+        print_message("%s: %.3f ms to record with 16 lights, %.3f ms with 65536\n",
+                      fnl_light_lists_name((fnl_light_lists)lists), times[0][lists].median, times[1][lists].median);
         assert_true(times[1][lists].least < 2 * times[0][lists].least + 0.1);
     }
 }
@@ -139,7 +149,8 @@ static void test_recording_does_not_grow_with_instances(void **state) {
         if (i == 2) { /* a million of one node, five of them in view */
             mat4 *matrices = arena_allocate(&s.scene->arena, 1000000 * sizeof *matrices);
             for (uint32_t k = 0; k < 1000000; k++)
-                matrices[k] = k % 200000 == 7 ? placed((float)(k / 200000) * 0.4f - 0.8f, 0, 1, 0.1f) : placed((float)(k % 1000) * 3 + 5, (float)(k / 1000), 0, 0.5f);
+                matrices[k] = k % 200000 == 7 ? placed((float)(k / 200000) * 0.4f - 0.8f, 0, 1, 0.1f)
+                                              : placed((float)(k % 1000) * 3 + 5, (float)(k / 1000), 0, 0.5f);
             struct scene_node *node = &s.scene->nodes.data[s.instances[0].index];
             node->instances = matrices;
             node->instance_count = 1000000;
@@ -154,7 +165,8 @@ static void test_recording_does_not_grow_with_instances(void **state) {
         if (i == 2) assert_int_equal(stats.items, 1000003);
         fnl_scene_destroy(&s.scene);
     }
-    print_message("%.3f ms to record 4 instances, %.3f ms for 50004, %.3f ms for 1000003\n", times[0].median, times[1].median, times[2].median);
+    print_message("%.3f ms to record 4 instances, %.3f ms for 50004, %.3f ms for 1000003\n", times[0].median,
+                  times[1].median, times[2].median);
     assert_true(times[1].least < 2 * times[0].least + 0.1 && times[2].least < 2 * times[0].least + 0.1);
     fnl_device_destroy(&device);
 }
@@ -181,8 +193,8 @@ static void test_steady_state_allocates_nothing(void **state) {
                 assert_true(stats.pass_count > 5);
             }
             if (test_device_memory.allocations != before)
-                fail_msg("%s, %s: %lld allocations in three frames", fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists),
-                         test_device_memory.allocations - before);
+                fail_msg("%s, %s: %lld allocations in three frames", fnl_shading_name(frame.shading),
+                         fnl_light_lists_name(frame.lists), test_device_memory.allocations - before);
         }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&s.scene);
@@ -202,8 +214,12 @@ static void edit(struct stage_set *s, uint32_t step) {
     fnl_light_params light = test_point((vec3){0.2f, 0.4f, 1.5f}, 4, 3);
     fnl_light_id added;
     switch (step) {
-    case 0: assert_int_equal(fnl_scene_set_light(s->scene, s->lights[0], &light), FNL_OK); break;
-    case 1: assert_int_equal(fnl_scene_remove_light(s->scene, s->lights[1]), FNL_OK); break;
+    case 0:
+        assert_int_equal(fnl_scene_set_light(s->scene, s->lights[0], &light), FNL_OK);
+        break;
+    case 1:
+        assert_int_equal(fnl_scene_remove_light(s->scene, s->lights[1]), FNL_OK);
+        break;
     case 2:
         light.position.x = -0.7f;
         assert_int_equal(fnl_scene_add_light(s->scene, &light, &added), FNL_OK);
@@ -230,13 +246,19 @@ static void edit(struct stage_set *s, uint32_t step) {
         for (int i = 0; i < 3; i++) matrix.m[i] = -matrix.m[i];
         assert_int_equal(fnl_scene_set_instance_transform(s->scene, s->instances[1], &matrix), FNL_OK);
         break;
-    case 7: assert_int_equal(fnl_scene_remove_instance(s->scene, s->instances[3]), FNL_OK); break;
+    case 7:
+        assert_int_equal(fnl_scene_remove_instance(s->scene, s->instances[3]), FNL_OK);
+        break;
     case 8:
         matrix = placed(-0.6f, 0.6f, 0.2f, 0.3f);
         assert_int_equal(fnl_scene_add_instance(s->scene, s->mesh, &matrix, &s->instances[3]), FNL_OK);
         break;
-    case 9: assert_int_equal(fnl_scene_set_ambient(s->scene, (vec3){0, 0.5f, 0}, (vec3){0.5f, 0, 0}), FNL_OK); break;
-    case 10: assert_int_equal(fnl_scene_set_background(s->scene, (vec3){1, 2, 3}), FNL_OK); break;
+    case 9:
+        assert_int_equal(fnl_scene_set_ambient(s->scene, (vec3){0, 0.5f, 0}, (vec3){0.5f, 0, 0}), FNL_OK);
+        break;
+    case 10:
+        assert_int_equal(fnl_scene_set_background(s->scene, (vec3){1, 2, 3}), FNL_OK);
+        break;
     case 11: {
         fnl_material_params material = fnl_material_params_default();
         material.emissive[0] = 3;
@@ -264,7 +286,8 @@ static void test_edits_show_in_the_next_frame(void **state) {
         fnl_image before = test_read(renderer, FNL_OUTPUT_RADIANCE);
         edit(&s, step);
         test_render_frame(renderer, &frame);
-        fnl_image after = test_read(renderer, FNL_OUTPUT_RADIANCE), fresh = test_render(s.scene, &frame, FNL_OUTPUT_RADIANCE);
+        fnl_image after = test_read(renderer, FNL_OUTPUT_RADIANCE),
+                  fresh = test_render(s.scene, &frame, FNL_OUTPUT_RADIANCE);
         if (test_equal(&before, &after)) fail_msg("edit %u does not show", step);
         if (!test_equal(&after, &fresh)) fail_msg("after edit %u the picture is not that of a new renderer", step);
         test_render_frame(renderer, &frame); /* and it stays */
@@ -389,7 +412,8 @@ static void test_misuse(void **state) {
     for (uint32_t i = 0; i < count; i++) {
         test_device_memory.errors = 0;
         fnl_result result = fnl_renderer_render(renderer, &bad[i]);
-        if (result != FNL_ERROR_INVALID || test_device_memory.errors == 0) fail_msg("bad frame %u gives '%s' and %d lines", i, fnl_result_name(result), test_device_memory.errors);
+        if (result != FNL_ERROR_INVALID || test_device_memory.errors == 0)
+            fail_msg("bad frame %u gives '%s' and %d lines", i, fnl_result_name(result), test_device_memory.errors);
         fnl_image still = test_read(renderer, FNL_OUTPUT_RADIANCE); /* the last good frame is still there */
         assert_true(test_equal(&first, &still));
         free_picture(&still);
@@ -437,7 +461,7 @@ static void test_empty_scene(void **state) {
 
 /* ---- failures ---- */
 
-/* Memory runs out at the n-th allocation of a renderer's life, for all n: a clean error, and the renderer still works after. */
+/* Memory runs out at the n-th allocation of a renderer's life, for all n: a clean error, and the renderer still works. */
 static void test_allocation_failures(void **state) {
     UNUSED(state);
     struct test_memory memory = {0};
@@ -466,7 +490,8 @@ static void test_allocation_failures(void **state) {
         }
         if (renderer) {
             fnl_image image;
-            if (result != FNL_OK) assert_int_equal(fnl_renderer_read(renderer, FNL_OUTPUT_RADIANCE, &image), FNL_ERROR_INVALID);
+            if (result != FNL_OK)
+                assert_int_equal(fnl_renderer_read(renderer, FNL_OUTPUT_RADIANCE, &image), FNL_ERROR_INVALID);
             assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_OK);
             assert_int_equal(fnl_renderer_read(renderer, FNL_OUTPUT_RADIANCE, &image), FNL_OK);
             if (!test_equal(&image, &expected)) fail_msg("after failure %u of allocations the picture is another", n);
@@ -562,7 +587,8 @@ static void test_two_renderers(void **state) {
         assert_int_equal(fnl_renderer_query_stats(renderers[i], &alone[i]), FNL_OK);
     }
     assert_true(alone[0].items_visible != alone[1].items_visible && alone[0].ev != alone[1].ev);
-    static const int orders[][4] = {{0, 1, 0, 1}, {1, 0, 0, 1}, {0, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 0}, {0, 1, -1, -1}, {1, 0, -1, -1}, {1, 0, 0, 0}};
+    static const int orders[][4] = {{0, 1, 0, 1}, {1, 0, 0, 1},   {0, 0, 1, 1},   {0, 1, 1, 1},
+                                    {1, 1, 1, 0}, {0, 1, -1, -1}, {1, 0, -1, -1}, {1, 0, 0, 0}};
     for (uint32_t k = 0; k < COUNT_OF(orders); k++) {
         for (int i = 0; i < 4 && orders[k][i] >= 0; i++) test_render_frame(renderers[orders[k][i]], &frames[orders[k][i]]);
         for (int i = 0; i < 2; i++) { /* also that which rendered some frames ago */
@@ -571,10 +597,11 @@ static void test_two_renderers(void **state) {
             free_picture(&image);
             fnl_frame_stats stats;
             assert_int_equal(fnl_renderer_query_stats(renderers[i], &stats), FNL_OK);
-            if (stats.items_visible != alone[i].items_visible || stats.list_entries != alone[i].list_entries || stats.lights_in_view != alone[i].lights_in_view ||
-                stats.ev != alone[i].ev)
+            if (stats.items_visible != alone[i].items_visible || stats.list_entries != alone[i].list_entries ||
+                stats.lights_in_view != alone[i].lights_in_view || stats.ev != alone[i].ev)
                 fail_msg("order %u: renderer %d reports numbers of another frame", k, i);
-            if (stats.pass_count != 0 && stats.pass_count != alone[i].pass_count) /* 0: another renderer has taken the timers since */
+            if (stats.pass_count != 0 &&
+                stats.pass_count != alone[i].pass_count) /* 0: another renderer has taken the timers since */
                 fail_msg("order %u: renderer %d names %u passes, not %u", k, i, stats.pass_count, alone[i].pass_count);
         }
     }
@@ -642,8 +669,10 @@ static void test_device_memory_comes_back(void **state) {
         fnl_renderer_destroy(&renderer);
         uint64_t left = gpu_memory_stats(test_device).used_bytes;
         assert_true(left < stats.device_bytes);
-        if (i == 0) start = left;
-        else assert_int_equal(left, start);
+        if (i == 0)
+            start = left;
+        else
+            assert_int_equal(left, start);
     }
     fnl_scene_destroy(&s.scene);
 }
@@ -661,8 +690,10 @@ static void test_threads_and_runs(void **state) {
             frame.record_threads = threads;
             fnl_image image = test_render(s.scene, &frame, FNL_OUTPUT_COLOR);
             if (first.pixels) assert_true(test_equal(&first, &image));
-            if (first.pixels) free_picture(&image);
-            else first = image;
+            if (first.pixels)
+                free_picture(&image);
+            else
+                first = image;
         }
         free_picture(&first);
     }

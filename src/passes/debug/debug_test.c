@@ -25,7 +25,8 @@ static void assert_color(const fnl_image *image, uint32_t x, uint32_t y, double 
 
 /* The scale of counts: dark blue, blue, cyan, green, yellow, red; 1, 2, 4 … 256 in equal steps. */
 static vec3 heat(double count) {
-    static const vec3 stops[6] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f}, {0.55f, 0.95f, 0.2f}, {1, 0.7f, 0.1f}, {0.85f, 0.05f, 0.05f}};
+    static const vec3 stops[6] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f},
+                                  {0.55f, 0.95f, 0.2f},  {1, 0.7f, 0.1f},      {0.85f, 0.05f, 0.05f}};
     float x = (float)fmin((log2(count) + 1) / 9, 1) * 5;
     int i = MIN((int)x, 4);
     return count == 0 ? (vec3){0, 0, 0} : vec3_lerp(stops[i], stops[i + 1], x - (float)i);
@@ -59,9 +60,12 @@ static void test_surface_views(void **state) {
             fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
             for (uint32_t x = 70; x < 130; x += 9) {
                 double world_x = (x + 0.5) / 50 - 2, z = 1 - world_x * tan(0.5), depth = 5 - z, r = 0.3;
-                if (views[v] == FNL_DEBUG_ALBEDO) assert_color(&image, x, 50, reference_srgb(0.8), reference_srgb(0.2), reference_srgb(0.05));
-                if (views[v] == FNL_DEBUG_NORMAL) assert_color(&image, x, 50, sin(0.5) * 0.5 + 0.5, 0.5, cos(0.5) * 0.5 + 0.5);
-                if (views[v] == FNL_DEBUG_DEPTH) assert_color(&image, x, 50, 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth));
+                if (views[v] == FNL_DEBUG_ALBEDO)
+                    assert_color(&image, x, 50, reference_srgb(0.8), reference_srgb(0.2), reference_srgb(0.05));
+                if (views[v] == FNL_DEBUG_NORMAL)
+                    assert_color(&image, x, 50, sin(0.5) * 0.5 + 0.5, 0.5, cos(0.5) * 0.5 + 0.5);
+                if (views[v] == FNL_DEBUG_DEPTH)
+                    assert_color(&image, x, 50, 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth), 1 / (1 + 0.05 * depth));
                 if (views[v] == FNL_DEBUG_ROUGHNESS) assert_color(&image, x, 50, r, r, r);
             }
             assert_color(&image, 5, 5, 0, 0, 0); /* the sky is black in each */
@@ -74,10 +78,11 @@ static void test_surface_views(void **state) {
 /* ---- counts ---- */
 
 /* The digits that the legend needs, as anyone would draw them on 3 x 5 dots. */
-static const char *const digit_rows[10][5] = {
-    {"###", "#.#", "#.#", "#.#", "###"}, {".#.", "##.", ".#.", ".#.", "###"}, {"###", "..#", "###", "#..", "###"}, {"###", "..#", "###", "..#", "###"},
-    {"#.#", "#.#", "###", "..#", "..#"}, {"###", "#..", "###", "..#", "###"}, {"###", "#..", "###", "#.#", "###"}, {"###", "..#", "..#", "..#", "..#"},
-    {"###", "#.#", "###", "#.#", "###"}, {"###", "#.#", "###", "..#", "###"}};
+static const char *const digit_rows[10][5] = {{"###", "#.#", "#.#", "#.#", "###"}, {".#.", "##.", ".#.", ".#.", "###"},
+                                              {"###", "..#", "###", "#..", "###"}, {"###", "..#", "###", "..#", "###"},
+                                              {"#.#", "#.#", "###", "..#", "..#"}, {"###", "#..", "###", "..#", "###"},
+                                              {"###", "#..", "###", "#.#", "###"}, {"###", "..#", "..#", "..#", "..#"},
+                                              {"###", "#.#", "###", "#.#", "###"}, {"###", "#.#", "###", "..#", "###"}};
 
 /* Ten boxes in the lower left corner: 0 and the powers of two, each with its number in ink that stands out. */
 static void check_legend(const fnl_image *image) {
@@ -91,7 +96,8 @@ static void check_legend(const fnl_image *image) {
                 for (uint32_t d = 0; d < 3; d++) {
                     int dx = (int)x - 2 - (int)d * 4, dy = (int)y - 5;
                     bool shown = d == 2 || value >= (d == 0 ? 100u : 10u);
-                    inked = inked || (shown && dx >= 0 && dx < 3 && dy >= 0 && dy < 5 && digit_rows[digits[d]][dy][dx] == '#');
+                    inked =
+                        inked || (shown && dx >= 0 && dx < 3 && dy >= 0 && dy < 5 && digit_rows[digits[d]][dy][dx] == '#');
                 }
                 vec3 wanted = inked ? (vec3){ink, ink, ink} : color;
                 assert_color(image, box * BOX + x, HEIGHT - LEGEND_HEIGHT + y, wanted.x, wanted.y, wanted.z);
@@ -100,7 +106,8 @@ static void check_legend(const fnl_image *image) {
 }
 
 static double grey_of(const struct scene_material *m, double normal_y) {
-    return 0.12 + 0.88 * (0.2126 * m->base_color.x + 0.7152 * m->base_color.y + 0.0722 * m->base_color.z) * (0.6 + 0.4 * normal_y);
+    return 0.12 +
+           0.88 * (0.2126 * m->base_color.x + 0.7152 * m->base_color.y + 0.0722 * m->base_color.z) * (0.6 + 0.4 * normal_y);
 }
 
 static void test_light_counts(void **state) {
@@ -128,14 +135,17 @@ static void test_light_counts(void **state) {
             double far = lists == FNL_LISTS_ALL ? 5 : 0;
             vec3 there = heat(far);
             assert_color(&image, 25, 50, grey * 0.2 + five.x * 0.8, grey * 0.2 + five.y * 0.8, grey * 0.2 + five.z * 0.8);
-            assert_color(&image, 180, 50, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8, grey * 0.2 + there.z * 0.8);
+            assert_color(&image, 180, 50, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8,
+                         grey * 0.2 + there.z * 0.8);
             check_legend(&image);
             /* The map shows what the shading visits. */
             fnl_frame_stats stats;
             assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
             assert_int_equal(stats.max_per_pixel, 5);
-            if (lists == FNL_LISTS_ALL) assert_int_equal(stats.evaluations, 5ull * 190 * 100);
-            else assert_true(stats.evaluations < 5ull * 100 * 100);
+            if (lists == FNL_LISTS_ALL)
+                assert_int_equal(stats.evaluations, 5ull * 190 * 100);
+            else
+                assert_true(stats.evaluations < 5ull * 100 * 100);
             free_picture(&image);
         }
     fnl_renderer_destroy(&renderer);
@@ -148,7 +158,7 @@ static void test_cells(void **state) {
     struct scene_material m = scene_material_default();
     m.base_color = (vec4){0.5f, 0.5f, 0.5f, 1};
     uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &m));
-    test_place(scene, mesh, (vec3){-1, 0, 3}, (vec3){1, 1, 1});   /* left: near */
+    test_place(scene, mesh, (vec3){-1, 0, 3}, (vec3){1, 1, 1});  /* left: near */
     test_place(scene, mesh, (vec3){1, 0, -12}, (vec3){1, 1, 1}); /* right: far */
     fnl_light_params light = test_point((vec3){0, 0, 3}, 1, 90);
     fnl_light_id id;
@@ -161,7 +171,8 @@ static void test_cells(void **state) {
         test_render_frame(renderer, &frame);
         fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
         uint32_t size = lists == FNL_LISTS_TILED ? 16 : 64;
-        const uint8_t *inside = test_pixel8(&image, size + 5, 70), *line = test_pixel8(&image, size, 70), *far = test_pixel8(&image, 150, 70);
+        const uint8_t *inside = test_pixel8(&image, size + 5, 70), *line = test_pixel8(&image, size, 70),
+                      *far = test_pixel8(&image, 150, 70);
         double half_grey = grey_of(&m, 0) * 0.5;
         if (lists == FNL_LISTS_ALL) { /* no cells */
             assert_color(&image, size + 5, 70, half_grey, half_grey, half_grey);
@@ -169,10 +180,12 @@ static void test_cells(void **state) {
         } else {
             for (int c = 0; c < 3; c++) assert_true(fabs(line[c] - (inside[c] * 0.65 + 255 * 0.35)) <= 1.5);
             bool same = memcmp(inside, far, 4) == 0;
-            assert_int_equal(same, lists == FNL_LISTS_TILED); /* slices have hues of their own, tiles the colour of their count */
+            assert_int_equal(same,
+                             lists == FNL_LISTS_TILED); /* slices have hues of their own, tiles the colour of their count */
             vec3 one = heat(1);
             if (lists == FNL_LISTS_TILED)
-                assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45, half_grey * 0.55 + one.z * 0.45);
+                assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45,
+                             half_grey * 0.55 + one.z * 0.45);
         }
         free_picture(&image);
     }
@@ -194,10 +207,13 @@ static void test_overdraw(void **state) {
     assert_int_equal(fnl_scene_add_image(scene, &texel, true, &id), FNL_OK);
     m.alpha_mode = FNL_ALPHA_MASK;
     m.textures[SCENE_TEXTURE_BASE_COLOR].image = id.index;
-    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 3}, (vec3){1, 1, 1}); /* nothing but a hole */
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)), (vec3){0, 0, 3},
+               (vec3){1, 1, 1}); /* nothing but a hole */
     fnl_frame frame = debug_frame(FNL_DEBUG_OVERDRAW);
     fnl_image image = test_render(scene, &frame, FNL_OUTPUT_COLOR);
-    static const struct { uint32_t x, count; } probes[] = {{10, 0}, {35, 1}, {60, 2}, {100, 3}, {140, 2}, {165, 1}, {190, 0}};
+    static const struct {
+        uint32_t x, count;
+    } probes[] = {{10, 0}, {35, 1}, {60, 2}, {100, 3}, {140, 2}, {165, 1}, {190, 0}};
     for (uint32_t i = 0; i < COUNT_OF(probes); i++) {
         vec3 color = heat(probes[i].count);
         assert_color(&image, probes[i].x, 40, color.x, color.y, color.z);

@@ -36,7 +36,10 @@ static void maker_close(struct frame_maker *m) {
     graph_destroy(&m->graph);
 }
 
-struct read_data { graph_buffer from, to; uint64_t size; };
+struct read_data {
+    graph_buffer from, to;
+    uint64_t size;
+};
 
 static void execute_read(const struct graph_context *context, const void *data) {
     const struct read_data *d = data;
@@ -45,18 +48,23 @@ static void execute_read(const struct graph_context *context, const void *data) 
 
 /* The contents after maker_end. */
 static const void *maker_read(struct frame_maker *m, graph_buffer buffer, uint64_t size) {
-    static const char *const names[MAX_READS] = {"read 0", "read 1", "read 2", "read 3", "read 4", "read 5", "read 6", "read 7"};
+    static const char *const names[MAX_READS] = {"read 0", "read 1", "read 2", "read 3",
+                                                 "read 4", "read 5", "read 6", "read 7"};
     struct gpu_buffer *to = &m->buffers[m->count];
     assert_int_equal(gpu_buffer_create(test_device, names[m->count], size, GPU_MEMORY_READBACK, to), FNL_OK);
     struct read_data data = {buffer, graph_import_buffer(m->graph, names[m->count], to), size};
-    struct graph_pass *pass = graph_add_pass(m->graph, names[m->count], GRAPH_QUEUE_GRAPHICS, execute_read, &data, sizeof data);
+    struct graph_pass *pass =
+        graph_add_pass(m->graph, names[m->count], GRAPH_QUEUE_GRAPHICS, execute_read, &data, sizeof data);
     graph_use_buffer(pass, data.from, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.to, GRAPH_COPY_TO);
     m->from[m->count++] = data.to;
     return to->mapped;
 }
 
-struct read_image_data { graph_image from; graph_buffer to; };
+struct read_image_data {
+    graph_image from;
+    graph_buffer to;
+};
 
 static void execute_read_image(const struct graph_context *context, const void *data) {
     const struct read_image_data *d = data;
@@ -64,11 +72,13 @@ static void execute_read_image(const struct graph_context *context, const void *
 }
 
 static const void *maker_read_image(struct frame_maker *m, graph_image image, uint64_t size) {
-    static const char *const names[MAX_READS] = {"image 0", "image 1", "image 2", "image 3", "image 4", "image 5", "image 6", "image 7"};
+    static const char *const names[MAX_READS] = {"image 0", "image 1", "image 2", "image 3",
+                                                 "image 4", "image 5", "image 6", "image 7"};
     struct gpu_buffer *to = &m->buffers[m->count];
     assert_int_equal(gpu_buffer_create(test_device, names[m->count], size, GPU_MEMORY_READBACK, to), FNL_OK);
     struct read_image_data data = {image, graph_import_buffer(m->graph, names[m->count], to)};
-    struct graph_pass *pass = graph_add_pass(m->graph, names[m->count], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
+    struct graph_pass *pass =
+        graph_add_pass(m->graph, names[m->count], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
     graph_use_image(pass, data.from, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.to, GRAPH_COPY_TO);
     m->from[m->count++] = data.to;
@@ -106,7 +116,8 @@ static void test_prefix_sum(void **state) {
         uint32_t count = sizes[s];
         uint32_t *values = malloc((count + 1) * 4ull);
         struct random_state random = {s};
-        for (uint32_t i = 0; i < count; i++) values[i] = (uint32_t)random_bits(&random) >> (s % 2 ? 0 : 20); /* the large ones wrap */
+        for (uint32_t i = 0; i < count; i++)
+            values[i] = (uint32_t)random_bits(&random) >> (s % 2 ? 0 : 20); /* the large ones wrap */
         values[count] = 0xabcdef01;
         struct gpu_buffer buffer;
         assert_int_equal(gpu_buffer_create(test_device, "values", (count + 1) * 4ull, GPU_MEMORY_DEVICE, &buffer), FNL_OK);
@@ -136,7 +147,8 @@ struct culled {
     const struct gpu_draw *draws, *blend_draws;
 };
 
-static struct culled add_cull(struct frame_maker *m, const struct device_scene_frame *scene, VkDeviceAddress view, struct geometry_draws *out) {
+static struct culled add_cull(struct frame_maker *m, const struct device_scene_frame *scene, VkDeviceAddress view,
+                              struct geometry_draws *out) {
     *out = cull_add(m->graph, &scene->geometry, view);
     struct culled c = {0};
     c.sums = maker_read(m, out->sums, (scene->geometry.item_count + 1) * 4ull);
@@ -163,11 +175,13 @@ static fnl_scene *crowd(uint32_t count, uint64_t seed) {
     }
     struct random_state random = {seed};
     for (uint32_t i = 0; i < count; i++) {
-        vec3 axis = vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
+        vec3 axis =
+            vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
         float size = random_range(&random, 0.05f, 1.5f);
-        mat4 matrix = mat4_from_trs((vec3){random_range(&random, -12, 12), random_range(&random, -12, 12), random_range(&random, -12, 12)},
-                                    quat_axis_angle(axis, random_range(&random, 0, 6)),
-                                    (vec3){random_bits(&random) & 1 ? size : -size, size * random_range(&random, 0.3f, 2), size});
+        mat4 matrix = mat4_from_trs(
+            (vec3){random_range(&random, -12, 12), random_range(&random, -12, 12), random_range(&random, -12, 12)},
+            quat_axis_angle(axis, random_range(&random, 0, 6)),
+            (vec3){random_bits(&random) & 1 ? size : -size, size * random_range(&random, 0.3f, 2), size});
         scene_add_node(scene, "", SCENE_NONE, &matrix, meshes[random_bits(&random) % COUNT_OF(meshes)]);
     }
     return scene;
@@ -193,20 +207,24 @@ static int classify(const struct gpu_view *view, const mat4 *world, const struct
         vec3 w = mat4_point(world, p->positions[v]);
         bool inside = true;
         for (int k = 0; k < 5; k++)
-            inside = inside && vec3_dot((vec3){view->planes[k].x, view->planes[k].y, view->planes[k].z}, w) + view->planes[k].w > 1e-3f;
+            inside =
+                inside &&
+                vec3_dot((vec3){view->planes[k].x, view->planes[k].y, view->planes[k].z}, w) + view->planes[k].w > 1e-3f;
         if (inside) return 1;
     }
     struct box box = box_transform(&p->bounds, world);
     for (int k = 0; k < 5; k++) {
         vec3 n = {view->planes[k].x, view->planes[k].y, view->planes[k].z};
-        vec3 nearest = {n.x > 0 ? box.high.x : box.low.x, n.y > 0 ? box.high.y : box.low.y, n.z > 0 ? box.high.z : box.low.z};
+        vec3 nearest = {n.x > 0 ? box.high.x : box.low.x, n.y > 0 ? box.high.y : box.low.y,
+                        n.z > 0 ? box.high.z : box.low.z};
         if (vec3_dot(n, nearest) + view->planes[k].w < -2e-2f) return -1;
     }
     return 0;
 }
 
 /* Node of each item: in a bucket by primitive, then handedness, then node. Found from the item's instance on the device. */
-static void check_culled(const struct device_scene *d, const struct culled *c, const struct gpu_view *view, const struct gpu_item *items, uint32_t *seen) {
+static void check_culled(const struct device_scene *d, const struct culled *c, const struct gpu_view *view,
+                         const struct gpu_item *items, uint32_t *seen) {
     const fnl_scene *scene = d->scene;
     uint32_t visible = 0;
     for (uint32_t i = 0; i < d->item_count; i++) {
@@ -303,7 +321,11 @@ static void test_culling(void **state) {
 
 /* ---- sorting ---- */
 
-struct sort_key { float depth; uint32_t item; bool visible; };
+struct sort_key {
+    float depth;
+    uint32_t item;
+    bool visible;
+};
 
 static int compare_keys(const void *a, const void *b) {
     const struct sort_key *x = a, *y = b;
@@ -326,9 +348,10 @@ static void test_sorting(void **state) {
         struct sort_key *keys = calloc(count, sizeof *keys);
         material.alpha_mode = FNL_ALPHA_OPAQUE; /* opaque items stand before the blended ones */
         wall_material = scene_add_material(scene, &material);
-        for (int i = 0; i < 3; i++) test_place(scene, test_quad_mesh(scene, wall_material), (vec3){0, 0, -50}, (vec3){1, 1, 1});
+        for (int i = 0; i < 3; i++)
+            test_place(scene, test_quad_mesh(scene, wall_material), (vec3){0, 0, -50}, (vec3){1, 1, 1});
         for (uint32_t i = 0; i < count; i++) {
-            /* Depths are exact multiples of 1/4, and many are equal. The camera stands at 0; some items are behind it, some aside. */
+            /* Depths are exact multiples of 1/4, many are equal. Some items are behind the camera, some aside. */
             float z = (float)(random_bits(&random) % 400) * -0.25f + 5;
             float x = random_bits(&random) % 8 == 0 ? 400.0f : random_range(&random, -1, 1);
             test_place(scene, mesh, (vec3){x, 0, z}, (vec3){0.25f, 0.25f, 1});
@@ -454,8 +477,10 @@ static void test_octahedral_normals(void **state) {
         assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
         VkDeviceAddress address = send_view(&view);
         struct geometry_draws draws = cull_add(m.graph, &frame.geometry, address);
-        struct shade_input input = {.scene = &frame.geometry, .draws = &draws, .view = address, .width = SIDE, .height = SIDE};
-        struct graph_image_params params = {.name = "radiance", .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width = SIDE, .height = SIDE};
+        struct shade_input input = {
+            .scene = &frame.geometry, .draws = &draws, .view = address, .width = SIDE, .height = SIDE};
+        struct graph_image_params params = {
+            .name = "radiance", .format = VK_FORMAT_R16G16B16A16_SFLOAT, .width = SIDE, .height = SIDE};
         graph_image radiance = graph_create_image(m.graph, &params);
         params.name = "depth";
         params.format = GEOMETRY_DEPTH_FORMAT;
@@ -468,7 +493,8 @@ static void test_octahedral_normals(void **state) {
         for (uint32_t i = 0; i < SIDE * SIDE; i++) {
             const float *n = normals + i * 4;
             if (n[3] <= 0) continue;
-            double e[2] = {packed[i * 4] / 65535.0 * 2 - 1, packed[i * 4 + 1] / 65535.0 * 2 - 1}, back[3], given[3] = {n[0], n[1], n[2]};
+            double e[2] = {packed[i * 4] / 65535.0 * 2 - 1, packed[i * 4 + 1] / 65535.0 * 2 - 1}, back[3],
+                   given[3] = {n[0], n[1], n[2]};
             decode_direction(e, back);
             on_device = fmax(on_device, angle_between(given, back));
             assert_true(abs((int)packed[i * 4 + 2] - (int)(0.6 * 65535 + 0.5)) <= 1);
@@ -476,7 +502,8 @@ static void test_octahedral_normals(void **state) {
             covered++;
         }
     }
-    print_message("octahedral normals off by at most %.4f degrees at 2x12 bits, %.5f at 2x16; %.5f in the G-buffer\n", twelve, sixteen, on_device);
+    print_message("octahedral normals off by at most %.4f degrees at 2x12 bits, %.5f at 2x16; %.5f in the G-buffer\n",
+                  twelve, sixteen, on_device);
     assert_true(covered > 50000 && on_device < 0.004);
     maker_close(&m);
     device_scene_finish(&d);

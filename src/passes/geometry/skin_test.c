@@ -3,10 +3,13 @@
 #include "passes/geometry/skin_shared.h"
 #include "render/render_test.h"
 
-struct moved { double position[3], normal[3]; };
+struct moved {
+    double position[3], normal[3];
+};
 
 /* glTF 2.0, 3.7.2.2 and 3.7.3: morph targets first, then the weighted sum of joint matrices. */
-static struct moved move_vertex(const struct scene_primitive *p, uint32_t v, const float *weights, const mat4 *joints, const mat4 *world) {
+static struct moved move_vertex(const struct scene_primitive *p, uint32_t v, const float *weights, const mat4 *joints,
+                                const mat4 *world) {
     const vec3 *sources[2] = {p->positions, p->normals};
     double values[2][3];
     for (int k = 0; k < 2; k++) {
@@ -22,11 +25,13 @@ static struct moved move_vertex(const struct scene_primitive *p, uint32_t v, con
     double m[16] = {0};
     if (joints)
         for (uint32_t j = 0; j < p->joint_count; j++)
-            for (int c = 0; c < 16; c++) m[c] += (double)p->weights[v * p->joint_count + j] * joints[p->joints[v * p->joint_count + j]].m[c];
+            for (int c = 0; c < 16; c++)
+                m[c] += (double)p->weights[v * p->joint_count + j] * joints[p->joints[v * p->joint_count + j]].m[c];
     else
         for (int c = 0; c < 16; c++) m[c] = world->m[c];
     struct moved out;
-    for (int r = 0; r < 3; r++) out.position[r] = m[r] * values[0][0] + m[4 + r] * values[0][1] + m[8 + r] * values[0][2] + m[12 + r];
+    for (int r = 0; r < 3; r++)
+        out.position[r] = m[r] * values[0][0] + m[4 + r] * values[0][1] + m[8 + r] * values[0][2] + m[12 + r];
     /* The cofactor matrix is the inverse transpose up to a factor. */
     double cofactor[3][3], length = 0;
     for (int c = 0; c < 3; c++) {
@@ -35,7 +40,8 @@ static struct moved move_vertex(const struct scene_primitive *p, uint32_t v, con
     }
     double determinant = m[0] * cofactor[0][0] + m[1] * cofactor[0][1] + m[2] * cofactor[0][2];
     for (int r = 0; r < 3; r++) {
-        out.normal[r] = (cofactor[0][r] * values[1][0] + cofactor[1][r] * values[1][1] + cofactor[2][r] * values[1][2]) * (determinant < 0 ? -1 : 1);
+        out.normal[r] = (cofactor[0][r] * values[1][0] + cofactor[1][r] * values[1][1] + cofactor[2][r] * values[1][2]) *
+                        (determinant < 0 ? -1 : 1);
         length += out.normal[r] * out.normal[r];
     }
     for (int r = 0; r < 3; r++) out.normal[r] /= length > 0 ? sqrt(length) : 1;
@@ -43,7 +49,8 @@ static struct moved move_vertex(const struct scene_primitive *p, uint32_t v, con
 }
 
 static vec3 decode_normal(uint32_t bits) {
-    float x = fmaxf((float)(int16_t)(bits & 0xffff) / 32767, -1), y = fmaxf((float)(int16_t)(bits >> 16) / 32767, -1), z = 1 - fabsf(x) - fabsf(y);
+    float x = fmaxf((float)(int16_t)(bits & 0xffff) / 32767, -1), y = fmaxf((float)(int16_t)(bits >> 16) / 32767, -1),
+          z = 1 - fabsf(x) - fabsf(y);
     if (z < 0) {
         float folded = (1 - fabsf(y)) * (x < 0 ? -1 : 1);
         y = (1 - fabsf(x)) * (y < 0 ? -1 : 1);
@@ -64,7 +71,8 @@ static void check_vertices(fnl_renderer *renderer, double extent) {
         const struct device_deform *deform = &d->deformed.data[i];
         const struct scene_node *node = &scene->nodes.data[deform->node];
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
-        mat4 *joints = node->skin != SCENE_NONE ? malloc(scene->skins.data[node->skin].joint_count * sizeof *joints) : NULL, identity = mat4_identity();
+        mat4 *joints = node->skin != SCENE_NONE ? malloc(scene->skins.data[node->skin].joint_count * sizeof *joints) : NULL,
+             identity = mat4_identity();
         if (joints) skin_matrices(scene, node->skin, joints);
         const float *weights = node->morph_weights ? node->morph_weights : mesh->morph_weights;
         for (uint32_t k = 0; k < mesh->primitive_count; k++) {
@@ -72,15 +80,21 @@ static void check_vertices(fnl_renderer *renderer, double extent) {
             bool skinned = joints && p->joint_count;
             if (!skinned && !p->morph_target_count) continue;
             struct gpu_deform record;
-            assert_int_equal(gpu_read_buffer(test_device, &d->deforms, deform_index * sizeof record, &record, sizeof record), FNL_OK);
+            assert_int_equal(gpu_read_buffer(test_device, &d->deforms, deform_index * sizeof record, &record, sizeof record),
+                             FNL_OK);
             assert_int_equal(record.count, p->vertex_count);
             vec3 *positions = malloc(p->vertex_count * sizeof *positions);
             struct gpu_attributes *attributes = malloc(p->vertex_count * sizeof *attributes);
-            assert_int_equal(gpu_read_buffer(test_device, &d->positions, record.target * 12ull, positions, p->vertex_count * 12ull), FNL_OK);
-            assert_int_equal(gpu_read_buffer(test_device, &d->attributes, record.target * sizeof *attributes, attributes, p->vertex_count * sizeof *attributes), FNL_OK);
+            assert_int_equal(
+                gpu_read_buffer(test_device, &d->positions, record.target * 12ull, positions, p->vertex_count * 12ull),
+                FNL_OK);
+            assert_int_equal(gpu_read_buffer(test_device, &d->attributes, record.target * sizeof *attributes, attributes,
+                                             p->vertex_count * sizeof *attributes),
+                             FNL_OK);
             for (uint32_t v = 0; v < p->vertex_count; v++) {
                 struct moved m = move_vertex(p, v, weights, skinned ? joints : NULL, &identity);
-                worst = fmax(worst, fmax(fabs(m.position[0] - positions[v].x), fmax(fabs(m.position[1] - positions[v].y), fabs(m.position[2] - positions[v].z))));
+                worst = fmax(worst, fmax(fabs(m.position[0] - positions[v].x),
+                                         fmax(fabs(m.position[1] - positions[v].y), fabs(m.position[2] - positions[v].z))));
                 vec3 n = decode_normal(attributes[v].normal);
                 double along = n.x * m.normal[0] + n.y * m.normal[1] + n.z * m.normal[2];
                 worst_angle = fmax(worst_angle, acos(fmin(along, 1)));
@@ -92,7 +106,8 @@ static void check_vertices(fnl_renderer *renderer, double extent) {
         free(joints);
     }
     assert_true(deform_index > 0 && deform_index == d->deform_vertex_counts.count);
-    print_message("vertices off by %.2g of the scene's size, normals by %.2g degrees\n", worst / extent, worst_angle * 57.29578);
+    print_message("vertices off by %.2g of the scene's size, normals by %.2g degrees\n", worst / extent,
+                  worst_angle * 57.29578);
     assert_true(worst < 2e-6 * extent);
     assert_true(worst_angle * 57.29578 < 0.05); /* twice 16-bit octahedral */
 }
@@ -105,7 +120,8 @@ static void check_picture(fnl_renderer *renderer, const fnl_image *position, dou
         if (p[3] > 0) box_add_point(&box, (vec3){p[0], p[1], p[2]});
     }
     assert_false(box_is_empty(&box));
-    assert_true(box.low.x > moved.low.x - slack && box.low.y > moved.low.y - slack && box.high.x < moved.high.x + slack && box.high.y < moved.high.y + slack);
+    assert_true(box.low.x > moved.low.x - slack && box.low.y > moved.low.y - slack && box.high.x < moved.high.x + slack &&
+                box.high.y < moved.high.y + slack);
 }
 
 static void check_animated(fnl_scene *scene, const double *times, uint32_t time_count) {
@@ -145,7 +161,8 @@ static void test_cesium_man(void **state) {
 
 /* ---- a morphed square: weights by a cubic spline that overshoots, far outside of 0..1 ---- */
 
-static const vec3 moves[2][4] = {{{0, 0, 0}, {0.1f, 0, 0}, {0.1f, 0.2f, 0}, {0, 0.1f, 0}}, {{0.05f, 0, 1}, {0, 0, 0.5f}, {0, 0, 0}, {0, 0, 0.25f}}};
+static const vec3 moves[2][4] = {{{0, 0, 0}, {0.1f, 0, 0}, {0.1f, 0.2f, 0}, {0, 0.1f, 0}},
+                                 {{0.05f, 0, 1}, {0, 0, 0.5f}, {0, 0, 0}, {0, 0, 0.25f}}};
 static const vec3 turns[4] = {{0.5f, 0, 0}, {0, 0.5f, 0}, {0, 0, 0}, {-0.5f, 0, 0}};
 static const struct scene_morph_target targets[2] = {{moves[0], NULL, NULL}, {moves[1], turns, NULL}};
 
@@ -158,16 +175,26 @@ static fnl_scene *morphed_scene(uint32_t *out_node) {
     fnl_scene *scene = test_scene();
     struct scene_material material = scene_material_default();
     material.double_sided = true;
-    struct scene_primitive p = {.material = scene_add_material(scene, &material), .vertex_count = 4, .index_count = 6, .indices = indices,
-                                .positions = positions, .morph_targets = targets, .morph_target_count = 2};
+    struct scene_primitive p = {.material = scene_add_material(scene, &material),
+                                .vertex_count = 4,
+                                .index_count = 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .morph_targets = targets,
+                                .morph_target_count = 2};
     assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
     uint32_t mesh = scene_add_mesh(scene, "", &p, 1);
     scene->meshes.data[mesh].morph_target_count = 2;
     *out_node = test_place(scene, mesh, (vec3){0.1f, 0, 0}, (vec3){1, 1, 1});
     scene->nodes.data[*out_node].morph_weights = ARENA_ARRAY(&scene->arena, float, 2);
     static struct scene_channel channel;
-    channel = (struct scene_channel){.node = *out_node, .path = SCENE_PATH_WEIGHTS, .interpolation = SCENE_INTERPOLATION_CUBIC, .key_count = 2,
-                                     .width = 2, .times = times, .values = values};
+    channel = (struct scene_channel){.node = *out_node,
+                                     .path = SCENE_PATH_WEIGHTS,
+                                     .interpolation = SCENE_INTERPOLATION_CUBIC,
+                                     .key_count = 2,
+                                     .width = 2,
+                                     .times = times,
+                                     .values = values};
     struct scene_animation animation = {.name = "", .channels = &channel, .channel_count = 1, .duration = 2};
     assert_true(array_push(&scene->host, &scene->animations, animation));
     return scene;
@@ -184,7 +211,8 @@ static void test_morph(void **state) {
     for (double t = 0; t <= 2; t += 0.4) {
         assert_int_equal(fnl_scene_set_time(scene, 0, t), FNL_OK);
         /* glTF 2.0, appendix C: cubic Hermite, tangents scaled by the time between keys. */
-        double s = t / 2, a = (2 * s * s * s - 3 * s * s + 1), b = (s * s * s - 2 * s * s + s) * 2, c = 3 * s * s - 2 * s * s * s, e = (s * s * s - s * s) * 2;
+        double s = t / 2, a = (2 * s * s * s - 3 * s * s + 1), b = (s * s * s - 2 * s * s + s) * 2,
+               c = 3 * s * s - 2 * s * s * s, e = (s * s * s - s * s) * 2;
         double w[2] = {a * 0 + b * 6 + c * 0.5 + e * 6, a * 0 + b * -4 + c * 1 + e * 2};
         for (int k = 0; k < 2; k++) assert_true(fabs(scene->nodes.data[node].morph_weights[k] - w[k]) < 1e-5);
         test_render_frame(renderer, &frame);
@@ -250,11 +278,20 @@ static void test_hand_made_skin(void **state) {
     }
     struct scene_material material = scene_material_default();
     material.double_sided = true;
-    struct scene_primitive p = {.material = scene_add_material(scene, &material), .vertex_count = VERTICES, .index_count = SEGMENTS * 6, .indices = indices,
-                                .positions = positions, .normals = normals, .joints = joints, .weights = weights, .joint_count = 4};
+    struct scene_primitive p = {.material = scene_add_material(scene, &material),
+                                .vertex_count = VERTICES,
+                                .index_count = SEGMENTS * 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .normals = normals,
+                                .joints = joints,
+                                .weights = weights,
+                                .joint_count = 4};
     assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
-    uint32_t node = test_place(scene, scene_add_mesh(scene, "", &p, 1), (vec3){500, 600, 700}, (vec3){7, 7, 7}); /* ignored */
-    mat4 root = mat4_translation((vec3){-0.2f, -0.4f, 0}), bend = mat4_from_trs((vec3){0, 0.5f, 0}, quat_axis_angle((vec3){0, 0, 1}, -0.9f), (vec3){1.2f, 1.2f, -1.2f});
+    uint32_t node =
+        test_place(scene, scene_add_mesh(scene, "", &p, 1), (vec3){500, 600, 700}, (vec3){7, 7, 7}); /* ignored */
+    mat4 root = mat4_translation((vec3){-0.2f, -0.4f, 0}),
+         bend = mat4_from_trs((vec3){0, 0.5f, 0}, quat_axis_angle((vec3){0, 0, 1}, -0.9f), (vec3){1.2f, 1.2f, -1.2f});
     uint32_t *bones = ARENA_ARRAY(&scene->arena, uint32_t, 2);
     mat4 *inverse = ARENA_ARRAY(&scene->arena, mat4, 2);
     bones[0] = scene_add_node(scene, "", SCENE_NONE, &root, SCENE_NONE);
@@ -282,10 +319,8 @@ static void test_hand_made_skin(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_morph),
-        cmocka_unit_test(test_morph_beyond_targets_is_not_culled),
-        cmocka_unit_test(test_hand_made_skin),
-        cmocka_unit_test(test_fox),
+        cmocka_unit_test(test_morph),          cmocka_unit_test(test_morph_beyond_targets_is_not_culled),
+        cmocka_unit_test(test_hand_made_skin), cmocka_unit_test(test_fox),
         cmocka_unit_test(test_cesium_man),
     };
     return cmocka_run_group_tests_name("skin", tests, test_group_begin, test_group_end);

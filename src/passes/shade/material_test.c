@@ -13,7 +13,8 @@ static uint32_t add_image(fnl_scene *scene, uint32_t width, uint32_t height, con
 }
 
 static uint32_t nearest_sampler(fnl_scene *scene, enum scene_wrap u, enum scene_wrap v) {
-    struct scene_sampler sampler = {.mag = SCENE_FILTER_NEAREST, .min = SCENE_FILTER_NEAREST, .mip = SCENE_FILTER_NEAREST, .wrap_u = u, .wrap_v = v};
+    struct scene_sampler sampler = {
+        .mag = SCENE_FILTER_NEAREST, .min = SCENE_FILTER_NEAREST, .mip = SCENE_FILTER_NEAREST, .wrap_u = u, .wrap_v = v};
     return scene_add_sampler(scene, &sampler);
 }
 
@@ -25,7 +26,8 @@ static struct scene_texture texture_of(fnl_scene *scene, uint32_t image) {
 }
 
 static uint32_t place_square(fnl_scene *scene, const struct scene_material *material, vec3 position) {
-    return test_place(scene, test_quad_mesh(scene, material ? scene_add_material(scene, material) : SCENE_NONE), position, (vec3){1, 1, 1});
+    return test_place(scene, test_quad_mesh(scene, material ? scene_add_material(scene, material) : SCENE_NONE), position,
+                      (vec3){1, 1, 1});
 }
 
 static fnl_image render_square(fnl_scene *scene, fnl_output output) {
@@ -81,7 +83,8 @@ static void test_cutout_holes(void **state) {
             }
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-        if (frame.shading != FNL_SHADING_FORWARD) assert_int_equal(stats.evaluations, 64 * 64); /* one shaded fragment a pixel */
+        if (frame.shading != FNL_SHADING_FORWARD)
+            assert_int_equal(stats.evaluations, 64 * 64); /* one shaded fragment a pixel */
         free_picture(&radiance);
         free_picture(&position);
     }
@@ -92,9 +95,14 @@ static void test_cutout_holes(void **state) {
 static void test_alpha_modes(void **state) {
     UNUSED(state);
     /* alpha equal to the cutoff stays; OPAQUE ignores alpha; MASK keeps no translucency. */
-    static const struct { fnl_alpha_mode mode; float alpha, cutoff; double expected; } cases[] = {
-        {FNL_ALPHA_OPAQUE, 0.25f, 0.5f, 0.8}, {FNL_ALPHA_MASK, 0.5f, 0.5f, 0.8}, {FNL_ALPHA_MASK, 0.49f, 0.5f, 0.1}, {FNL_ALPHA_MASK, 0.75f, 0, 0.8},
-        {FNL_ALPHA_MASK, 1, 1.5f, 0.1}, {FNL_ALPHA_BLEND, 0.25f, 0.5f, 0.8 * 0.25 + 0.1 * 0.75}, {FNL_ALPHA_BLEND, 0, 0.5f, 0.1}, {FNL_ALPHA_BLEND, 1, 0.5f, 0.8}};
+    static const struct {
+        fnl_alpha_mode mode;
+        float alpha, cutoff;
+        double expected;
+    } cases[] = {{FNL_ALPHA_OPAQUE, 0.25f, 0.5f, 0.8}, {FNL_ALPHA_MASK, 0.5f, 0.5f, 0.8},
+                 {FNL_ALPHA_MASK, 0.49f, 0.5f, 0.1},   {FNL_ALPHA_MASK, 0.75f, 0, 0.8},
+                 {FNL_ALPHA_MASK, 1, 1.5f, 0.1},       {FNL_ALPHA_BLEND, 0.25f, 0.5f, 0.8 * 0.25 + 0.1 * 0.75},
+                 {FNL_ALPHA_BLEND, 0, 0.5f, 0.1},      {FNL_ALPHA_BLEND, 1, 0.5f, 0.8}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         fnl_scene *scene = test_scene();
         assert_int_equal(fnl_scene_set_background(scene, (vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
@@ -110,11 +118,15 @@ static void test_alpha_modes(void **state) {
     }
 }
 
-/* Three panes, added in a jumbled order, over an opaque wall; one more behind it. Sizes differ, so that every stack appears. */
+/* Three panes, added in a jumbled order, over a wall; one more behind it. Sizes differ, so that every stack appears. */
 static void test_blend_order(void **state) {
     UNUSED(state);
-    static const struct { float color[3], alpha, z, scale; } panes[4] = {
-        {{0, 0, 1}, 0.5f, 1.0f, 0.8f}, {{1, 0, 0}, 0.25f, 3.0f, 0.3f}, {{9, 9, 9}, 0.9f, -1, 1}, {{0, 1, 0}, 0.75f, 2.0f, 0.5f}};
+    static const struct {
+        float color[3], alpha, z, scale;
+    } panes[4] = {{{0, 0, 1}, 0.5f, 1.0f, 0.8f},
+                  {{1, 0, 0}, 0.25f, 3.0f, 0.3f},
+                  {{9, 9, 9}, 0.9f, -1, 1},
+                  {{0, 1, 0}, 0.75f, 2.0f, 0.5f}};
     fnl_scene *scene = test_scene();
     for (int i = 0; i < 4; i++) {
         struct scene_material pane = test_unlit(1, 1, 1);
@@ -125,7 +137,8 @@ static void test_blend_order(void **state) {
         pane.emissive = (vec3){panes[i].color[0], panes[i].color[1], panes[i].color[2]};
         pane.alpha_mode = FNL_ALPHA_BLEND;
         pane.double_sided = i == 1;
-        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &pane)), (vec3){0, 0, panes[i].z}, (vec3){panes[i].scale, panes[i].scale, 1});
+        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &pane)), (vec3){0, 0, panes[i].z},
+                   (vec3){panes[i].scale, panes[i].scale, 1});
     }
     struct scene_material wall = test_unlit(0.5f, 0.5f, 0.5f);
     place_square(scene, &wall, (vec3){0, 0, 0});
@@ -140,7 +153,8 @@ static void test_blend_order(void **state) {
             double expected[3] = {0.5, 0.5, 0.5}, at = fabs((x + 0.5) / 32 - 1);
             for (int k = 0; k < 3; k++)
                 if (at < panes[order[k]].scale)
-                    for (int c = 0; c < 3; c++) expected[c] += panes[order[k]].alpha * (panes[order[k]].color[c] - expected[c]);
+                    for (int c = 0; c < 3; c++)
+                        expected[c] += panes[order[k]].alpha * (panes[order[k]].color[c] - expected[c]);
             assert_pixel(&radiance, x, 32, expected[0], expected[1], expected[2], EXACT);
         }
         free_picture(&radiance);
@@ -163,15 +177,19 @@ static void test_sides(void **state) {
                     material.metallic = 0;
                     material.double_sided = double_sided;
                     material.alpha_mode = blend ? FNL_ALPHA_BLEND : FNL_ALPHA_OPAQUE;
-                    mat4 turn = mat4_from_trs((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 1, 0}, back ? PI : 0), (vec3){mirrored ? -1.0f : 1, 1, 1});
-                    scene_add_node(scene, "", SCENE_NONE, &turn, test_quad_mesh(scene, scene_add_material(scene, &material)));
+                    mat4 turn = mat4_from_trs((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 1, 0}, back ? PI : 0),
+                                              (vec3){mirrored ? -1.0f : 1, 1, 1});
+                    scene_add_node(scene, "", SCENE_NONE, &turn,
+                                   test_quad_mesh(scene, scene_add_material(scene, &material)));
                     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_NORMAL);
                     fnl_renderer *renderer = test_renderer(scene);
                     test_render_frame(renderer, &frame);
-                    fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), normal = test_read(renderer, FNL_OUTPUT_NORMAL);
+                    fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE),
+                              normal = test_read(renderer, FNL_OUTPUT_NORMAL);
                     bool visible = !back || double_sided;
                     if ((test_pixel(&radiance, 20, 20)[0] > 0.1f) != visible)
-                        fail_msg("blend %d, mirrored %d, double-sided %d, back %d: wrong side", blend, mirrored, double_sided, back);
+                        fail_msg("blend %d, mirrored %d, double-sided %d, back %d: wrong side", blend, mirrored,
+                                 double_sided, back);
                     if (!blend && visible) assert_pixel(&normal, 20, 20, 0, 0, 1, 1e-4);
                     free_picture(&radiance);
                     free_picture(&normal);
@@ -180,13 +198,16 @@ static void test_sides(void **state) {
                 }
 }
 
-/* The mapped normal of the object, moved into the world by each transform: scaled and mirrored, tangent frames stay right. */
+/* The mapped normal of the object, moved by each transform: scaled and mirrored, tangent frames stay right. */
 static void test_normal_maps(void **state) {
     UNUSED(state);
     static const uint8_t texel[4] = {191, 96, 230, 255};
-    static const struct { vec3 scale; float roll, normal_scale; } cases[] = {
-        {{1, 1, 1}, 0, 1}, {{1, 1, 1}, 0, 0.5f}, {{1, 1, 1}, 0, 2}, {{1, 1, 1}, 0, -1}, {{3, 3, 3}, 0, 1}, {{0.2f, 0.2f, 0.2f}, 0.4f, 1}, {{-1, 1, 1}, 0, 1},
-        {{1, -1, 1}, 0, 1}, {{-1, -1, 1}, 0, 1}, {{-2, 2, 2}, 1.1f, 0.7f}, {{1, 1, 1}, 2.5f, 1}};
+    static const struct {
+        vec3 scale;
+        float roll, normal_scale;
+    } cases[] = {{{1, 1, 1}, 0, 1},   {{1, 1, 1}, 0, 0.5f},          {{1, 1, 1}, 0, 2},   {{1, 1, 1}, 0, -1},
+                 {{3, 3, 3}, 0, 1},   {{0.2f, 0.2f, 0.2f}, 0.4f, 1}, {{-1, 1, 1}, 0, 1},  {{1, -1, 1}, 0, 1},
+                 {{-1, -1, 1}, 0, 1}, {{-2, 2, 2}, 1.1f, 0.7f},      {{1, 1, 1}, 2.5f, 1}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         fnl_scene *scene = test_scene();
         struct scene_material material = scene_material_default();
@@ -196,11 +217,13 @@ static void test_normal_maps(void **state) {
         scene_add_node(scene, "", SCENE_NONE, &matrix, test_quad_mesh(scene, scene_add_material(scene, &material)));
         fnl_image normal = render_square(scene, FNL_OUTPUT_NORMAL);
         /* The scale is even but for its signs, so tangent space moves like the object. */
-        vec3 mapped = {((float)texel[0] / 255 * 2 - 1) * cases[i].normal_scale, ((float)texel[1] / 255 * 2 - 1) * cases[i].normal_scale, (float)texel[2] / 255 * 2 - 1};
+        vec3 mapped = {((float)texel[0] / 255 * 2 - 1) * cases[i].normal_scale,
+                       ((float)texel[1] / 255 * 2 - 1) * cases[i].normal_scale, (float)texel[2] / 255 * 2 - 1};
         vec3 expected = vec3_normalize(mat4_direction(&matrix, mapped));
         const float *n = test_pixel(&normal, 32, 32);
         if (fabsf(n[0] - expected.x) + fabsf(n[1] - expected.y) + fabsf(n[2] - expected.z) > 1e-3f)
-            fail_msg("case %u: normal %g %g %g, expected %g %g %g", i, (double)n[0], (double)n[1], (double)n[2], (double)expected.x, (double)expected.y, (double)expected.z);
+            fail_msg("case %u: normal %g %g %g, expected %g %g %g", i, (double)n[0], (double)n[1], (double)n[2],
+                     (double)expected.x, (double)expected.y, (double)expected.z);
         free_picture(&normal);
         fnl_scene_destroy(&scene);
     }
@@ -221,7 +244,8 @@ static void test_uneven_scale(void **state) {
     for (uint32_t i = 0; i < 64 * 64; i++) {
         const float *p = (float *)position.pixels + i * 4, *n = (float *)normal.pixels + i * 4;
         if (p[3] == 0) continue;
-        vec3 expected = vec3_normalize((vec3){p[0] / (0.9f * 0.9f), p[1] / (0.5f * 0.5f), p[2] / 4}); /* gradient of the ellipsoid */
+        vec3 expected =
+            vec3_normalize((vec3){p[0] / (0.9f * 0.9f), p[1] / (0.5f * 0.5f), p[2] / 4}); /* gradient of the ellipsoid */
         covered++;
         assert_true(vec3_dot(expected, (vec3){n[0], n[1], n[2]}) > 0.98f);
     }
@@ -245,8 +269,10 @@ static int wrapped(int texel, int count, enum scene_wrap wrap) {
 static void test_texture_coordinates(void **state) {
     UNUSED(state);
     uint8_t texels[4 * 2 * 4];
-    for (int i = 0; i < 8; i++) memcpy(texels + i * 4, (uint8_t[4]){(uint8_t)(i * 30 + 10), (uint8_t)(250 - i * 30), 77, 255}, 4);
-    static const float transforms[][6] = {{1, 0, 0, 0, 1, 0}, {3, 0, -1, 0, 3, -1}, {0.8f, 0.6f, 0.13f, -0.6f, 0.8f, 0.21f}, {2, 0, 0.5f, 0, -1.5f, 0.3f}};
+    for (int i = 0; i < 8; i++)
+        memcpy(texels + i * 4, (uint8_t[4]){(uint8_t)(i * 30 + 10), (uint8_t)(250 - i * 30), 77, 255}, 4);
+    static const float transforms[][6] = {
+        {1, 0, 0, 0, 1, 0}, {3, 0, -1, 0, 3, -1}, {0.8f, 0.6f, 0.13f, -0.6f, 0.8f, 0.21f}, {2, 0, 0.5f, 0, -1.5f, 0.3f}};
     for (uint32_t k = 0; k < COUNT_OF(transforms); k++)
         for (int wrap = 0; wrap < 9; wrap++) {
             enum scene_wrap u_wrap = (enum scene_wrap)(wrap % 3), v_wrap = (enum scene_wrap)(wrap / 3);
@@ -261,8 +287,12 @@ static void test_texture_coordinates(void **state) {
             static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
             static const vec2 uv[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}}, elsewhere[4] = {{7, 7}, {7, 7}, {7, 7}, {7, 7}};
             static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-            struct scene_primitive p = {.material = scene_add_material(scene, &material), .vertex_count = 4, .index_count = 6, .indices = indices,
-                                        .positions = positions, .uv = {t->uv_set ? elsewhere : uv, t->uv_set ? uv : elsewhere}};
+            struct scene_primitive p = {.material = scene_add_material(scene, &material),
+                                        .vertex_count = 4,
+                                        .index_count = 6,
+                                        .indices = indices,
+                                        .positions = positions,
+                                        .uv = {t->uv_set ? elsewhere : uv, t->uv_set ? uv : elsewhere}};
             assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
             test_place(scene, scene_add_mesh(scene, "", &p, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
             fnl_image radiance = render_square(scene, FNL_OUTPUT_RADIANCE);
@@ -270,10 +300,13 @@ static void test_texture_coordinates(void **state) {
             for (uint32_t y = 0; y < 64; y += 3)
                 for (uint32_t x = 0; x < 64; x += 3) {
                     const float *m = transforms[k];
-                    double u0 = (x + 0.5) / 64, v0 = (y + 0.5) / 64, u = (m[0] * u0 + m[1] * v0 + m[2]) * 4, v = (m[3] * u0 + m[4] * v0 + m[5]) * 2;
+                    double u0 = (x + 0.5) / 64, v0 = (y + 0.5) / 64, u = (m[0] * u0 + m[1] * v0 + m[2]) * 4,
+                           v = (m[3] * u0 + m[4] * v0 + m[5]) * 2;
                     if (fabs(u - round(u)) < 1e-2 || fabs(v - round(v)) < 1e-2) continue; /* too near to the next texel */
-                    const uint8_t *texel = texels + (wrapped((int)floor(v), 2, v_wrap) * 4 + wrapped((int)floor(u), 4, u_wrap)) * 4;
-                    assert_pixel(&radiance, x, y, srgb_decode(texel[0] / 255.0), srgb_decode(texel[1] / 255.0), srgb_decode(77 / 255.0), 2e-3);
+                    const uint8_t *texel =
+                        texels + (wrapped((int)floor(v), 2, v_wrap) * 4 + wrapped((int)floor(u), 4, u_wrap)) * 4;
+                    assert_pixel(&radiance, x, y, srgb_decode(texel[0] / 255.0), srgb_decode(texel[1] / 255.0),
+                                 srgb_decode(77 / 255.0), 2e-3);
                     compared++;
                 }
             assert_true(compared > 200);
@@ -288,9 +321,14 @@ static void test_vertex_colors(void **state) {
     fnl_material_params params = fnl_material_params_default();
     params.unlit = true;
     params.base_color[1] = 0.5f;
-    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, colors[] = {0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1};
+    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0},
+                       colors[] = {0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1};
     static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    fnl_mesh_params mesh_params = {.vertex_count = 4, .index_count = 6, .positions = positions, .colors = colors, .indices = indices,
+    fnl_mesh_params mesh_params = {.vertex_count = 4,
+                                   .index_count = 6,
+                                   .positions = positions,
+                                   .colors = colors,
+                                   .indices = indices,
                                    .material = test_material(scene, &params)};
     fnl_mesh_id mesh;
     fnl_instance_id instance;
@@ -298,7 +336,8 @@ static void test_vertex_colors(void **state) {
     assert_int_equal(fnl_scene_add_mesh(scene, &mesh_params, &mesh), FNL_OK);
     assert_int_equal(fnl_scene_add_instance(scene, mesh, &identity, &instance), FNL_OK);
     fnl_image radiance = render_square(scene, FNL_OUTPUT_RADIANCE);
-    for (uint32_t i = 1; i < 64; i += 9) assert_pixel(&radiance, i, i / 2, (i + 0.5) / 64, (1 - (i / 2 + 0.5) / 64) * 0.5, 1, 1e-4);
+    for (uint32_t i = 1; i < 64; i += 9)
+        assert_pixel(&radiance, i, i / 2, (i + 0.5) / 64, (1 - (i / 2 + 0.5) / 64) * 0.5, 1, 1e-4);
     free_picture(&radiance);
     fnl_scene_destroy(&scene);
 }
@@ -308,7 +347,8 @@ static void test_vertex_colors(void **state) {
 /* All texture channels at once, against the reference that is given the products. */
 static void test_texture_channels(void **state) {
     UNUSED(state);
-    static const uint8_t base[4] = {200, 100, 50, 255}, rough[4] = {9, 128, 200, 9}, occlusion[4] = {64, 9, 9, 9}, emissive[4] = {20, 188, 90, 9};
+    static const uint8_t base[4] = {200, 100, 50, 255}, rough[4] = {9, 128, 200, 9}, occlusion[4] = {64, 9, 9, 9},
+                         emissive[4] = {20, 188, 90, 9};
     static const uint8_t specular[4] = {9, 9, 9, 120}, specular_color[4] = {255, 128, 30, 9};
     fnl_scene *scene = test_scene();
     struct scene_material m = scene_material_default();
@@ -351,7 +391,8 @@ static void test_texture_channels(void **state) {
     /* Drivers may decode sRGB a little differently: up to a per cent, as llvmpipe approximates the curve. */
     for (int c = 0; c < 3; c++) {
         double value = test_pixel(&radiance, 30, 30)[c];
-        if (fabs(value - expected[c]) >= 1e-2 * expected[c]) fail_msg("channel %d is %g, reference %g", c, value, expected[c]);
+        if (fabs(value - expected[c]) >= 1e-2 * expected[c])
+            fail_msg("channel %d is %g, reference %g", c, value, expected[c]);
     }
     free_picture(&radiance);
 
@@ -361,7 +402,8 @@ static void test_texture_channels(void **state) {
     radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);
     for (int c = 0; c < 3; c++) {
         double value = test_pixel(&radiance, 30, 30)[c];
-        if (fabs(value - expected[c]) >= 1.5e-2 * expected[c]) fail_msg("deferred: channel %d is %g, reference %g", c, value, expected[c]);
+        if (fabs(value - expected[c]) >= 1.5e-2 * expected[c])
+            fail_msg("deferred: channel %d is %g, reference %g", c, value, expected[c]);
     }
     free_picture(&radiance);
     fnl_scene_destroy(&scene);
@@ -401,7 +443,8 @@ static void test_unlit_and_emission(void **state) {
         lamp.base_color = (vec4){0, 0, 0, 1};
         lamp.metallic = lamp.specular = 0;
         lamp.emissive = (vec3){1000, 2e5f, 0.25f};
-        uint32_t a = test_quad_mesh(scene, scene_add_material(scene, &unlit)), b = test_quad_mesh(scene, scene_add_material(scene, &lamp));
+        uint32_t a = test_quad_mesh(scene, scene_add_material(scene, &unlit)),
+                 b = test_quad_mesh(scene, scene_add_material(scene, &lamp));
         test_place(scene, a, (vec3){-0.5f, 0, 0}, (vec3){0.5f, 1, 1});
         test_place(scene, b, (vec3){0.5f, 0, 0}, (vec3){0.5f, 1, 1});
         fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
@@ -439,9 +482,18 @@ static void test_points_and_lines(void **state) {
             material.alpha_mode = blend ? FNL_ALPHA_BLEND : FNL_ALPHA_OPAQUE;
             material.base_color.w = blend ? 0.5f : 1;
             double a = blend ? 0.5 : 1;
-            struct scene_primitive primitives[2] = {
-                {.material = scene_add_material(scene, &material), .topology = SCENE_TOPOLOGY_LINES, .vertex_count = 3, .index_count = 2, .indices = line, .positions = positions},
-                {.material = 0, .topology = SCENE_TOPOLOGY_POINTS, .vertex_count = 3, .index_count = 1, .indices = point, .positions = positions}};
+            struct scene_primitive primitives[2] = {{.material = scene_add_material(scene, &material),
+                                                     .topology = SCENE_TOPOLOGY_LINES,
+                                                     .vertex_count = 3,
+                                                     .index_count = 2,
+                                                     .indices = line,
+                                                     .positions = positions},
+                                                    {.material = 0,
+                                                     .topology = SCENE_TOPOLOGY_POINTS,
+                                                     .vertex_count = 3,
+                                                     .index_count = 1,
+                                                     .indices = point,
+                                                     .positions = positions}};
             test_place(scene, scene_add_mesh(scene, "", primitives, 2), (vec3){0, 0, 0}, (vec3){1, 1, 1});
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;

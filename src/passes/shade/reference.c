@@ -11,8 +11,14 @@ static double clamp01(double x) { return fmin(fmax(x, 0), 1); }
 static double max3(const double a[3]) { return fmax(a[0], fmax(a[1], a[2])); }
 
 struct reference_surface reference_surface_default(void) {
-    return (struct reference_surface){.normal = {0, 0, 1}, .base_color = {1, 1, 1}, .metallic = 1, .roughness = 1, .occlusion = 1,
-                                      .ior = 1.5, .specular = 1, .specular_color = {1, 1, 1}};
+    return (struct reference_surface){.normal = {0, 0, 1},
+                                      .base_color = {1, 1, 1},
+                                      .metallic = 1,
+                                      .roughness = 1,
+                                      .occlusion = 1,
+                                      .ior = 1.5,
+                                      .specular = 1,
+                                      .specular_color = {1, 1, 1}};
 }
 
 /* Reflectance of the dielectric part along the normal, and at grazing angles. */
@@ -56,7 +62,8 @@ static void brdf_cos(const struct reference_surface *s, const double l[3], const
 
 /* Lux at right angles to the ray (KHR_lights_punctual); an infinite range is where 0.05 lux are left (fanal/scene.h). */
 static bool illuminate(const fnl_light_params *light, const double position[3], double l[3], double out[3]) {
-    double color[3], direction[3] = {light->direction.x, light->direction.y, light->direction.z}, length = sqrt(dot3(direction, direction));
+    double color[3], direction[3] = {light->direction.x, light->direction.y, light->direction.z},
+                     length = sqrt(dot3(direction, direction));
     for (int i = 0; i < 3; i++) color[i] = (double)light->color[i] * light->intensity;
     double factor = 1;
     if (light->kind == FNL_LIGHT_DIRECTIONAL) {
@@ -92,12 +99,13 @@ static void add_ambient(const struct reference_surface *s, const double v[3], fn
         double along_normal = grounds[i] + (skies[i] - grounds[i]) * (s->normal[1] * 0.5 + 0.5);
         double mirrored = grounds[i] + (skies[i] - grounds[i]) * (mirror_y * 0.5 + 0.5);
         double straight = f0[i] * (1 - s->metallic) + s->base_color[i] * s->metallic;
-        out[i] += s->occlusion * (s->base_color[i] * diffuse * along_normal + (straight * scale + grazing * bias) * mirrored);
+        out[i] +=
+            s->occlusion * (s->base_color[i] * diffuse * along_normal + (straight * scale + grazing * bias) * mirrored);
     }
 }
 
-void reference_shade(const struct reference_surface *s, const double to_view[3], const fnl_light_params *lights, uint32_t light_count,
-                     fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]) {
+void reference_shade(const struct reference_surface *s, const double to_view[3], const fnl_light_params *lights,
+                     uint32_t light_count, fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]) {
     memcpy(out, s->emissive, 3 * sizeof *out);
     for (uint32_t k = 0; k < light_count; k++) {
         double l[3], lux[3], f[3];
@@ -129,9 +137,11 @@ static void transform(const double rows[3][3], double c[3]) {
 /* The fit by S. Hill of the ACES reference and output transforms. */
 static void aces(double c[3]) {
     static const double into[3][3] = {{0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
-    static const double back[3][3] = {{1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}};
+    static const double back[3][3] = {
+        {1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}};
     transform(into, c);
-    for (int i = 0; i < 3; i++) c[i] = (c[i] * (c[i] + 0.0245786) - 0.000090537) / (c[i] * (0.983729 * c[i] + 0.4329510) + 0.238081);
+    for (int i = 0; i < 3; i++)
+        c[i] = (c[i] * (c[i] + 0.0245786) - 0.000090537) / (c[i] * (0.983729 * c[i] + 0.4329510) + 0.238081);
     transform(back, c);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Shading in double precision on the CPU, written from the specifications and not from the shaders; for tests. BRDF: glTF 2.0
- * appendix B with KHR_materials_ior and KHR_materials_specular. Lights: KHR_lights_punctual.
+ * Shading in double precision on the CPU, written from the specifications and not from the shaders; for tests. BRDF: glTF
+ * 2.0 appendix B with KHR_materials_ior and KHR_materials_specular. Lights: KHR_lights_punctual.
  */
 #ifndef FNL_PASSES_SHADE_REFERENCE_H
 #define FNL_PASSES_SHADE_REFERENCE_H
@@ -18,8 +18,8 @@ struct reference_surface {
 
 struct reference_surface reference_surface_default(void);
 /** Outgoing radiance towards the unit vector `to_view`, in cd/m^2. */
-void reference_shade(const struct reference_surface *surface, const double to_view[3], const fnl_light_params *lights, uint32_t light_count,
-                     fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]);
+void reference_shade(const struct reference_surface *surface, const double to_view[3], const fnl_light_params *lights,
+                     uint32_t light_count, fnl_vec3 ambient_sky, fnl_vec3 ambient_ground, double out[3]);
 
 /** Tone mapping of exposed radiance; not yet clamped to 0..1. */
 void reference_tonemap(fnl_tonemap tonemap, const double in[3], double out[3]);

@@ -26,7 +26,8 @@ static void view_direction(const fnl_camera *camera, const double position[3], d
 
 static struct reference_surface surface_of(const struct scene_material *m) {
     struct reference_surface s = reference_surface_default();
-    const float base[3] = {m->base_color.x, m->base_color.y, m->base_color.z}, tint[3] = {m->specular_color.x, m->specular_color.y, m->specular_color.z};
+    const float base[3] = {m->base_color.x, m->base_color.y, m->base_color.z},
+                tint[3] = {m->specular_color.x, m->specular_color.y, m->specular_color.z};
     const float emissive[3] = {m->emissive.x, m->emissive.y, m->emissive.z};
     for (int i = 0; i < 3; i++) {
         s.base_color[i] = base[i];
@@ -41,8 +42,8 @@ static struct reference_surface surface_of(const struct scene_material *m) {
 }
 
 /* Largest relative error over the covered pixels; prints where. */
-static double compare_with_reference(fnl_renderer *renderer, const fnl_camera *camera, const struct scene_setup *setup, double floor_part,
-                                     uint32_t *out_covered) {
+static double compare_with_reference(fnl_renderer *renderer, const fnl_camera *camera, const struct scene_setup *setup,
+                                     double floor_part, uint32_t *out_covered) {
     fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), normal = test_read(renderer, FNL_OUTPUT_NORMAL);
     fnl_image position = test_read(renderer, FNL_OUTPUT_POSITION), surface = test_read(renderer, FNL_OUTPUT_SURFACE);
     double worst = 0, brightest = 0;
@@ -51,7 +52,8 @@ static double compare_with_reference(fnl_renderer *renderer, const fnl_camera *c
         for (int c = 0; c < 3; c++) brightest = fmax(brightest, ((float *)radiance.pixels)[i * 4 + (uint32_t)c]);
     for (uint32_t y = 0; y < radiance.height; y++)
         for (uint32_t x = 0; x < radiance.width; x++) {
-            const float *p = test_pixel(&position, x, y), *n = test_pixel(&normal, x, y), *b = test_pixel(&surface, x, y), *r = test_pixel(&radiance, x, y);
+            const float *p = test_pixel(&position, x, y), *n = test_pixel(&normal, x, y), *b = test_pixel(&surface, x, y),
+                        *r = test_pixel(&radiance, x, y);
             if (p[3] == 0) continue;
             ++*out_covered;
             const struct scene_material *material = &setup->materials[(uint32_t)p[3] - 1];
@@ -72,8 +74,8 @@ static double compare_with_reference(fnl_renderer *renderer, const fnl_camera *c
                 if (error > worst) {
                     worst = error;
                     if (error > TOLERANCE)
-                        print_message("pixel %u, %u channel %d: %.9g, reference %.9g, roughness %g, metallic %g\n", x, y, c, (double)r[c],
-                                      expected[c], s.roughness, s.metallic);
+                        print_message("pixel %u, %u channel %d: %.9g, reference %.9g, roughness %g, metallic %g\n", x, y, c,
+                                      (double)r[c], expected[c], s.roughness, s.metallic);
                 }
             }
         }
@@ -90,7 +92,8 @@ enum { MATERIALS = 9, LIGHTS = 50 };
 
 /* Eight spheres on a plane; draw items come in the order of their meshes. */
 static void add_spheres(fnl_scene *scene, struct scene_material materials[MATERIALS]) {
-    static const float metallic[MATERIALS] = {0, 0, 0, 0, 0.5f, 1, 1, 0.5f, 0}, roughness[MATERIALS] = {0.6f, 0.2f, 0.5f, 1, 0.35f, 0.25f, 1, 0.7f, 0.4f};
+    static const float metallic[MATERIALS] = {0, 0, 0, 0, 0.5f, 1, 1, 0.5f, 0},
+                       roughness[MATERIALS] = {0.6f, 0.2f, 0.5f, 1, 0.35f, 0.25f, 1, 0.7f, 0.4f};
     for (uint32_t i = 0; i < MATERIALS; i++) {
         struct scene_material *m = &materials[i];
         *m = scene_material_default();
@@ -110,7 +113,8 @@ static void add_spheres(fnl_scene *scene, struct scene_material materials[MATERI
             mat4 lie = mat4_from_trs((vec3){0, -1, 0}, quat_axis_angle((vec3){1, 0, 0}, -PI / 2), (vec3){8, 8, 1});
             scene_add_node(scene, "", SCENE_NONE, &lie, test_quad_mesh(scene, material));
         } else {
-            test_place(scene, test_sphere_mesh(scene, material, 12), (vec3){(float)((i - 1) % 4) * 2.2f - 3.3f, 0.1f, (float)((i - 1) / 4) * -2.6f}, (vec3){1, 1, 1});
+            test_place(scene, test_sphere_mesh(scene, material, 12),
+                       (vec3){(float)((i - 1) % 4) * 2.2f - 3.3f, 0.1f, (float)((i - 1) / 4) * -2.6f}, (vec3){1, 1, 1});
         }
     }
 }
@@ -122,7 +126,8 @@ static void add_mixed_lights(fnl_scene *scene, fnl_light_params lights[LIGHTS]) 
         *l = fnl_light_params_default();
         l->kind = i % 10 == 0 ? FNL_LIGHT_DIRECTIONAL : i % 2 ? FNL_LIGHT_POINT : FNL_LIGHT_SPOT;
         l->position = (vec3){random_range(&random, -5, 5), random_range(&random, 0, 3), random_range(&random, -5, 3)};
-        l->direction = vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1.5f, -0.2f), random_range(&random, -1, 1)});
+        l->direction = vec3_normalize(
+            (vec3){random_range(&random, -1, 1), random_range(&random, -1.5f, -0.2f), random_range(&random, -1, 1)});
         for (int c = 0; c < 3; c++) l->color[c] = random_range(&random, 0.2f, 1);
         l->intensity = l->kind == FNL_LIGHT_DIRECTIONAL ? 0.5f : random_range(&random, 1, 8);
         l->range = i % 3 == 0 ? INFINITY : random_range(&random, 1.5f, 6);
@@ -154,7 +159,8 @@ static void test_mixed_lights(void **state) {
         test_render_frame(renderer, &frame);
         uint32_t covered;
         double error = compare_with_reference(renderer, &frame.camera, &setup, 1e-4, &covered);
-        print_message("50 mixed lights, %s: largest relative error %.2g over %u pixels\n", fnl_light_lists_name(frame.lists), error, covered);
+        print_message("50 mixed lights, %s: largest relative error %.2g over %u pixels\n", fnl_light_lists_name(frame.lists),
+                      error, covered);
         assert_true(covered > 4000 && error < TOLERANCE);
     }
     /* Orthographic and off-axis views see along other directions. */
@@ -186,7 +192,8 @@ static void pixel_position(uint32_t x, uint32_t y, double out[3]) {
 }
 
 /* Largest error relative to the reference and a part of its brightest pixel. */
-static double compare_plane(const fnl_image *radiance, const struct scene_material *material, const fnl_light_params *light, double *brightest) {
+static double compare_plane(const fnl_image *radiance, const struct scene_material *material, const fnl_light_params *light,
+                            double *brightest) {
     static double expected[64][64][3];
     double worst = 0, to_view[3] = {0, 0, 1};
     *brightest = 0;
@@ -202,8 +209,10 @@ static double compare_plane(const fnl_image *radiance, const struct scene_materi
             for (int c = 0; c < 3; c++) {
                 double value = test_pixel(radiance, x, y)[c], wanted = expected[y][x][c];
                 assert_true(isfinite(value) && value >= 0);
-                if (wanted == 0) assert_true(value == 0); /* exactly: this is what lets lists leave lights out */
-                else worst = fmax(worst, fabs(value - wanted) / fmax(wanted, *brightest * 1e-4));
+                if (wanted == 0)
+                    assert_true(value == 0); /* exactly: this is what lets lists leave lights out */
+                else
+                    worst = fmax(worst, fabs(value - wanted) / fmax(wanted, *brightest * 1e-4));
             }
     return worst;
 }
@@ -251,15 +260,18 @@ static void test_light_limits(void **state) {
     fnl_light_id id;
     fnl_scene *scene = plane_scene(&material, &light, &id);
     fnl_renderer *renderer = test_renderer(scene);
-    fnl_light_params lights[] = {
-        light,                                 /* the range cuts a disc out of the plane */
-        test_point((vec3){0, 0, 0.6f}, 3, 0.6f), /* touches in one point at most */
-        test_point((vec3){0, 0, -0.5f}, 3, 9),  /* behind the surface */
-        test_point((vec3){0, 0, 0}, 3, 9),      /* in the surface */
-        test_point((vec3){1 / 64.0f, 1 / 64.0f, 0}, 3, 9), /* in the surface, at a pixel's centre */
-        test_point((vec3){0.2f, 0, 0.5f}, 0, INFINITY), /* dark: the derived range is 0 */
-        test_point((vec3){0, 0, 1}, 1e-30f, 1e-3f), test_point((vec3){0, 0, 1e4f}, 1e9f, INFINITY),
-        light, light, light, light};
+    fnl_light_params lights[] = {light,                                   /* the range cuts a disc out of the plane */
+                                 test_point((vec3){0, 0, 0.6f}, 3, 0.6f), /* touches in one point at most */
+                                 test_point((vec3){0, 0, -0.5f}, 3, 9),   /* behind the surface */
+                                 test_point((vec3){0, 0, 0}, 3, 9),       /* in the surface */
+                                 test_point((vec3){1 / 64.0f, 1 / 64.0f, 0}, 3, 9), /* in the surface, at a pixel's centre */
+                                 test_point((vec3){0.2f, 0, 0.5f}, 0, INFINITY),    /* dark: the derived range is 0 */
+                                 test_point((vec3){0, 0, 1}, 1e-30f, 1e-3f),
+                                 test_point((vec3){0, 0, 1e4f}, 1e9f, INFINITY),
+                                 light,
+                                 light,
+                                 light,
+                                 light};
     for (uint32_t i = 8; i < COUNT_OF(lights); i++) {
         lights[i].kind = FNL_LIGHT_SPOT;
         lights[i].range = 5;
@@ -283,7 +295,8 @@ static void test_light_limits(void **state) {
                 error = compare_plane(&radiance, &material, &lights[i], &brightest);
             }
             /* The ramp of a hard edge is a thousandth of the cosine wide and magnifies its rounding. */
-            if (error >= (i == 9 ? 1e-2 : TOLERANCE)) fail_msg("light %u, %s: error %g", i, fnl_light_lists_name(frame.lists), error);
+            if (error >= (i == 9 ? 1e-2 : TOLERANCE))
+                fail_msg("light %u, %s: error %g", i, fnl_light_lists_name(frame.lists), error);
             free_picture(&radiance);
         }
     }
@@ -376,13 +389,14 @@ static void test_naive_cost(void **state) {
     fnl_scene_destroy(&scene);
 }
 
-/* F is the number of fragments shaded: forward shades each of three layers that are drawn back to front, for every light, but
-   only the first of those that are drawn front to back. */
+/* F is the number of fragments shaded: forward shades each of three layers that are drawn back to front, for every
+   light, but only the first of those that are drawn front to back. */
 static void check_layers(bool back_to_front) {
     fnl_scene *scene = test_scene();
     struct scene_material material = scene_material_default();
     uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &material));
-    for (int i = 0; i < 3; i++) test_place(scene, mesh, (vec3){0, 0, (float)(back_to_front ? i : 2 - i) * 0.3f}, (vec3){1, 1, 1});
+    for (int i = 0; i < 3; i++)
+        test_place(scene, mesh, (vec3){0, 0, (float)(back_to_front ? i : 2 - i) * 0.3f}, (vec3){1, 1, 1});
     for (int i = 0; i < 7; i++) {
         fnl_light_params light = test_point((vec3){(float)i * 0.1f, 0, 2}, 1, 5);
         fnl_light_id id;
@@ -398,7 +412,8 @@ static void check_layers(bool back_to_front) {
         test_render_frame(renderer, &frame);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-        print_message("%s: %llu evaluations of 7 lights on 4096 pixels of three layers\n", fnl_shading_name(frame.shading), (unsigned long long)stats.evaluations);
+        print_message("%s: %llu evaluations of 7 lights on 4096 pixels of three layers\n", fnl_shading_name(frame.shading),
+                      (unsigned long long)stats.evaluations);
         assert_int_equal(stats.evaluations, layers[shading] * 64 * 64 * 7);
         pictures[shading] = test_read(renderer, FNL_OUTPUT_RADIANCE);
     }
@@ -427,9 +442,12 @@ static void test_tone_mapping(void **state) {
             struct scene_material material = test_unlit(0, 0, 0);
             vec3 color = {0, 0, 0};
             float level = exp2f((float)x * 0.75f - 7); /* up to 19 */
-            if (y == 0) color = (vec3){level, level, level};
-            else if (y == 1) color = (vec3){level, level * 0.1f, 0};
-            else color = (vec3){level * random_float(&random), level * random_float(&random), level * random_float(&random)};
+            if (y == 0)
+                color = (vec3){level, level, level};
+            else if (y == 1)
+                color = (vec3){level, level * 0.1f, 0};
+            else
+                color = (vec3){level * random_float(&random), level * random_float(&random), level * random_float(&random)};
             if (x == 0 && y == 1) color = (vec3){0, 0, 0};
             if (x == COLUMNS - 1 && y == 0) color = (vec3){6e4f, 6e4f, 6e4f};
             material.unlit = false; /* emission alone: black, without reflection */
@@ -437,7 +455,8 @@ static void test_tone_mapping(void **state) {
             material.metallic = 0;
             material.emissive = color;
             test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &material)),
-                       (vec3){((float)x + 0.5f) / COLUMNS * 2 - 1, 1 - ((float)y + 0.5f) / ROWS * 2, 0}, (vec3){1.0f / COLUMNS, 1.0f / ROWS, 1});
+                       (vec3){((float)x + 0.5f) / COLUMNS * 2 - 1, 1 - ((float)y + 0.5f) / ROWS * 2, 0},
+                       (vec3){1.0f / COLUMNS, 1.0f / ROWS, 1});
             colors[y][x][0] = color.x;
             colors[y][x][1] = color.y;
             colors[y][x][2] = color.z;
@@ -466,8 +485,8 @@ static void test_tone_mapping(void **state) {
                     for (int c = 0; c < 3; c++) {
                         double wanted = reference_srgb(mapped[c]) * 255;
                         if (fabs(p[c] - wanted) > 0.75)
-                            fail_msg("%s of %g %g %g: channel %d is %d, reference %g", fnl_tonemap_name(frame.tonemap), exposed[0], exposed[1],
-                                     exposed[2], c, p[c], wanted);
+                            fail_msg("%s of %g %g %g: channel %d is %d, reference %g", fnl_tonemap_name(frame.tonemap),
+                                     exposed[0], exposed[1], exposed[2], c, p[c], wanted);
                     }
                 }
             free_picture(&picture);
@@ -504,7 +523,8 @@ int main(void) {
         cmocka_unit_test(test_directional_light),
         cmocka_unit_test(test_furnace),
         {"MP-14: all lights on all pixels cost pixels times lights", test_naive_cost, NULL, NULL, NULL},
-        {"ES-3, MP-14: a prepass leaves one shaded fragment per covered pixel, whatever the order of draws", test_naive_fragments, NULL, NULL, NULL},
+        {"ES-3, MP-14: a prepass leaves one shaded fragment per covered pixel, whatever the order of draws",
+         test_naive_fragments, NULL, NULL, NULL},
         cmocka_unit_test(test_tone_mapping),
         cmocka_unit_test(test_automatic_exposure),
     };
