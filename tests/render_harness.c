@@ -5,6 +5,7 @@
 
 static fnl_device *device;
 static uint64_t messages_seen;
+static struct stage open_stages[8]; /* those of a test that fails are closed after it */
 
 static void log_line(void *user, fnl_log_level level, const char *line) {
     UNUSED(user);
@@ -24,6 +25,8 @@ int harness_begin(void **state) {
 
 int harness_check(void **state) {
     UNUSED(state);
+    for (uint32_t i = 0; i < COUNT_OF(open_stages); i++)
+        if (open_stages[i].scene) stage_close(&open_stages[i]);
     uint64_t messages = fnl_device_validation_count(device);
     bool silent = messages == messages_seen;
     if (!silent) print_error("%llu validation messages\n", (unsigned long long)(messages - messages_seen));
@@ -43,7 +46,11 @@ fnl_device *harness_device(void) { return device; }
 
 struct stage stage_open_scene(fnl_scene *scene) {
     struct stage stage = {.scene = scene, .frame = fnl_frame_default()};
+    uint32_t place = 0;
+    while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;
+    assert_true(place < COUNT_OF(open_stages));
     assert_int_equal(fnl_renderer_create(device, scene, &stage.renderer), FNL_OK);
+    open_stages[place] = stage;
     stage.frame.width = 161;
     stage.frame.height = 91;
     stage.frame.exposure = FNL_EXPOSURE_EV;
@@ -72,8 +79,11 @@ struct stage stage_open(const char *source, uint32_t scattered) {
 }
 
 void stage_close(struct stage *stage) {
+    fnl_scene *scene = stage->scene;
     fnl_renderer_destroy(&stage->renderer);
     fnl_scene_destroy(&stage->scene);
+    for (uint32_t i = 0; i < COUNT_OF(open_stages); i++)
+        if (open_stages[i].scene == scene) open_stages[i] = (struct stage){0};
 }
 
 /* ---- shots ---- */
@@ -112,6 +122,19 @@ int greatest_difference(const fnl_image *a, const fnl_image *b) {
     int greatest = 0;
     for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) greatest = MAX(greatest, abs(p[i] - q[i]));
     return greatest;
+}
+
+uint64_t count_beyond(const fnl_image *a, const fnl_image *b, int allowed) {
+    assert_true(a->width == b->width && a->height == b->height && a->pixels && b->pixels);
+    assert_true(a->format == FNL_PIXEL_FORMAT_RGBA8 && b->format == FNL_PIXEL_FORMAT_RGBA8);
+    const uint8_t *p = a->pixels, *q = b->pixels;
+    uint64_t count = 0;
+    for (size_t i = 0; i < (size_t)a->width * a->height; i++, p += 4, q += 4) {
+        bool beyond = false;
+        for (int k = 0; k < 4; k++) beyond = beyond || abs(p[k] - q[k]) > allowed;
+        count += beyond;
+    }
+    return count;
 }
 
 uint64_t count_broken(const fnl_image *image) {

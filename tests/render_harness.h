@@ -26,7 +26,7 @@
 /** Set-up and tear-down of the group: the device. Four threads, no cache folder. */
 int harness_begin(void **state);
 int harness_end(void **state);
-/** Tear-down of a test: fails it if validation said anything since the last check. */
+/** Tear-down of a test: closes the stages that a failure left open; fails it if validation said anything since the last check. */
 int harness_check(void **state);
 fnl_device *harness_device(void);
 
@@ -57,6 +57,8 @@ void shot_free(struct shot *shot);
 uint64_t count_differing(const fnl_image *a, const fnl_image *b);
 /** Greatest difference of a channel of two RGBA8 pictures, 0 .. 255. */
 int greatest_difference(const fnl_image *a, const fnl_image *b);
+/** Number of pixels of two RGBA8 pictures that differ in some channel by more than `allowed` (of 255). */
+uint64_t count_beyond(const fnl_image *a, const fnl_image *b, int allowed);
 /** Number of pixels of an RGBA32F picture that hold an infinity, a NaN or a negative value. */
 uint64_t count_broken(const fnl_image *image);
 

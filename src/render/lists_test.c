@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Every light list gives the same picture: bit-equal radiance for one shading order, and 2/255 after tone mapping between the orders.
+ * Two things are looser with multisampling. A shading point may lie between the depth samples that bound its tile, so tiles may
+ * be off by more than 2/255 in one pixel of 5000. And where in a pixel an edge is shaded may depend on what the depth test has left of
+ * it, so only pictures of one order are compared.
+ */
+#include "tests/render_harness.h"
+
+enum { ALLOWED = 2 };
+
+static const char *pair_name(const fnl_frame *frame) {
+    static char text[96];
+    snprintf(text, sizeof text, "%s + %s at %ux%u, %u samples", fnl_shading_name(frame->shading), fnl_light_lists_name(frame->lists),
+             frame->width, frame->height, frame->msaa);
+    return text;
+}
+
+/* Shoots every list of a shading order and compares with `all`; the oracle's picture is handed out. */
+static struct shot check_lists(struct stage *stage, fnl_frame frame) {
+    frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(stage, &frame);
+    assert_int_equal(count_broken(&all.radiance), 0);
+    for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
+        frame.lists = (fnl_light_lists)l;
+        struct shot shot = stage_shoot(stage, &frame);
+        uint64_t differing = count_differing(&all.radiance, &shot.radiance);
+        if (frame.msaa > 1 && l == FNL_LISTS_TILED) {
+            uint64_t beyond = count_beyond(&all.color, &shot.color, ALLOWED);
+            if (differing)
+                print_message("  %s: %llu pixels differ, %d/255 at most, %llu by more than %d/255\n", pair_name(&frame), (unsigned long long)differing,
+                              greatest_difference(&all.color, &shot.color), (unsigned long long)beyond, ALLOWED);
+            if (beyond * 5000 > frame.width * frame.height) fail_msg("%s is off at %llu pixels", pair_name(&frame), (unsigned long long)beyond);
+        } else if (differing) {
+            fail_msg("%s: %llu pixels differ from all", pair_name(&frame), (unsigned long long)differing);
+        }
+        assert_int_equal(shot.stats.overflow_cells, 0);
+        assert_int_equal(shot.stats.lights_total, all.stats.lights_total);
+        shot_free(&shot);
+    }
+    return all;
+}
+
+static void check_orders(struct stage *stage, fnl_frame frame) {
+    struct shot first = {0};
+    for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++) {
+        frame.shading = (fnl_shading)s;
+        struct shot shot = check_lists(stage, frame);
+        if (s == 0) {
+            first = shot;
+            continue;
+        }
+        int difference = greatest_difference(&first.color, &shot.color);
+        if (difference > ALLOWED) fail_msg("%s: %d/255 from forward", pair_name(&frame), difference);
+        shot_free(&shot);
+    }
+    shot_free(&first);
+}
+
+/* ---- EQ: every scene, shading order and list ---- */
+
+struct scene_case { const char *source; uint32_t scattered; float ev; uint32_t msaa; };
+
+static void test_scene(void **state) {
+    const struct scene_case *c = *state;
+    struct stage stage = stage_open(c->source, c->scattered);
+    stage.frame.ev = c->ev;
+    check_orders(&stage, stage.frame);
+    if (c->msaa > 1) {
+        fnl_frame frame = stage.frame;
+        frame.msaa = c->msaa;
+        for (uint32_t s = 0; s < 2; s++) {
+            frame.shading = s ? FNL_SHADING_FORWARD_PREPASS : FNL_SHADING_FORWARD;
+            struct shot shot = check_lists(&stage, frame);
+            shot_free(&shot);
+        }
+    }
+    stage_close(&stage);
+}
+
+/* A few pairs at a size that divides by nothing. */
+static void test_odd_size(void **state) {
+    UNUSED(state);
+    static const struct { fnl_shading shading; fnl_light_lists lists; } pairs[] = {
+        {FNL_SHADING_DEFERRED, FNL_LISTS_TILED}, {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED}, {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED},
+        {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED_CPU}};
+    struct stage stage = stage_open("builtin:spheres?lights=24", 0);
+    fnl_frame frame = stage.frame;
+    frame.width = 1283;
+    frame.height = 721;
+    struct shot all = {0};
+    for (uint32_t i = 0; i < COUNT_OF(pairs); i++) {
+        frame.shading = pairs[i].shading;
+        if (i % 2 == 0) {
+            shot_free(&all);
+            frame.lists = FNL_LISTS_ALL;
+            all = stage_shoot(&stage, &frame);
+        }
+        frame.lists = pairs[i].lists;
+        struct shot shot = stage_shoot(&stage, &frame);
+        if (count_differing(&all.radiance, &shot.radiance)) fail_msg("%s differs from all", pair_name(&frame));
+        shot_free(&shot);
+    }
+    shot_free(&all);
+    stage_close(&stage);
+}
+
+/* ---- EQ: cameras ---- */
+
+static void test_cameras(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=200", 0);
+    fnl_camera scene_camera = stage.frame.camera;
+    for (uint32_t kind = 0; kind < 5; kind++) {
+        fnl_frame frame = stage.frame;
+        fnl_camera *camera = &frame.camera;
+        if (kind == 0) { /* inside of many lights, one of them a hair away */
+            fnl_light_params light;
+            assert_int_equal(fnl_scene_query_light(stage.scene, 5, &light), FNL_OK);
+            camera->position = light.position;
+            camera->position.x += 1e-3f;
+        } else if (kind == 1) {
+            camera->orthographic = true;
+            camera->vertical_extent = 8;
+            camera->far_distance = 40;
+        } else if (kind == 2) {
+            camera->shift = (fnl_vec2){0.7f, -0.4f};
+        } else if (kind == 3) { /* upside down, very wide */
+            camera->up = (fnl_vec3){0.2f, -1, 0};
+            camera->vertical_fov = 2.6f;
+        } else { /* looks away: nothing but sky */
+            camera->target = (fnl_vec3){scene_camera.position.x, scene_camera.position.y + 10, scene_camera.position.z + 10};
+        }
+        check_orders(&stage, frame);
+    }
+    stage_close(&stage);
+}
+
+/* A mirrored instance among lights. */
+static void test_mirrored_instance(void **state) {
+    UNUSED(state);
+    static const float positions[] = {-3, 0, 0, 3, 0, 0, 3, 4, 0, -3, 4, 0};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    struct stage stage = stage_open("builtin:spheres?lights=60", 0);
+    fnl_mesh_params params = {.vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices};
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    fnl_mat4 mirror = {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.5f, 0, 1.2f, 1}};
+    assert_int_equal(fnl_scene_add_mesh(stage.scene, &params, &mesh), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(stage.scene, mesh, &mirror, &instance), FNL_OK);
+    check_orders(&stage, stage.frame);
+    stage_close(&stage);
+}
+
+/* ---- numbers of lights ---- */
+
+static void test_light_counts(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {0, 1, 255, 256, 257, 4096, 65536};
+    for (uint32_t i = 0; i < COUNT_OF(counts); i++) {
+        struct stage stage = stage_open("builtin:spheres?lights=0", counts[i]);
+        fnl_frame frame = stage.frame;
+        frame.width = 39;
+        frame.height = 23;
+        frame.shading = FNL_SHADING_DEFERRED;
+        struct shot shot = check_lists(&stage, frame);
+        assert_int_equal(shot.stats.lights_total, counts[i]);
+        shot_free(&shot);
+        stage_close(&stage);
+    }
+}
+
+/* ---- overflow ---- */
+
+static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capacity) {
+    frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(stage, &frame);
+    for (uint32_t l = FNL_LISTS_TILED; l <= FNL_LISTS_CLUSTERED; l++) {
+        frame.lists = (fnl_light_lists)l;
+        stage->renderer->pool_capacity = 1u << 22;
+        struct shot fits = stage_shoot(stage, &frame);
+        assert_int_equal(fits.stats.overflow_cells, 0);
+        assert_true(fits.stats.list_entries > capacity);
+        assert_int_equal(count_differing(&all.radiance, &fits.radiance), 0);
+
+        stage->renderer->pool_capacity = capacity;
+        memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames); /* what the frames before have needed is forgotten */
+        struct shot over = stage_shoot(stage, &frame);
+        if (count_differing(&all.radiance, &over.radiance)) fail_msg("%s differs in overflow", pair_name(&frame));
+        assert_true(over.stats.overflow_cells > 0);
+        assert_int_equal(over.stats.list_entries, fits.stats.list_entries);
+
+        struct shot next = stage_shoot(stage, &frame); /* the pool has grown */
+        assert_true(stage->renderer->pool_capacity >= fits.stats.list_entries / 2);
+        assert_int_equal(next.stats.overflow_cells, 0);
+        assert_int_equal(next.stats.list_entries, fits.stats.list_entries);
+        assert_int_equal(count_differing(&all.radiance, &next.radiance), 0);
+        shot_free(&fits);
+        shot_free(&over);
+        shot_free(&next);
+    }
+    shot_free(&all);
+}
+
+static void test_overflow_ES_37(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:onetile?lights=1000", 0);
+    check_overflow(&stage, stage.frame, 100);
+    stage_close(&stage);
+    stage = stage_open("builtin:glass?lights=300", 0); /* two lists: opaque and transparent tiles */
+    check_overflow(&stage, stage.frame, 100);
+    stage_close(&stage);
+}
+
+/* Without waiting for stats in between, the pool still grows a few frames later. */
+static void test_overflow_in_flight(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:onetile?lights=400", 0);
+    stage.frame.lists = FNL_LISTS_TILED;
+    stage.renderer->pool_capacity = 10;
+    for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++) assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
+    assert_true(stage.renderer->pool_capacity > 10);
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
+    assert_int_equal(stats.overflow_cells, 0);
+    stage_close(&stage);
+}
+
+static void test_4096_lights_in_one_cluster(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:onetile?lights=0", 0);
+    for (uint32_t i = 0; i < 4096; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.position = (fnl_vec3){0.4f + 1e-5f * (float)i, 0.3f, -19.7f};
+        light.range = 0.6f;
+        light.intensity = 0.01f;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    check_overflow(&stage, stage.frame, 4000);
+    stage_close(&stage);
+}
+
+/* ---- determinism ---- */
+
+static void test_two_runs_and_threads(void **state) {
+    UNUSED(state);
+    static const fnl_shading orders[] = {FNL_SHADING_FORWARD, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DEFERRED};
+    struct shot shots[3][COUNT_OF(orders)][FNL_LISTS_COUNT];
+    for (uint32_t run = 0; run < 3; run++) {
+        struct stage stage = stage_open("builtin:glass?lights=200", 0);
+        for (uint32_t s = 0; s < COUNT_OF(orders); s++)
+            for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) {
+                stage.frame.shading = orders[s];
+                stage.frame.lists = (fnl_light_lists)l;
+                stage.frame.record_threads = run == 0 ? 1 : 4;
+                shots[run][s][l] = stage_shoot(&stage, &stage.frame);
+            }
+        stage_close(&stage);
+    }
+    for (uint32_t run = 1; run < 3; run++)
+        for (uint32_t s = 0; s < COUNT_OF(orders); s++)
+            for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) {
+                assert_int_equal(count_differing(&shots[0][s][l].color, &shots[run][s][l].color), 0);
+                assert_int_equal(count_differing(&shots[0][s][l].radiance, &shots[run][s][l].radiance), 0);
+                assert_int_equal(shots[0][s][l].stats.list_entries, shots[run][s][l].stats.list_entries);
+            }
+    for (uint32_t i = 0; i < 3 * COUNT_OF(orders) * FNL_LISTS_COUNT; i++) shot_free(&shots[0][0][0] + i);
+}
+
+/* ---- one set of lists for all orders ---- */
+
+static void test_same_lists_forward_and_deferred_ES_58(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=256", 0);
+    stage.frame.ev = 3;
+    for (uint32_t l = FNL_LISTS_CLUSTERED; l <= FNL_LISTS_CLUSTERED_CPU; l++) {
+        stage.frame.lists = (fnl_light_lists)l;
+        struct shot shots[FNL_SHADING_COUNT];
+        for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++) {
+            stage.frame.shading = (fnl_shading)s;
+            shots[s] = stage_shoot(&stage, &stage.frame);
+            assert_true(shots[s].stats.list_entries > 100);
+            assert_int_equal(shots[s].stats.list_entries, shots[0].stats.list_entries);
+            assert_int_equal(shots[s].stats.lights_in_view, shots[0].stats.lights_in_view);
+            assert_int_equal(shots[s].stats.cells, shots[0].stats.cells);
+            assert_true(greatest_difference(&shots[0].color, &shots[s].color) <= ALLOWED);
+        }
+        for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++) shot_free(&shots[s]);
+    }
+    stage_close(&stage);
+}
+
+#define SCENE(name, source, scattered, ev, msaa)                                                                        \
+    {"EQ " name ": ES-37 ES-41 ES-42 ES-50 ES-58 MP-23", test_scene, NULL, harness_check,                               \
+     &(struct scene_case){source, scattered, ev, msaa}}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        SCENE("hall", "builtin:hall?lights=256", 0, 3, 4),
+        SCENE("city", "builtin:city?lights=512", 0, 3, 1),
+        SCENE("spheres", "builtin:spheres", 0, 5, 4),
+        SCENE("pole", "builtin:pole", 0, 5, 4),
+        SCENE("lamps", "builtin:lamps", 0, 5, 1),
+        SCENE("grass", "builtin:grass", 0, 5, 4),
+        SCENE("onetile", "builtin:onetile", 0, 5, 1),
+        SCENE("nearplane", "builtin:nearplane", 0, 5, 1),
+        SCENE("sky", "builtin:sky", 0, 5, 1),
+        SCENE("glass", "builtin:glass", 0, 5, 4),
+        SCENE("FlightHelmet", "FlightHelmet/FlightHelmet.gltf", 500, 2, 1),
+        cmocka_unit_test_teardown(test_odd_size, harness_check),
+        cmocka_unit_test_teardown(test_cameras, harness_check),
+        cmocka_unit_test_teardown(test_mirrored_instance, harness_check),
+        cmocka_unit_test_teardown(test_light_counts, harness_check),
+        cmocka_unit_test_teardown(test_overflow_ES_37, harness_check),
+        cmocka_unit_test_teardown(test_overflow_in_flight, harness_check),
+        cmocka_unit_test_teardown(test_4096_lights_in_one_cluster, harness_check),
+        cmocka_unit_test_teardown(test_two_runs_and_threads, harness_check),
+        cmocka_unit_test_teardown(test_same_lists_forward_and_deferred_ES_58, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
