@@ -253,7 +253,7 @@ int main(int argc, char **argv) {
     render_frame(renderer, &p, &camera, p.free, 0, p.done, 0);
     submit(&p, p.copy, p.done, 0, p.timeline, 1);
 
-    /* Frame 2 waits until the copy of frame 1 is over (1), and is copied in turn (2 to 3). The CPU never waits in between. */
+    /* Frame 2 waits until the copy of frame 1 is over (1), and is copied in turn (2 to 3). The CPU does not wait. */
     render_frame(renderer, &p, &camera, p.timeline, 1, p.timeline, 2);
     submit(&p, p.copy, p.timeline, 2, p.timeline, 3);
 

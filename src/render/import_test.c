@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * A program with a Vulkan device of its own, which it made with validation and synchronisation validation, lets Fanal render into
- * its images. What it finds there is compared with what Fanal's own device gives.
+ * A program with a Vulkan device of its own, which it made with validation and synchronisation validation, lets Fanal render
+ * into its images. What it finds there is compared with what Fanal's own device gives.
  */
 #include "base/base.h"
 #include "fanal/fanal.h"
@@ -235,7 +235,8 @@ static VkSemaphoreSubmitInfo semaphore_info(VkSemaphore semaphore, uint64_t valu
                                    .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
 }
 
-static void submit(VkCommandBuffer commands, VkSemaphore wait, uint64_t wait_value, VkSemaphore signal, uint64_t signal_value) {
+static void submit(VkCommandBuffer commands, VkSemaphore wait, uint64_t wait_value, VkSemaphore signal,
+                   uint64_t signal_value) {
     VkSemaphoreSubmitInfo waits = semaphore_info(wait, wait_value), signals = semaphore_info(signal, signal_value);
     VkCommandBufferSubmitInfo buffer = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = commands};
     VkSubmitInfo2 info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
@@ -367,7 +368,8 @@ static void test_8_bit_targets_get_the_picture(void **state) {
 }
 
 static float half_to_float(uint16_t h) {
-    float magnitude = (h & 0x7c00) ? ldexpf((float)((h & 0x3ff) + 0x400), (h >> 10 & 31) - 25) : ldexpf((float)(h & 0x3ff), -24);
+    int exponent = h >> 10 & 31, digits = h & 0x3ff;
+    float magnitude = exponent ? ldexpf((float)(digits + 0x400), exponent - 25) : ldexpf((float)digits, -24);
     return h & 0x8000 ? -magnitude : magnitude;
 }
 
@@ -379,7 +381,8 @@ static void test_float_targets_get_exposed_radiance(void **state) {
     frame.outputs = FNL_OUTPUT_RADIANCE; /* read beside the target, and computed in 32 bits */
     fnl_image radiance = expected(frame, FNL_OUTPUT_RADIANCE);
     const float *wanted = radiance.pixels, factor = 1 / (1.2f * 16);
-    struct picture full = make_picture(VK_FORMAT_R32G32B32A32_SFLOAT, 16), half = make_picture(VK_FORMAT_R16G16B16A16_SFLOAT, 8);
+    struct picture full = make_picture(VK_FORMAT_R32G32B32A32_SFLOAT, 16);
+    struct picture half = make_picture(VK_FORMAT_R16G16B16A16_SFLOAT, 8);
     render_and_fetch(&frame, &full, ORDER_BINARY, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     fnl_image read;
     FNL(fnl_renderer_read(w.renderer, FNL_OUTPUT_RADIANCE, &read));
