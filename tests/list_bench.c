@@ -3,12 +3,16 @@
 
 /* ---- reading back ---- */
 
-struct readback_data { graph_buffer from[3], to[3]; uint64_t sizes[3]; };
+struct readback_data {
+    graph_buffer from[3], to[3];
+    uint64_t sizes[3];
+};
 
 static void execute_readback(const struct graph_context *context, const void *data) {
     const struct readback_data *d = data;
     for (int i = 0; i < 3; i++)
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0, d->sizes[i]);
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
+                        d->sizes[i]);
 }
 
 static void execute_nothing(const struct graph_context *context, const void *data) {
@@ -22,11 +26,13 @@ void list_readback_add(struct graph *graph, const struct light_list *list, struc
     static const char *const names[3] = {"test cells", "test ids", "test totals"};
     for (int i = 0; i < 3; i++) {
         data.sizes[i] = graph_buffer_size(graph, data.from[i]);
-        assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, buffers[i]), FNL_OK);
+        assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, buffers[i]),
+                         FNL_OK);
         data.to[i] = graph_import_buffer(graph, names[i], buffers[i]);
     }
     out->cell_count = list->cell_count;
-    struct graph_pass *pass = graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_readback, &data, sizeof data);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_readback, &data, sizeof data);
     struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
     graph_keep(host);
     for (int i = 0; i < 3; i++) {
@@ -87,7 +93,8 @@ static struct list_copy build_on_cpu(const struct list_request *request) {
     struct clustered_cpu_view view = {v->ndc_scale, v->ndc_offset, v->orthographic > 0.5f, v->size.x, v->size.y};
     struct gpu_light_list grid = list_grid(request);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct light_list list = clustered_cpu_add(&builder, device, &input, request->lights, &v->world_to_view, &view, &request->clustered);
+    struct light_list list =
+        clustered_cpu_add(&builder, device, &input, request->lights, &v->world_to_view, &view, &request->clustered);
     assert_int_equal(gpu_frame_end(device, NULL, 0, NULL), FNL_OK);
     struct list_copy copy = list_copy_of_cpu(&builder, &grid);
     assert_true(list.totals_known);
@@ -98,14 +105,20 @@ static struct list_copy build_on_cpu(const struct list_request *request) {
 
 static graph_image import_depth(struct graph *graph, const struct list_request *request, struct gpu_image *image) {
     gpu_device *device = harness_device();
-    struct gpu_image_params params = {.name = "test depth", .format = VK_FORMAT_R32_SFLOAT, .width = request->view.size.x,
-                                      .height = request->view.size.y, .layers = 1, .mips = 1, .samples = 1,
+    struct gpu_image_params params = {.name = "test depth",
+                                      .format = VK_FORMAT_R32_SFLOAT,
+                                      .width = request->view.size.x,
+                                      .height = request->view.size.y,
+                                      .layers = 1,
+                                      .mips = 1,
+                                      .samples = 1,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     assert_int_equal(gpu_image_create(device, &params, image), FNL_OK);
     uint64_t size = (uint64_t)params.width * params.height * 4;
     assert_int_equal(gpu_upload_image(device, image, request->depth, size, false, false), FNL_OK);
     assert_int_equal(gpu_upload_flush(device), FNL_OK);
-    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
 struct list_copy list_build(const struct list_request *request) {
@@ -126,12 +139,16 @@ struct list_copy list_build(const struct list_request *request) {
     struct gpu_slice view = gpu_frame_allocate(device, sizeof request->view);
     assert_non_null(view.data);
     memcpy(view.data, &request->view, sizeof request->view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &lights), .lights = lights.address,
-                                .local_count = request->light_count, .view = view.address, .width = request->view.size.x,
+    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &lights),
+                                .lights = lights.address,
+                                .local_count = request->light_count,
+                                .view = view.address,
+                                .width = request->view.size.x,
                                 .height = request->view.size.y};
     struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct light_list list = request->builder == LIST_TILED ? tiled_add(graph, device, &input, &in_view, depth, &request->tiled)
-                                                            : clustered_add(graph, device, &input, &in_view, &request->clustered);
+    struct light_list list = request->builder == LIST_TILED
+                                 ? tiled_add(graph, device, &input, &in_view, depth, &request->tiled)
+                                 : clustered_add(graph, device, &input, &in_view, &request->clustered);
     struct list_readback readback;
     list_readback_add(graph, &list, &readback);
     assert_int_equal(graph_compile(graph), FNL_OK);
@@ -174,8 +191,10 @@ bool list_holds(const struct list_copy *list, uint32_t cell, uint32_t light) {
     uint32_t low = 0, high = list->cells[cell].count; /* they ascend */
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (ids[middle] < light) low = middle + 1;
-        else high = middle;
+        if (ids[middle] < light)
+            low = middle + 1;
+        else
+            high = middle;
     }
     return low < list->cells[cell].count && ids[low] == light;
 }
@@ -197,8 +216,10 @@ void list_check_form(const struct list_copy *list, uint32_t light_count) {
         }
     }
     assert_int_equal(list->totals.overflow_cells, overflowed);
-    if (overflowed) assert_true(list->totals.entries > sum);
-    else assert_int_equal(list->totals.entries, sum);
+    if (overflowed)
+        assert_true(list->totals.entries > sum);
+    else
+        assert_int_equal(list->totals.entries, sum);
     assert_true(list->totals.in_view <= light_count);
 }
 
@@ -207,7 +228,8 @@ bool list_equal(const struct list_copy *a, const struct list_copy *b) {
     for (uint32_t c = 0; c < a->cell_count; c++) {
         if (a->cells[c].count != b->cells[c].count || a->cells[c].offset != b->cells[c].offset) return false;
         if (a->cells[c].count == GPU_CELL_ALL) continue;
-        if (memcmp(a->ids + a->cells[c].offset, b->ids + b->cells[c].offset, a->cells[c].count * sizeof *a->ids) != 0) return false;
+        if (memcmp(a->ids + a->cells[c].offset, b->ids + b->cells[c].offset, a->cells[c].count * sizeof *a->ids) != 0)
+            return false;
     }
     return true;
 }
@@ -229,12 +251,14 @@ void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double 
 
 static void transform(const mat4 *m, const double p[3], double out[3]) {
     for (int row = 0; row < 3; row++)
-        out[row] = (double)m->m[row] * p[0] + (double)m->m[4 + row] * p[1] + (double)m->m[8 + row] * p[2] + (double)m->m[12 + row];
+        out[row] =
+            (double)m->m[row] * p[0] + (double)m->m[4 + row] * p[1] + (double)m->m[8 + row] * p[2] + (double)m->m[12 + row];
 }
 
 void view_to_world(const struct gpu_view *view, const double from[3], double out[3]) {
     /* The inverse of what the GPU multiplies with, not the stored inverse: rigid, but perhaps mirrored. */
-    double d[3] = {from[0] - (double)view->world_to_view.m[12], from[1] - (double)view->world_to_view.m[13], from[2] - (double)view->world_to_view.m[14]};
+    double d[3] = {from[0] - (double)view->world_to_view.m[12], from[1] - (double)view->world_to_view.m[13],
+                   from[2] - (double)view->world_to_view.m[14]};
     for (int i = 0; i < 3; i++) {
         const float *column = &view->world_to_view.m[i * 4];
         out[i] = (double)column[0] * d[0] + (double)column[1] * d[1] + (double)column[2] * d[2];
@@ -243,7 +267,8 @@ void view_to_world(const struct gpu_view *view, const double from[3], double out
 
 static double screen_edge(const struct gpu_view *view, int axis, double pixel) {
     double size = axis ? view->size.y : view->size.x, ndc = axis ? 1 - 2 * pixel / size : 2 * pixel / size - 1;
-    return axis ? ndc * (double)view->ndc_scale.y + (double)view->ndc_offset.y : ndc * (double)view->ndc_scale.x + (double)view->ndc_offset.x;
+    return axis ? ndc * (double)view->ndc_scale.y + (double)view->ndc_offset.y
+                : ndc * (double)view->ndc_scale.x + (double)view->ndc_offset.x;
 }
 
 void view_of_pixel(const struct gpu_view *view, double x, double y, double view_depth, double out[3]) {
@@ -261,15 +286,18 @@ float depth_of_view_depth(const struct gpu_view *view, double view_depth) {
 
 static double view_depth_of(const struct gpu_view *view, float depth) {
     double d = depth;
-    return ((double)view->depth_decode.x + (double)view->depth_decode.y * d) / ((double)view->depth_decode.z + (double)view->depth_decode.w * d);
+    return ((double)view->depth_decode.x + (double)view->depth_decode.y * d) /
+           ((double)view->depth_decode.z + (double)view->depth_decode.w * d);
 }
 
 static const double FAR_AWAY = 1e9;
 
-struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell, double slack) {
+struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell,
+                                        double slack) {
     const struct gpu_view *v = &request->view;
     struct reference_cell r = {0};
-    uint32_t tile_x = cell % grid->tiles_x, tile_y = cell / grid->tiles_x % grid->tiles_y, slice = cell / (grid->tiles_x * grid->tiles_y);
+    uint32_t tile_x = cell % grid->tiles_x, tile_y = cell / grid->tiles_x % grid->tiles_y,
+             slice = cell / (grid->tiles_x * grid->tiles_y);
     uint32_t x0 = tile_x * grid->tile_size, y0 = tile_y * grid->tile_size;
     uint32_t x1 = MIN(x0 + grid->tile_size, v->size.x), y1 = MIN(y0 + grid->tile_size, v->size.y);
     double near = 0, far = FAR_AWAY;
@@ -289,15 +317,19 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
         }
     } else {
         if (slice > 0) near = exp2(((double)slice - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 - slack);
-        if (slice + 1 < grid->slices) far = exp2((slice + 1.0 - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 + slack);
+        if (slice + 1 < grid->slices)
+            far = exp2((slice + 1.0 - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 + slack);
     }
-    double edges[4] = {screen_edge(v, 0, x0), screen_edge(v, 0, x1), screen_edge(v, 1, y1), screen_edge(v, 1, y0)}; /* left right bottom top */
+    double edges[4] = {screen_edge(v, 0, x0), screen_edge(v, 0, x1), screen_edge(v, 1, y1),
+                       screen_edge(v, 1, y0)}; /* left right bottom top */
     bool orthographic = v->orthographic > 0.5f;
     for (int i = 0; i < 4; i++) {
         double sign = i & 1 ? -1 : 1, length = orthographic ? 1 : sqrt(1 + edges[i] * edges[i]);
         r.planes[i][i / 2] = sign / length;
-        if (orthographic) r.planes[i][3] = -sign * edges[i];
-        else r.planes[i][2] = sign * edges[i] / length;
+        if (orthographic)
+            r.planes[i][3] = -sign * edges[i];
+        else
+            r.planes[i][2] = sign * edges[i] / length;
     }
     double spread_near = orthographic ? 1 : near, spread_far = orthographic ? 1 : far;
     for (int axis = 0; axis < 2; axis++) {
@@ -316,12 +348,14 @@ static double bound_in_view(const struct list_request *request, uint32_t light, 
     return l->bound_radius;
 }
 
-bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack, bool box) {
+bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack,
+                       bool box) {
     double c[3], radius = bound_in_view(request, light, c), outside2 = 0;
     if (!(radius > 0) || cell->empty) return false;
     radius = radius * (1 + slack) + slack * (1e-2 + sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) * 1e-2);
     for (int i = 0; i < 4; i++)
-        if (cell->planes[i][0] * c[0] + cell->planes[i][1] * c[1] + cell->planes[i][2] * c[2] + cell->planes[i][3] < -radius) return false;
+        if (cell->planes[i][0] * c[0] + cell->planes[i][1] * c[1] + cell->planes[i][2] * c[2] + cell->planes[i][3] < -radius)
+            return false;
     for (int i = box ? 0 : 2; i < 3; i++) {
         double d = fmax(fmax(cell->low[i] - c[i], c[i] - cell->high[i]), 0);
         outside2 += d * d;
@@ -331,7 +365,8 @@ bool reference_touches(const struct reference_cell *cell, const struct list_requ
 
 bool reference_in_view(const struct list_request *request, uint32_t light) {
     double c[3], radius = bound_in_view(request, light, c);
-    struct gpu_light_list whole = {.tile_size = MAX(request->view.size.x, request->view.size.y), .tiles_x = 1, .tiles_y = 1, .slices = 1};
+    struct gpu_light_list whole = {
+        .tile_size = MAX(request->view.size.x, request->view.size.y), .tiles_x = 1, .tiles_y = 1, .slices = 1};
     struct list_request all = *request;
     all.builder = LIST_TILED;
     all.depth = NULL;
@@ -347,7 +382,8 @@ void reference_check(const struct list_request *request, const struct list_copy 
     for (uint32_t light = 0; light < request->light_count; light++) in_view[light] = reference_in_view(request, light);
     for (uint32_t c = 0; c < list->cell_count; c++) {
         if (list->cells[c].count == GPU_CELL_ALL) continue;
-        struct reference_cell exact = reference_cell_of(request, &list->grid, c, 0), wide = reference_cell_of(request, &list->grid, c, 2e-4);
+        struct reference_cell exact = reference_cell_of(request, &list->grid, c, 0),
+                              wide = reference_cell_of(request, &list->grid, c, 2e-4);
         for (uint32_t light = 0; light < request->light_count; light++) {
             bool holds = list_holds(list, c, light);
             if (!holds && in_view[light] && reference_touches(&exact, request, light, 0, true) && missing++ < SAID)
@@ -362,7 +398,8 @@ void reference_check(const struct list_request *request, const struct list_copy 
 }
 
 bool light_reaches(const fnl_light_params *light, const double point[3]) {
-    double d[3] = {point[0] - (double)light->position.x, point[1] - (double)light->position.y, point[2] - (double)light->position.z};
+    double d[3] = {point[0] - (double)light->position.x, point[1] - (double)light->position.y,
+                   point[2] - (double)light->position.z};
     double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     if (light->kind == FNL_LIGHT_DIRECTIONAL || distance >= (double)light_effective_range(light)) return false;
     if (light->kind == FNL_LIGHT_POINT || distance == 0) return true;
@@ -408,7 +445,8 @@ void list_random_lights(const struct gpu_view *view, struct random_state *random
     for (uint32_t i = 0; i < count; i++) {
         fnl_light_params light = fnl_light_params_default();
         double depth = exp2((double)random_range(random, -2, 6.5f));
-        double x = (double)random_range(random, -0.3f, 1.3f) * view->size.x, y = (double)random_range(random, -0.3f, 1.3f) * view->size.y;
+        double x = (double)random_range(random, -0.3f, 1.3f) * view->size.x,
+               y = (double)random_range(random, -0.3f, 1.3f) * view->size.y;
         light.range = exp2f(random_range(random, -4, 3));
         if (i % 8 == 1) { /* centred on a tile's corner */
             x = floor(x / 16) * 16;
@@ -425,7 +463,8 @@ void list_random_lights(const struct gpu_view *view, struct random_state *random
         }
         if (i % 4 == 0) {
             light.kind = FNL_LIGHT_SPOT;
-            light.direction = vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+            light.direction = vec3_normalize(
+                vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
             light.outer_cone_angle = random_range(random, 0.05f, 1.57f);
             light.inner_cone_angle = light.outer_cone_angle * 0.5f;
         }

@@ -15,7 +15,7 @@ struct list_request {
     struct gpu_view view;
     const struct gpu_light *lights; /* local ones */
     uint32_t light_count;
-    const float *depth;             /* reversed, one per pixel; NULL: none. For tiles */
+    const float *depth; /* reversed, one per pixel; NULL: none. For tiles */
     struct tiled_params tiled;
     struct clustered_params clustered;
 };
@@ -23,13 +23,16 @@ struct list_request {
 struct list_copy {
     struct gpu_light_list grid; /* without its addresses */
     struct gpu_cell *cells;
-    uint32_t *ids;              /* the whole pool */
+    uint32_t *ids; /* the whole pool */
     uint32_t cell_count;
     struct light_totals totals;
 };
 
 /** Declares the copies of a list's cells, ids and totals to the host; only for lists whose buffers the graph owns. */
-struct list_readback { struct gpu_buffer cells, ids, totals; uint32_t cell_count; };
+struct list_readback {
+    struct gpu_buffer cells, ids, totals;
+    uint32_t cell_count;
+};
 void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out);
 /** After the frame; frees the readback's buffers. `grid` comes from list_grid. */
 struct list_copy list_readback_take(struct list_readback *readback, const struct gpu_light_list *grid);
@@ -51,12 +54,17 @@ void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double 
 
 /* ---- the reference, in double ---- */
 
-struct reference_cell { double planes[4][4], low[3], high[3]; bool empty; };
+struct reference_cell {
+    double planes[4][4], low[3], high[3];
+    bool empty;
+};
 
 /** View-space bounds of the cell; near and far are moved apart by `slack`, relatively. */
-struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell, double slack);
+struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell,
+                                        double slack);
 /** The light's bounding sphere against the four planes (and near and far), and with `box` against the box too. */
-bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack, bool box);
+bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack,
+                       bool box);
 /** Whether the sphere touches the frustum of the view, near plane included. */
 bool reference_in_view(const struct list_request *request, uint32_t light);
 

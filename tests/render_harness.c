@@ -57,8 +57,9 @@ struct stage stage_open_scene(fnl_scene *scene) {
     stage.frame.ev = 5;
     stage.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     stage.frame.timers = false;
-    fnl_result result = fnl_scene_camera_count(scene) ? fnl_scene_query_camera(scene, 0, &stage.frame.camera)
-                                                      : fnl_scene_query_framing_camera(scene, 161 / 91.0f, &stage.frame.camera);
+    fnl_result result = fnl_scene_camera_count(scene)
+                            ? fnl_scene_query_camera(scene, 0, &stage.frame.camera)
+                            : fnl_scene_query_framing_camera(scene, 161 / 91.0f, &stage.frame.camera);
     assert_int_equal(result, FNL_OK);
     return stage;
 }
@@ -93,7 +94,8 @@ struct shot stage_shoot(struct stage *stage, const fnl_frame *frame) {
     assert_int_equal(fnl_renderer_render(stage->renderer, frame), FNL_OK);
     fnl_image *images[] = {&shot.color, &shot.radiance, &shot.surface, &shot.normal, &shot.position};
     for (uint32_t i = 0; i < COUNT_OF(images); i++)
-        if (frame->outputs & 1u << i) assert_int_equal(fnl_renderer_read(stage->renderer, (fnl_output)(1u << i), images[i]), FNL_OK);
+        if (frame->outputs & 1u << i)
+            assert_int_equal(fnl_renderer_read(stage->renderer, (fnl_output)(1u << i), images[i]), FNL_OK);
     assert_int_equal(fnl_renderer_query_stats(stage->renderer, &shot.stats), FNL_OK);
     shot.stats.passes = NULL;
     shot.stats.pass_count = 0;
@@ -107,7 +109,8 @@ void shot_free(struct shot *shot) {
 }
 
 uint64_t count_differing(const fnl_image *a, const fnl_image *b) {
-    if (a->width != b->width || a->height != b->height || a->format != b->format || !a->pixels || !b->pixels) return UINT64_MAX;
+    if (a->width != b->width || a->height != b->height || a->format != b->format || !a->pixels || !b->pixels)
+        return UINT64_MAX;
     size_t size = fnl_pixel_size(a->format);
     uint64_t count = 0;
     for (size_t i = 0; i < (size_t)a->width * a->height; i++)

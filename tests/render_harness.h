@@ -26,7 +26,7 @@
 /** Set-up and tear-down of the group: the device. Four threads, no cache folder. */
 int harness_begin(void **state);
 int harness_end(void **state);
-/** Tear-down of a test: closes the stages that a failure left open; fails it if validation said anything since the last check. */
+/** Tear-down of a test: closes the stages that a failure left open; fails it if validation has spoken since the last. */
 int harness_check(void **state);
 fnl_device *harness_device(void);
 

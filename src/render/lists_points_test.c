@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Lists and shading of real scenes, looked at from inside: the test declares a frame of its own from the same passes, and reads
- * cells, ids, counters, depths and positions of that very frame.
+ * Lists and shading of real scenes, looked at from inside: the test declares a frame of its own from the same passes, and
+ * reads cells, ids, counters, depths and positions of that very frame.
  */
 #include "passes/shade/shade.h"
 #include "tests/list_bench.h"
@@ -12,10 +12,10 @@ static const char *const list_names[LISTS] = {"all", "tiles", "tiles without dep
 /* What a frame left behind. */
 struct traces {
     uint32_t width, height;
-    struct list_copy list;  /* empty for ALL */
-    uint32_t *counters;     /* of each pixel */
-    vec4 *normals;          /* w: view depth */
-    vec4 *positions;        /* w: 0 where there is nothing */
+    struct list_copy list; /* empty for ALL */
+    uint32_t *counters;    /* of each pixel */
+    vec4 *normals;         /* w: view depth */
+    vec4 *positions;       /* w: 0 where there is nothing */
 };
 
 static void *copy_mapped(const struct gpu_buffer *buffer) {
@@ -25,17 +25,24 @@ static void *copy_mapped(const struct gpu_buffer *buffer) {
     return copy;
 }
 
-struct clear_data { graph_buffer buffer; };
+struct clear_data {
+    graph_buffer buffer;
+};
 static void execute_clear(const struct graph_context *context, const void *data) {
     const struct gpu_buffer *buffer = graph_get_buffer(context, ((const struct clear_data *)data)->buffer);
     gpu_fill_buffer(context->commands, buffer, 0, buffer->size, 0);
 }
 
-struct copy_data { graph_image normal, position; graph_buffer normals, positions; };
+struct copy_data {
+    graph_image normal, position;
+    graph_buffer normals, positions;
+};
 static void execute_copy(const struct graph_context *context, const void *data) {
     const struct copy_data *d = data;
-    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->normal), graph_get_buffer(context, d->normals), 0);
-    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->position), graph_get_buffer(context, d->positions), 0);
+    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->normal), graph_get_buffer(context, d->normals),
+                             0);
+    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->position),
+                             graph_get_buffer(context, d->positions), 0);
 }
 
 static void execute_nothing(const struct graph_context *context, const void *data) {
@@ -48,7 +55,7 @@ static graph_buffer import_readback(struct graph *graph, const char *name, uint6
     return graph_import_buffer(graph, name, buffer);
 }
 
-/* Deferred shading with the given lists, with counters and positions. The stage has rendered a frame before: its scene is on the device. */
+/* Deferred shading with the given lists. The stage has rendered before: its scene is on the device. */
 static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lists kind) {
     enum { POOL = 1 << 20 };
     gpu_device *device = harness_device();
@@ -79,14 +86,20 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     struct graph_pass *pass = graph_add_pass(graph, "test clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
 
-    struct graph_image_params image = {.name = "test radiance", .format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = t.width, .height = t.height};
+    struct graph_image_params image = {
+        .name = "test radiance", .format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = t.width, .height = t.height};
     graph_image radiance = graph_create_image(graph, &image);
     image.name = "test depth";
     image.format = GEOMETRY_DEPTH_FORMAT;
     graph_image depth = graph_create_image(graph, &image);
     struct light_list list;
-    struct shade_input shade = {.scene = &scene.geometry, .draws = &draws, .lights = &list, .view = slice.address, .width = t.width,
-                                .height = t.height, .counters = clear.buffer};
+    struct shade_input shade = {.scene = &scene.geometry,
+                                .draws = &draws,
+                                .lights = &list,
+                                .view = slice.address,
+                                .width = t.width,
+                                .height = t.height,
+                                .counters = clear.buffer};
     struct gbuffer gbuffer = gbuffer_add(graph, &shade, false, radiance, depth);
 
     struct tiled_params tiled = tiled_params_default();
@@ -94,8 +107,11 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     struct clustered_params clustered = clustered_params_default();
     clustered.tile_size = 32;
     clustered.pool_capacity = POOL;
-    struct list_request request = {.builder = kind == TILES || kind == TILES_WITHOUT_DEPTH ? LIST_TILED : LIST_CLUSTERED, .view = view,
-                                   .light_count = input->local_count, .tiled = tiled, .clustered = clustered};
+    struct list_request request = {.builder = kind == TILES || kind == TILES_WITHOUT_DEPTH ? LIST_TILED : LIST_CLUSTERED,
+                                   .view = view,
+                                   .light_count = input->local_count,
+                                   .tiled = tiled,
+                                   .clustered = clustered};
     if (kind != ALL) grid = list_grid(&request);
     struct lights_in_view in_view;
     if (kind == TILES || kind == TILES_WITHOUT_DEPTH || kind == CLUSTERS) in_view = lights_in_view_add(graph, device, input);
@@ -104,9 +120,11 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     } else if (kind == CLUSTERS) {
         list = clustered_add(graph, device, input, &in_view, &clustered);
     } else if (kind == CLUSTERS_CPU) {
-        struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, frame->camera.orthographic, t.width, t.height};
-        list = clustered_cpu_add(&r->clustered_cpu, device, input, r->device_scene.light_data.data + input->directional_count,
-                                 &view.world_to_view, &cpu_view, &clustered);
+        struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, frame->camera.orthographic, t.width,
+                                              t.height};
+        list =
+            clustered_cpu_add(&r->clustered_cpu, device, input, r->device_scene.light_data.data + input->directional_count,
+                              &view.world_to_view, &cpu_view, &clustered);
     } else {
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);
     }
@@ -129,8 +147,10 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     assert_int_equal(graph_compile(graph), FNL_OK);
     assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
-    if (list.cells.id) t.list = list_readback_take(&readback, &grid);
-    else if (kind == CLUSTERS_CPU) t.list = list_copy_of_cpu(&r->clustered_cpu, &grid);
+    if (list.cells.id)
+        t.list = list_readback_take(&readback, &grid);
+    else if (kind == CLUSTERS_CPU)
+        t.list = list_copy_of_cpu(&r->clustered_cpu, &grid);
     if (kind != ALL) list_check_form(&t.list, input->local_count);
     t.counters = copy_mapped(&counters);
     t.normals = copy_mapped(&normals);
@@ -162,7 +182,7 @@ static fnl_light_params *local_lights(const fnl_scene *scene, uint32_t *out_coun
     return lights;
 }
 
-/* SUP: the list of each pixel holds all lights that reach its surface. Returns the pairs of pixels and lights that are lit. */
+/* SUP: the list of each pixel holds all lights that reach its surface. Returns the pairs that are lit. */
 static uint64_t check_pixels(const struct traces *t, const fnl_light_params *lights, uint32_t light_count) {
     uint64_t lit = 0, missing = 0;
     for (uint32_t i = 0; i < t->width * t->height; i++) {
@@ -195,13 +215,17 @@ static uint64_t check_counters(const struct traces *t, bool has_list, uint32_t l
             assert_int_equal(t->counters[i], light_count);
         } else {
             list_cells_of(&t->list, i % t->width, i / t->width, t->normals[i].w, cells);
-            if (t->counters[i] != t->list.cells[cells[0]].count) assert_int_equal(t->counters[i], t->list.cells[cells[1]].count);
+            if (t->counters[i] != t->list.cells[cells[0]].count)
+                assert_int_equal(t->counters[i], t->list.cells[cells[1]].count);
         }
     }
     return sum;
 }
 
-struct scene_case { const char *source; uint32_t scattered; };
+struct scene_case {
+    const char *source;
+    uint32_t scattered;
+};
 
 static void test_scene(void **state) {
     const struct scene_case *c = *state;
@@ -217,9 +241,12 @@ static void test_scene(void **state) {
         frame.width = 121 + view;
         frame.height = 67;
         if (view > 0) { /* somewhere in the scene, looking anywhere */
-            frame.camera.position = vec3_make(random_range(&random, bounds.low.x, bounds.high.x) * 0.5f,
-                                              random_range(&random, 0.5f, 3), random_range(&random, bounds.low.z, bounds.high.z) * 0.5f);
-            frame.camera.target = vec3_add(frame.camera.position, vec3_make(random_range(&random, -1, 1), random_range(&random, -0.6f, 0.2f), random_range(&random, -1, 1)));
+            frame.camera.position =
+                vec3_make(random_range(&random, bounds.low.x, bounds.high.x) * 0.5f, random_range(&random, 0.5f, 3),
+                          random_range(&random, bounds.low.z, bounds.high.z) * 0.5f);
+            frame.camera.target =
+                vec3_add(frame.camera.position, vec3_make(random_range(&random, -1, 1), random_range(&random, -0.6f, 0.2f),
+                                                          random_range(&random, -1, 1)));
         }
         uint64_t sums[LISTS], lit = 0;
         for (uint32_t kind = ALL; kind < LISTS; kind++) {
@@ -229,8 +256,10 @@ static void test_scene(void **state) {
             if (kind != ALL) assert_true(sums[kind] >= lit);
             free_traces(&t);
         }
-        print_message("%s, view %u: %llu lit pairs; %llu evaluations for all", c->source, view, (unsigned long long)lit, (unsigned long long)sums[ALL]);
-        for (uint32_t kind = TILES; kind < LISTS; kind++) print_message(", %llu %s", (unsigned long long)sums[kind], list_names[kind]);
+        print_message("%s, view %u: %llu lit pairs; %llu evaluations for all", c->source, view, (unsigned long long)lit,
+                      (unsigned long long)sums[ALL]);
+        for (uint32_t kind = TILES; kind < LISTS; kind++)
+            print_message(", %llu %s", (unsigned long long)sums[kind], list_names[kind]);
         print_message("\n");
         for (uint32_t kind = TILES; kind < LISTS; kind++) assert_true(sums[kind] <= sums[ALL]);
         assert_true(sums[TILES] <= sums[TILES_WITHOUT_DEPTH]);
@@ -254,9 +283,12 @@ static void test_stats_ES_41(void **state) {
         stage.frame.lists = (fnl_light_lists)l;
         struct shot shot = stage_shoot(&stage, &stage.frame);
         assert_true(shot.stats.evaluations_counted && shot.stats.evaluations > 0);
-        if (l == FNL_LISTS_ALL) assert_true(shot.stats.evaluations <= quads);
-        else assert_true(shot.stats.evaluations * 3 < quads);
-        assert_true(fabs(shot.stats.mean_per_pixel * stage.frame.width * stage.frame.height - (double)shot.stats.evaluations) < 1);
+        if (l == FNL_LISTS_ALL)
+            assert_true(shot.stats.evaluations <= quads);
+        else
+            assert_true(shot.stats.evaluations * 3 < quads);
+        assert_true(
+            fabs(shot.stats.mean_per_pixel * stage.frame.width * stage.frame.height - (double)shot.stats.evaluations) < 1);
         assert_true(shot.stats.max_per_pixel >= shot.stats.mean_per_pixel && shot.stats.max_per_pixel <= 256);
         assert_true(l == FNL_LISTS_ALL || shot.stats.list_entries > 0);
         shot_free(&shot);
@@ -271,7 +303,7 @@ static int hue_difference(const fnl_image *image, uint32_t x0, uint32_t y0, uint
     return MAX(abs((a[0] - a[1]) - (b[0] - b[1])), abs((a[1] - a[2]) - (b[1] - b[2])));
 }
 
-/* The view of the counts (over the grey of the surfaces) shows tiles of 16 pixels; lights that are tested by tiles cost less than whole-screen quads. */
+/* The view of the counts, over the grey of the surfaces, shows tiles of 16 pixels; they cost less than quads. */
 static void test_count_view_MP_23(void **state) {
     UNUSED(state);
     enum { TILE = 16, LEGEND = 14 };
@@ -289,10 +321,14 @@ static void test_count_view_MP_23(void **state) {
     for (uint32_t y = 1; y < frame.height - LEGEND; y++)
         for (uint32_t x = 1; x < frame.width; x++) {
             int across = hue_difference(&shot.color, x, y, x - 1, y), down = hue_difference(&shot.color, x, y, x, y - 1);
-            if (x % TILE) assert_true(across <= 2);
-            else steps += across > 2;
-            if (y % TILE) assert_true(down <= 2);
-            else steps += down > 2;
+            if (x % TILE)
+                assert_true(across <= 2);
+            else
+                steps += across > 2;
+            if (y % TILE)
+                assert_true(down <= 2);
+            else
+                steps += down > 2;
         }
     assert_true(steps > 1000);
     assert_true(shot.stats.evaluations > 0 && shot.stats.evaluations * 3 < 160ull * frame.width * frame.height);
@@ -332,8 +368,12 @@ static void test_lamps_ES_50(void **state) {
     stage_close(&stage);
 }
 
-#define SCENE(name, source, scattered)                                                                                  \
-    {"SUP and CNT " name ": ES-37 ES-41 ES-50 ES-53", test_scene, NULL, harness_check, &(struct scene_case){source, scattered}}
+#define SCENE(name, source, scattered)                                                                                      \
+    {                                                                                                                       \
+        "SUP and CNT of all lists, ES-37 ES-41 ES-50 ES-53: " name, test_scene, NULL, harness_check, &(struct scene_case) { \
+            source, scattered                                                                                               \
+        }                                                                                                                   \
+    }
 
 int main(void) {
     const struct CMUnitTest tests[] = {

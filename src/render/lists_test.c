@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Every light list gives the same picture: bit-equal radiance for one shading order, and 2/255 after tone mapping between the orders.
- * Two things are looser with multisampling. A shading point may lie between the depth samples that bound its tile, so tiles may
- * be off by more than 2/255 in one pixel of 5000. And where in a pixel an edge is shaded may depend on what the depth test has left of
- * it, so only pictures of one order are compared.
+ * Every light list gives the same picture: bit-equal radiance for one shading order, and 2/255 after tone mapping between
+ * the orders. Two things are looser with multisampling. A shading point may lie between the depth samples that bound its
+ * tile, so tiles may be off by more than 2/255 in one pixel of 5000. And where in a pixel an edge is shaded may depend on
+ * what the depth test has left of it, so only pictures of one order are compared.
  */
 #include "tests/render_harness.h"
 
@@ -11,8 +11,8 @@ enum { ALLOWED = 2 };
 
 static const char *pair_name(const fnl_frame *frame) {
     static char text[96];
-    snprintf(text, sizeof text, "%s + %s at %ux%u, %u samples", fnl_shading_name(frame->shading), fnl_light_lists_name(frame->lists),
-             frame->width, frame->height, frame->msaa);
+    snprintf(text, sizeof text, "%s + %s at %ux%u, %u samples", fnl_shading_name(frame->shading),
+             fnl_light_lists_name(frame->lists), frame->width, frame->height, frame->msaa);
     return text;
 }
 
@@ -28,9 +28,11 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         if (frame.msaa > 1 && l == FNL_LISTS_TILED) {
             uint64_t beyond = count_beyond(&all.color, &shot.color, ALLOWED);
             if (differing)
-                print_message("  %s: %llu pixels differ, %d/255 at most, %llu by more than %d/255\n", pair_name(&frame), (unsigned long long)differing,
-                              greatest_difference(&all.color, &shot.color), (unsigned long long)beyond, ALLOWED);
-            if (beyond * 5000 > frame.width * frame.height) fail_msg("%s is off at %llu pixels", pair_name(&frame), (unsigned long long)beyond);
+                print_message("  %s: %llu pixels differ, %d/255 at most, %llu by more than %d/255\n", pair_name(&frame),
+                              (unsigned long long)differing, greatest_difference(&all.color, &shot.color),
+                              (unsigned long long)beyond, ALLOWED);
+            if (beyond * 5000 > frame.width * frame.height)
+                fail_msg("%s is off at %llu pixels", pair_name(&frame), (unsigned long long)beyond);
         } else if (differing) {
             fail_msg("%s: %llu pixels differ from all", pair_name(&frame), (unsigned long long)differing);
         }
@@ -59,7 +61,12 @@ static void check_orders(struct stage *stage, fnl_frame frame) {
 
 /* ---- EQ: every scene, shading order and list ---- */
 
-struct scene_case { const char *source; uint32_t scattered; float ev; uint32_t msaa; };
+struct scene_case {
+    const char *source;
+    uint32_t scattered;
+    float ev;
+    uint32_t msaa;
+};
 
 static void test_scene(void **state) {
     const struct scene_case *c = *state;
@@ -81,9 +88,13 @@ static void test_scene(void **state) {
 /* A few pairs at a size that divides by nothing. */
 static void test_odd_size(void **state) {
     UNUSED(state);
-    static const struct { fnl_shading shading; fnl_light_lists lists; } pairs[] = {
-        {FNL_SHADING_DEFERRED, FNL_LISTS_TILED}, {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED}, {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED},
-        {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED_CPU}};
+    static const struct {
+        fnl_shading shading;
+        fnl_light_lists lists;
+    } pairs[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED},
+                 {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED},
+                 {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_TILED},
+                 {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_CLUSTERED_CPU}};
     struct stage stage = stage_open("builtin:spheres?lights=24", 0);
     fnl_frame frame = stage.frame;
     frame.width = 1283;
@@ -184,7 +195,8 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
         assert_int_equal(count_differing(&all.radiance, &fits.radiance), 0);
 
         stage->renderer->pool_capacity = capacity;
-        memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames); /* what the frames before have needed is forgotten */
+        /* What the frames before have needed is forgotten. */
+        memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
         struct shot over = stage_shoot(stage, &frame);
         if (count_differing(&all.radiance, &over.radiance)) fail_msg("%s differs in overflow", pair_name(&frame));
         assert_true(over.stats.overflow_cells > 0);
@@ -218,7 +230,8 @@ static void test_overflow_in_flight(void **state) {
     struct stage stage = stage_open("builtin:onetile?lights=400", 0);
     stage.frame.lists = FNL_LISTS_TILED;
     stage.renderer->pool_capacity = 10;
-    for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++) assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
+    for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++)
+        assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
     assert_true(stage.renderer->pool_capacity > 10);
     fnl_frame_stats stats;
     assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
@@ -291,9 +304,13 @@ static void test_same_lists_forward_and_deferred_ES_58(void **state) {
     stage_close(&stage);
 }
 
-#define SCENE(name, source, scattered, ev, msaa)                                                                        \
-    {"EQ " name ": ES-37 ES-41 ES-42 ES-50 ES-58 MP-23", test_scene, NULL, harness_check,                               \
-     &(struct scene_case){source, scattered, ev, msaa}}
+#define SCENE(name, source, scattered, ev, msaa)                                                                            \
+    {                                                                                                                       \
+        "EQ of all orders and lists, ES-41 ES-42 ES-58 MP-23: " name, test_scene, NULL, harness_check,                      \
+            &(struct scene_case) {                                                                                          \
+            source, scattered, ev, msaa                                                                                     \
+        }                                                                                                                   \
+    }
 
 int main(void) {
     const struct CMUnitTest tests[] = {

@@ -53,7 +53,9 @@ static void visit_cell(struct build *b, uint32_t cell, uint32_t light) {
 /* Columns of a row from both ends, until the sphere no longer is wholly beyond the column's inner edge. */
 static void narrow_columns(const struct build *b, uint32_t *first, uint32_t *end, float x, float depth, float radius) {
     float tile = (float)b->header->tile_size;
-    while (*first < *end && edge_distance(edge_at(b->view, 0, fminf((float)(*first + 1) * tile, (float)b->view->width)), x, depth) > radius) (*first)++;
+    float width = (float)b->view->width;
+    while (*first < *end && edge_distance(edge_at(b->view, 0, fminf((float)(*first + 1) * tile, width)), x, depth) > radius)
+        (*first)++;
     while (*end > *first && edge_distance(edge_at(b->view, 0, (float)(*end - 1) * tile), x, depth) < -radius) (*end)--;
 }
 
@@ -87,7 +89,8 @@ static void visit_slice(void *context, uint32_t slice) {
             float above = edge_distance(top, sphere.center.y, depth), below = -edge_distance(bottom, sphere.center.y, depth);
             float distance = fmaxf(above, below);
             if (distance > radius) continue;
-            if (edge_distance(top, sphere.center.y, whole_depth) > sphere.radius || edge_distance(bottom, sphere.center.y, whole_depth) < -sphere.radius) continue;
+            if (edge_distance(top, sphere.center.y, whole_depth) > sphere.radius) continue;
+            if (edge_distance(bottom, sphere.center.y, whole_depth) < -sphere.radius) continue;
             uint32_t row_first = first, row_end = end, row_start = (slice * header->tiles_y + row) * header->tiles_x;
             if (distance > 0) { /* the centre is not in the row */
                 /* Shrink onto the facing plane and move the centre there: the plane's normal leans in y and depth. */

@@ -9,18 +9,24 @@ static fnl_light_params params[4096];
 static struct gpu_light lights[4096];
 
 static struct list_request request_of(const struct gpu_view *view, enum list_builder builder, uint32_t light_count) {
-    struct list_request r = {.builder = builder, .view = *view, .lights = lights, .light_count = light_count,
-                             .tiled = tiled_params_default(), .clustered = clustered_params_default()};
+    struct list_request r = {.builder = builder,
+                             .view = *view,
+                             .lights = lights,
+                             .light_count = light_count,
+                             .tiled = tiled_params_default(),
+                             .clustered = clustered_params_default()};
     r.clustered.tile_size = 32;
     return r;
 }
 
 /* Random points in the view, surfaces or air: no light that reaches them is missing. Returns the pairs that are lit. */
-static uint64_t check_points(const struct list_request *r, const struct list_copy *list, struct random_state *random, double nearest, double farthest) {
+static uint64_t check_points(const struct list_request *r, const struct list_copy *list, struct random_state *random,
+                             double nearest, double farthest) {
     uint64_t lit = 0;
     for (uint32_t k = 0; k < POINTS; k++) {
         double view_depth = nearest * exp2((double)random_float(random) * log2(farthest / nearest)), seen[3], point[3];
-        double x = (double)random_range(random, 0, (float)r->view.size.x), y = (double)random_range(random, 0, (float)r->view.size.y);
+        double x = (double)random_range(random, 0, (float)r->view.size.x),
+               y = (double)random_range(random, 0, (float)r->view.size.y);
         view_of_pixel(&r->view, x, y, view_depth, seen);
         view_to_world(&r->view, seen, point);
         uint32_t cells[2];
@@ -55,7 +61,8 @@ static void test_sets_ES_50_ES_53(void **state) {
         /* Two different tests of the same cells; both hold whatever touches them. */
         uint64_t common = 0, entries[2] = {list_entries(&gpu), list_entries(&cpu)};
         for (uint32_t c = 0; c < gpu.cell_count; c++)
-            for (uint32_t k = 0; k < gpu.cells[c].count; k++) common += list_holds(&cpu, c, gpu.ids[gpu.cells[c].offset + k]);
+            for (uint32_t k = 0; k < gpu.cells[c].count; k++)
+                common += list_holds(&cpu, c, gpu.ids[gpu.cells[c].offset + k]);
         print_message("%s: %llu entries on the GPU, %llu on the CPU, %llu in both\n", list_view_names[kind],
                       (unsigned long long)entries[0], (unsigned long long)entries[1], (unsigned long long)common);
         assert_true((double)common > 0.8 * (double)entries[0]);
@@ -69,8 +76,14 @@ static void test_sets_ES_50_ES_53(void **state) {
 static void test_grids_and_counts_ES_53(void **state) {
     UNUSED(state);
     static const uint32_t counts[] = {0, 1, 255, 256, 257, 2048};
-    static const struct { uint32_t width, height, tile_size, slices; float near, far; } grids[] = {
-        {1, 1, 64, 24, 0.5f, 100}, {65, 3, 64, 1, 0.5f, 100}, {97, 61, 16, 2, 1, 2}, {97, 61, 48, 3, 3, 4}, {120, 67, 40, 64, 0.01f, 1000}};
+    static const struct {
+        uint32_t width, height, tile_size, slices;
+        float near, far;
+    } grids[] = {{1, 1, 64, 24, 0.5f, 100},
+                 {65, 3, 64, 1, 0.5f, 100},
+                 {97, 61, 16, 2, 1, 2},
+                 {97, 61, 48, 3, 3, 4},
+                 {120, 67, 40, 64, 0.01f, 1000}};
     struct random_state random = {4};
     for (uint32_t g = 0; g < COUNT_OF(grids); g++)
         for (uint32_t c = 0; c < COUNT_OF(counts); c++)
@@ -90,7 +103,7 @@ static void test_grids_and_counts_ES_53(void **state) {
             }
 }
 
-/* Nearer than the first slice's end and farther than the last one's start there are still cells, and they hold their lights. */
+/* Nearer than the first slice's end and beyond the last one's start there are still cells, and they hold their lights. */
 static void test_depths_outside_ES_51(void **state) {
     UNUSED(state);
     struct random_state random = {8};
@@ -100,7 +113,8 @@ static void test_depths_outside_ES_51(void **state) {
             list_random_lights(&view, &random, LIGHTS, params, lights);
             for (uint32_t i = 0; i < LIGHTS; i += 2) { /* half of them very near, or very far and large */
                 double at[3], world[3], depth = i % 4 ? 0.3 : 3000;
-                view_of_pixel(&view, (double)random_range(&random, 0, WIDTH), (double)random_range(&random, 0, HEIGHT), depth, at);
+                view_of_pixel(&view, (double)random_range(&random, 0, WIDTH), (double)random_range(&random, 0, HEIGHT),
+                              depth, at);
                 view_to_world(&view, at, world);
                 params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
                 params[i].range = i % 4 ? 0.3f : 700;
@@ -129,14 +143,17 @@ static void test_depths_outside_ES_51(void **state) {
 /* Lists by screen and depth extents alone: slices, rows and columns of the sphere's box, each by its tangent planes. */
 static bool in_box_fill(const struct list_request *r, const struct list_copy *list, uint32_t cell, uint32_t light) {
     const struct gpu_light_list *g = &list->grid;
-    uint32_t tile = cell % (g->tiles_x * g->tiles_y), x = tile % g->tiles_x, y = tile / g->tiles_x, slice = cell / (g->tiles_x * g->tiles_y);
+    uint32_t tile = cell % (g->tiles_x * g->tiles_y), x = tile % g->tiles_x, y = tile / g->tiles_x,
+             slice = cell / (g->tiles_x * g->tiles_y);
     /* A column of all rows and slices, a row of all columns and slices, a slice of all tiles. */
     for (int axis = 0; axis < 3; axis++) {
         struct list_request one = *r;
         struct gpu_light_list grid = *g;
         struct reference_cell cells[2];
         uint32_t first = axis == 0 ? x : axis == 1 ? y * g->tiles_x : slice * g->tiles_x * g->tiles_y;
-        uint32_t last = axis == 0 ? first + (g->tiles_y - 1) * g->tiles_x : axis == 1 ? first + g->tiles_x - 1 : first + g->tiles_x * g->tiles_y - 1;
+        uint32_t last = axis == 0   ? first + (g->tiles_y - 1) * g->tiles_x
+                        : axis == 1 ? first + g->tiles_x - 1
+                                    : first + g->tiles_x * g->tiles_y - 1;
         if (axis < 2) last += (g->slices - 1) * g->tiles_x * g->tiles_y;
         cells[0] = reference_cell_of(&one, &grid, first, 2e-4);
         cells[1] = reference_cell_of(&one, &grid, last, 2e-4);
@@ -166,7 +183,7 @@ static void test_voxels_ES_52(void **state) {
             for (uint32_t i = 0; i < 80; i++) {
                 if (!reference_in_view(&r, i)) continue;
                 bool held = list_holds(&list, c, i), boxed = in_box_fill(&r, &list, c, i);
-                /* Beyond a right angle from the centre the distances of edges fall again: the scan from the ends stops early. */
+                /* Beyond a right angle from the centre the distances of edges fall again: the scan stops early. */
                 assert_true(boxed || !held || behind[i] || kind == 4);
                 voxels += held;
                 boxes += boxed;
@@ -195,7 +212,8 @@ static void test_threads_ES_52(void **state) {
         struct clustered_cpu builder;
         clustered_cpu_init(&builder, &host);
         for (uint32_t i = 0; i < LIGHTS; i++) {
-            struct clustered_cpu_sphere sphere = {mat4_point(&view.world_to_view, lights[i].bound_center), lights[i].bound_radius};
+            struct clustered_cpu_sphere sphere = {mat4_point(&view.world_to_view, lights[i].bound_center),
+                                                  lights[i].bound_radius};
             assert_true(array_push(&host, &builder.spheres, sphere));
         }
         assert_int_equal(clustered_cpu_build(&builder, jobs, &grid, &cpu_view), FNL_OK);

@@ -8,8 +8,13 @@ static fnl_light_params params[4096];
 static struct gpu_light lights[4096];
 
 static struct list_request request_of(const struct gpu_view *view, const float *depth, uint32_t light_count) {
-    return (struct list_request){.builder = LIST_TILED, .view = *view, .lights = lights, .light_count = light_count, .depth = depth,
-                                 .tiled = tiled_params_default(), .clustered = clustered_params_default()};
+    return (struct list_request){.builder = LIST_TILED,
+                                 .view = *view,
+                                 .lights = lights,
+                                 .light_count = light_count,
+                                 .depth = depth,
+                                 .tiled = tiled_params_default(),
+                                 .clustered = clustered_params_default()};
 }
 
 /* Every pixel's surface point against every light: none that reaches it is missing. Returns the pairs that are lit. */
@@ -106,8 +111,8 @@ static void test_box_rejects_ES_38_ES_39(void **state) {
             both += by_both;
         }
     }
-    print_message("entries of the tiles: %llu by planes, %llu by planes and box, %llu on the GPU\n", (unsigned long long)planes,
-                  (unsigned long long)both, (unsigned long long)entries);
+    print_message("entries of the tiles: %llu by planes, %llu by planes and box, %llu on the GPU\n",
+                  (unsigned long long)planes, (unsigned long long)both, (unsigned long long)entries);
     assert_true((double)both < 0.9 * (double)planes);
     assert_true(entries >= both && (double)entries <= (double)both * 1.01 + 8);
     reference_check(&r, &list);
@@ -174,7 +179,8 @@ static void test_figure_ES_43(void **state) {
             assert_int_equal(bits_of(&list, TILE_C), 4);
             if (flags & 1) assert_int_equal(list.cells[TILE_SKY].count, 0);
             for (uint32_t c = 0; c < list.cell_count; c++)
-                if (c != TILE_A && c != TILE_B && c != TILE_C && c != TILE_SKY && c != TILE_B - 6) assert_int_equal(list.cells[c].count, 0);
+                if (c != TILE_A && c != TILE_B && c != TILE_C && c != TILE_SKY && c != TILE_B - 6)
+                    assert_int_equal(list.cells[c].count, 0);
             list_free(&list);
         }
         for (uint32_t i = 0; i < SIDE * SIDE; i++) depth[i] = depth_of_view_depth(&view, 20);
