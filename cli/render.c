@@ -39,6 +39,7 @@ static void print_help(void) {
          "Method\n"
          "  --shading KIND             forward forward-prepass deferred (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               all tiled clustered clustered-cpu (clustered)\n"
+         "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
          "\n"
          "Run\n"
@@ -151,7 +152,7 @@ static bool add_output(struct render_options *o, const char *path) {
 }
 
 enum { OPTION_FIRST = 256 };
-enum { O_SIZE = OPTION_FIRST, O_CAMERA, O_EYE, O_LOOK_AT, O_FOV, O_SHADING, O_LISTS, O_MSAA, O_LIGHTS, O_LIGHT_SEED, O_EXPOSURE, O_TONEMAP,
+enum { O_SIZE = OPTION_FIRST, O_CAMERA, O_EYE, O_LOOK_AT, O_FOV, O_SHADING, O_LISTS, O_MSAA, O_GBUFFER_PREPASS, O_LIGHTS, O_LIGHT_SEED, O_EXPOSURE, O_TONEMAP,
        O_BACKGROUND, O_AMBIENT, O_TIME, O_ANIMATION, O_FRAMES, O_DEVICE, O_VALIDATE, O_DEBUG, O_AOV, O_STATS, O_PLAN };
 
 static bool parse_option(struct render_options *o, int option, const char *value) {
@@ -183,6 +184,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!parse_integer("msaa", value, 1, 8, &integer) || (integer & (integer - 1))) return bad_value("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
         return true;
+    case O_GBUFFER_PREPASS: o->frame.gbuffer_prepass = true; return true;
     case O_LIGHTS:
         if (!parse_integer("lights", value, 0, 1 << 24, &integer)) return false;
         o->light_count = (uint32_t)integer;
@@ -222,7 +224,7 @@ static const struct option long_options[] = {
     {"size", required_argument, NULL, O_SIZE}, {"camera", required_argument, NULL, O_CAMERA}, {"eye", required_argument, NULL, O_EYE},
     {"look-at", required_argument, NULL, O_LOOK_AT}, {"fov", required_argument, NULL, O_FOV},
     {"shading", required_argument, NULL, O_SHADING}, {"lists", required_argument, NULL, O_LISTS}, {"msaa", required_argument, NULL, O_MSAA},
-    {"lights", required_argument, NULL, O_LIGHTS}, {"light-seed", required_argument, NULL, O_LIGHT_SEED},
+    {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS}, {"lights", required_argument, NULL, O_LIGHTS}, {"light-seed", required_argument, NULL, O_LIGHT_SEED},
     {"exposure", required_argument, NULL, O_EXPOSURE}, {"tonemap", required_argument, NULL, O_TONEMAP},
     {"background", required_argument, NULL, O_BACKGROUND}, {"ambient", required_argument, NULL, O_AMBIENT}, {"time", required_argument, NULL, O_TIME},
     {"animation", required_argument, NULL, O_ANIMATION}, {"frames", required_argument, NULL, O_FRAMES},

@@ -66,6 +66,7 @@ function(fanal_test name)
     target_link_libraries(test_${name} PRIVATE fanal_${layer})
   endforeach()
   target_link_libraries(test_${name} PRIVATE fanal_options PkgConfig::cmocka ${test_LINKS} m)
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
   add_test(NAME ${name} COMMAND test_${name} ${test_ARGUMENTS} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   if(FANAL_SANITIZE)
     target_sources(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/keep_loaded.c)

@@ -32,7 +32,7 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
     data.state = (struct gpu_graphics_params){.fragment = &shader_aov_frag, .color_count = 3,
                                               .color_formats = {params.format, params.format, params.format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = true,
-                                              .depth_compare = VK_COMPARE_OP_GREATER, .samples = 1};
+                                              .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL, .samples = 1};
     struct graph_pass *pass = graph_add_pass(graph, "aov", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
     static const float zero[4];

@@ -26,7 +26,7 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
         .fragment = &shader_gbuffer_frag, .color_count = 4,
         .color_formats = {graph_image_info(graph, radiance).format, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
         .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = !prepass,
-        .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER, .samples = 1};
+        .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL, .samples = 1};
     struct graph_pass *pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){input->background[0], input->background[1], input->background[2], 1});

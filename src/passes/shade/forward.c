@@ -29,7 +29,8 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
         .fragment = &shader_forward_early_frag, .constant_count = 2, .constants = {input->lights->kind, input->counters.id != 0},
         .color_count = 1, .color_formats = {target.format}, .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},
         .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = !blends && !prepass,
-        .depth_compare = prepass && !blends ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER, .samples = MAX(target.samples, 1u)};
+        /* Of surfaces at equal depth the last one drawn wins, with a prepass and without. */
+        .depth_compare = blends ? VK_COMPARE_OP_GREATER : prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL, .samples = MAX(target.samples, 1u)};
     struct graph_pass *pass = graph_add_pass(graph, blends ? "forward blend" : "forward", GRAPH_QUEUE_GRAPHICS, execute_forward, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
