@@ -17,7 +17,8 @@ struct prefix_sum_names { const char *block[4], *add[3], *buffers[4]; };
 
 /**
  * Replaces values[i], i < count, by the sum of all values before i. To learn the total, give one element more, with any
- * value: it becomes the sum of the others. count is at least 1 and below 2^32 - 1024; sums wrap at 2^32. All steps run on `queue`.
+ * value: it becomes the sum of the others. count is at least 1 and below 2^32 - 1024; sums saturate at 2^32 - 1. All steps run on
+ * `queue`.
  */
 void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values, uint32_t count);
 

@@ -13,6 +13,6 @@ void main() {
     uint first = gl_WorkGroupID.x * PREFIX_SUM_BLOCK + gl_LocalInvocationIndex;
     for (uint i = 0u; i < 8u; i++) {
         uint index = first + i * 128u;
-        if (index < push.count) push.values.at[index] += before;
+        if (index < push.count) push.values.at[index] = add_saturated(push.values.at[index], before);
     }
 }

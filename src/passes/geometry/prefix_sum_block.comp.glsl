@@ -17,20 +17,20 @@ void main() {
     uint total = 0u;
     for (uint i = 0u; i < 8u; i++) {
         values[i] = first + i < push.count ? push.values.at[first + i] : 0u;
-        total += values[i];
+        total = add_saturated(total, values[i]);
     }
     sums[thread] = total;
     barrier();
     for (uint step = 1u; step < 128u; step *= 2u) {
         uint before = thread >= step ? sums[thread - step] : 0u;
         barrier();
-        sums[thread] += before;
+        sums[thread] = add_saturated(sums[thread], before);
         barrier();
     }
     uint sum = thread > 0u ? sums[thread - 1u] : 0u;
     for (uint i = 0u; i < 8u; i++) {
         if (first + i < push.count) push.values.at[first + i] = sum;
-        sum += values[i];
+        sum = add_saturated(sum, values[i]);
     }
     if (thread == 127u) push.blocks.at[gl_WorkGroupID.x] = sum;
 }
