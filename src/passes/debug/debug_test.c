@@ -27,9 +27,10 @@ static void assert_color(const fnl_image *image, uint32_t x, uint32_t y, double 
 static vec3 heat(double count) {
     static const vec3 stops[6] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f},
                                   {0.55f, 0.95f, 0.2f},  {1, 0.7f, 0.1f},      {0.85f, 0.05f, 0.05f}};
+    if (count == 0) return (vec3){0, 0, 0};
     float x = (float)fmin((log2(count) + 1) / 9, 1) * 5;
     int i = MIN((int)x, 4);
-    return count == 0 ? (vec3){0, 0, 0} : vec3_lerp(stops[i], stops[i + 1], x - (float)i);
+    return vec3_lerp(stops[i], stops[i + 1], x - (float)i);
 }
 
 /* ---- surfaces ---- */

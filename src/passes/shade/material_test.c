@@ -64,6 +64,7 @@ static void test_cutout_holes(void **state) {
     struct scene_material wall = test_unlit(0, 0.25f, 0.75f);
     place_square(scene, &leaf, (vec3){0, 0, 1});
     place_square(scene, &wall, (vec3){0, 0, 0});
+    place_square(scene, &leaf, (vec3){0, 0, -1}); /* hidden: shaded by nobody who knows the depth */
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_POSITION);
     frame.count_lights = true;
     fnl_light_params light = test_point((vec3){0, 0, 3}, 1, 9);
