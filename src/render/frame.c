@@ -97,7 +97,7 @@ static void add_lists(struct frame_state *f) {
     case FNL_LISTS_CLUSTERED_CPU: {
         struct clustered_params params = cluster_params(f);
         struct clustered_cpu_view view = {f->view.ndc_scale, f->view.ndc_offset, f->frame->camera.orthographic, f->frame->width, f->frame->height};
-        f->lights = clustered_cpu_add(&f->r->clustered_cpu, device, input, f->r->device_scene.light_data.data + input->directional_count,
+        f->lights = clustered_cpu_add(&f->r->clustered_cpu, device, input, input->local_count ? f->r->device_scene.light_data.data + input->directional_count : NULL,
                                       &f->view.world_to_view, &view, &params);
         break;
     }
