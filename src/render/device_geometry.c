@@ -359,11 +359,13 @@ static fnl_result upload_groups(struct upload *u, struct group_key *keys, uint32
                 .topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : vulkan_topology(key->bucket >> 4), .blend = sorted || key->bucket & 8,
                 .mask = !sorted && key->bucket & 4, .double_sided = !sorted && key->bucket & 2, .mirrored = !sorted && key->bucket & 1,
                 .first_item = first, .first_group = i};
-            if (!array_push(&d->host, &d->buckets, bucket)) result = FNL_ERROR_MEMORY;
+            if (!array_push(&d->host, &d->buckets, bucket)) {
+                result = FNL_ERROR_MEMORY;
+                break;
+            }
             last = &d->buckets.data[d->buckets.count - 1];
             if (sorted) d->blend_first_item = first;
         }
-        if (result != FNL_OK) break;
         last->item_count += key->count;
         last->group_count++;
         if (key->bucket == 1u << 16) d->blend_item_count += key->count;
