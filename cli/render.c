@@ -139,13 +139,8 @@ static bool parse_exposure(const char *text, fnl_frame *frame) {
     return true;
 }
 
-static bool has_extension(const char *path, const char *extension) {
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, extension) == 0;
-}
-
 static bool add_output(struct render_options *o, const char *path) {
-    if (!has_extension(path, "png") && !has_extension(path, "exr")) return bad_value("output", path, "a file that ends in .png or .exr");
+    if (!render_has_extension(path, "png") && !render_has_extension(path, "exr")) return bad_value("output", path, "a file that ends in .png or .exr");
     if (o->output_count == RENDER_MAX_OUTPUTS) return bad_value("output", path, "among the first 16 outputs");
     o->outputs[o->output_count++] = path;
     return true;
@@ -236,7 +231,7 @@ static const struct option long_options[] = {
 static bool check_options(struct render_options *o) {
     const char *problem = NULL;
     bool has_exr = false;
-    for (int i = 0; i < o->output_count; i++) has_exr = has_exr || has_extension(o->outputs[i], "exr");
+    for (int i = 0; i < o->output_count; i++) has_exr = has_exr || render_has_extension(o->outputs[i], "exr");
     if (o->output_count == 0 && !o->stats && !o->plan) problem = "no output was asked for: give -o FILE, --stats FILE or --plan";
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";

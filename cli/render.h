@@ -20,6 +20,8 @@ struct render_options {
     double time;
 };
 
+/** Whether a path ends in this extension (without dot), in any case. */
+bool render_has_extension(const char *path, const char *extension);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 

@@ -104,14 +104,14 @@ static void choose_device(const struct render_options *o, fnl_device_params *par
 
 /* ---- outputs ---- */
 
-static bool has_extension(const char *path, const char *extension) {
+bool render_has_extension(const char *path, const char *extension) {
     const char *dot = strrchr(path, '.');
     return dot && strcasecmp(dot + 1, extension) == 0;
 }
 
 static uint32_t wanted_outputs(const struct render_options *o) {
     uint32_t outputs = o->output_count ? 0 : FNL_OUTPUT_COLOR; /* numbers alone still need the whole frame */
-    for (int i = 0; i < o->output_count; i++) outputs |= has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
+    for (int i = 0; i < o->output_count; i++) outputs |= render_has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
     if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
     if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
@@ -145,7 +145,7 @@ static bool save_outputs(const struct render_options *o, const fnl_host *host, f
     int written = 0;
     for (; written < o->output_count && good; written++) {
         const char *path = o->outputs[written];
-        good = has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK : save_exr(o, host, path, &p);
+        good = render_has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK : save_exr(o, host, path, &p);
     }
     if (!good) /* all or nothing: the last one counted was not written */
         for (int i = 0; i + 1 < written; i++) unlink(o->outputs[i]);

@@ -31,6 +31,11 @@ const float HALF_MAX = 65504.0;
 float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }
 float luminance(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }
 
+// The transfer function of IEC 61966-2-1, for values in 0..1.
+vec3 srgb_encode(vec3 c) {
+    return mix(12.92 * c, 1.055 * pow(max(c, vec3(0.0031308)), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
+}
+
 vec3 octahedral_decode(vec2 e) {
     vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
     if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x < 0.0 ? -1.0 : 1.0, n.y < 0.0 ? -1.0 : 1.0);

@@ -6,6 +6,11 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .transform_version = UINT64_MAX, .light_version = UINT64_MAX};
 }
 
+fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data, uint64_t size) {
+    TRY(gpu_buffer_create(d->device, name, MAX(size, 16u), GPU_MEMORY_DEVICE, buffer));
+    return size ? gpu_upload_buffer(d->device, buffer, 0, data, size) : FNL_OK;
+}
+
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
                                     &d->items, &d->groups, &d->table, &d->deforms, &d->influences, &d->morphs};

@@ -50,15 +50,32 @@ struct device_scene_frame {
 /** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);
 
-/** In device_lights.c: the light array of a scene, directional ones first. */
+/* ---- the parts ---- */
+
+/** Makes a device buffer and fills it; of size 0 it is as small as can be. */
+fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data, uint64_t size);
+
+/** Whether a node shows a mesh. */
+static inline bool device_node_draws(const struct scene_node *node) { return node->active && !node->removed && node->mesh != SCENE_NONE; }
+
+/** The light array of a scene, directional ones first (device_lights.c). */
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
 
-/** In device_images.c: decodes on all threads and uploads the images that materials use. */
+/** Decodes on all threads and uploads the images that materials use (device_images.c). */
 fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
 
-/** In device_geometry.c */
+/** After the images; the last material is glTF's default, for primitives without one (device_materials.c). */
+fnl_result device_materials_upload(struct device_scene *d);
+
+/** Vertices, indices, primitives and what deforms, then everything below (device_geometry.c). */
 fnl_result device_geometry_upload(struct device_scene *d);
+
+/**
+ * Instances, items, groups and buckets (device_items.c). `primitives` are those of the scene, then those of deforming nodes;
+ * node_primitives[node] is the first own primitive of a deforming node, else SCENE_NONE.
+ */
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count, const uint32_t *node_primitives);
 /** The device form of a node's instances, at its present pose. */
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
 

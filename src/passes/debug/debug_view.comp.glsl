@@ -10,10 +10,6 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
 
-vec3 srgb_encode(vec3 c) {
-    return mix(12.92 * c, 1.055 * pow(max(c, vec3(0.0031308)), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
-}
-
 // Turbo-like ramp over 0..1: dark blue, cyan, green, yellow, red, by linear pieces.
 vec3 heat(float t) {
     const vec3 stops[6] = vec3[](vec3(0.05, 0.05, 0.25), vec3(0.1, 0.35, 0.95), vec3(0.1, 0.85, 0.75), vec3(0.55, 0.95, 0.2),

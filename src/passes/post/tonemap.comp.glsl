@@ -56,10 +56,6 @@ vec3 tone_map(vec3 color) {
     return color;
 }
 
-vec3 srgb_encode(vec3 c) {
-    return mix(12.92 * c, 1.055 * pow(max(c, vec3(0.0031308)), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
-}
-
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) return;

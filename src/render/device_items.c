@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/device_scene.h"
+
+static const struct scene_material *material_of(const fnl_scene *scene, const struct scene_primitive *p, const struct scene_material *standard) {
+    return p->material == SCENE_NONE ? standard : &scene->materials.data[p->material];
+}
+
+static struct gpu_instance device_instance(const mat4 *m) {
+    struct gpu_instance r;
+    for (int row = 0; row < 3; row++) r.rows[row] = (vec4){m->m[row], m->m[4 + row], m->m[8 + row], m->m[12 + row]};
+    return r;
+}
+
+static mat4 instance_matrix(const struct scene_node *node, uint32_t k) {
+    if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
+    return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+}
+
+void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out) {
+    for (uint32_t k = 0; k < node->instance_count; k++) {
+        mat4 m = instance_matrix(node, k);
+        out[k] = device_instance(&m);
+    }
+}
+
+static fnl_result upload_instances(struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    uint64_t count = 0;
+    if (!array_reserve(&d->host, &d->node_instances, scene->nodes.count)) return FNL_ERROR_MEMORY;
+    d->node_instances.count = scene->nodes.count;
+    for (uint32_t n = 0; n < scene->nodes.count; n++) {
+        bool draws = device_node_draws(&scene->nodes.data[n]);
+        d->node_instances.data[n] = draws ? (uint32_t)count : SCENE_NONE;
+        if (draws) count += scene->nodes.data[n].instance_count;
+    }
+    if (count > UINT32_MAX / sizeof(struct gpu_instance)) return FNL_ERROR_UNSUPPORTED;
+    TRY(gpu_buffer_create(d->device, "instances", MAX(count, 1u) * sizeof(struct gpu_instance), GPU_MEMORY_DEVICE, &d->instances));
+    struct gpu_instance chunk[256];
+    for (uint32_t n = 0; n < scene->nodes.count; n++) {
+        const struct scene_node *node = &scene->nodes.data[n];
+        if (d->node_instances.data[n] == SCENE_NONE) continue;
+        for (uint32_t k = 0; k < node->instance_count;) {
+            uint32_t part = MIN(node->instance_count - k, COUNT_OF(chunk));
+            for (uint32_t i = 0; i < part; i++) {
+                mat4 m = instance_matrix(node, k + i);
+                chunk[i] = device_instance(&m);
+            }
+            TRY(gpu_upload_buffer(d->device, &d->instances, (uint64_t)(d->node_instances.data[n] + k) * sizeof *chunk, chunk, part * sizeof *chunk));
+            k += part;
+        }
+    }
+    return FNL_OK;
+}
+
+/* A group of items: one primitive, one handedness. Ordered by bucket; the bucket's bits are its sort key. */
+struct group_key { uint32_t bucket, primitive, mirrored, count, first; };
+
+static uint32_t bucket_bits(const struct scene_material *m, enum scene_topology topology, bool mirrored) {
+    bool blend = m->alpha_mode == FNL_ALPHA_BLEND, sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
+    /* Blended triangles form one bucket at the end: they are drawn in one order over all states. */
+    if (sorted) return 1u << 16;
+    return (uint32_t)topology << 4 | (uint32_t)blend << 3 | (uint32_t)(m->alpha_mode == FNL_ALPHA_MASK) << 2 |
+           (uint32_t)m->double_sided << 1 | (uint32_t)(mirrored && !m->double_sided);
+}
+
+static int compare_groups(const void *a, const void *b) {
+    const struct group_key *x = a, *y = b;
+    if (x->bucket != y->bucket) return x->bucket < y->bucket ? -1 : 1;
+    if (x->primitive != y->primitive) return x->primitive < y->primitive ? -1 : 1;
+    return (int)x->mirrored - (int)y->mirrored;
+}
+
+/* The primitives on the device: those of the scene, then those of deforming nodes, which start at node_primitives[node]. */
+struct item_walk {
+    struct device_scene *d;
+    const struct gpu_primitive *primitives;
+    const uint32_t *node_primitives; /* SCENE_NONE: the node draws the scene's primitives */
+    uint32_t key_count;              /* keys are primitive * 2 + mirrored */
+    uint32_t *sources;               /* scene primitive of each key */
+    struct group_key *keys;          /* by key while items are counted, then by group */
+    uint32_t *groups;                /* group of each key */
+    struct gpu_item *items;          /* NULL while items are counted */
+};
+
+/* Visits every item in the order of nodes; counts (items NULL) or places them. */
+static void walk_items(struct item_walk *w) {
+    const fnl_scene *scene = w->d->scene;
+    for (uint32_t n = 0; n < scene->nodes.count; n++) {
+        const struct scene_node *node = &scene->nodes.data[n];
+        if (w->d->node_instances.data[n] == SCENE_NONE) continue;
+        const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+        uint32_t own = w->node_primitives[n];
+        for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+            uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
+            if (w->primitives[primitive].index_count == 0) continue;
+            for (uint32_t k = 0; k < node->instance_count; k++) {
+                mat4 m = instance_matrix(node, k);
+                uint32_t key = primitive * 2 + (mat4_determinant3(&m) < 0);
+                if (!w->items) {
+                    w->keys[key].count++;
+                    continue;
+                }
+                struct group_key *group = &w->keys[w->groups[key]];
+                w->items[group->first + group->count++] = (struct gpu_item){w->d->node_instances.data[n] + k, primitive};
+            }
+        }
+    }
+}
+
+static VkPrimitiveTopology vulkan_topology(uint32_t topology) {
+    return topology == SCENE_TOPOLOGY_LINES ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
+         : topology == SCENE_TOPOLOGY_POINTS ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+}
+
+static fnl_result upload_groups(struct item_walk *w) {
+    struct device_scene *d = w->d;
+    struct group_key *keys = w->keys;
+    const fnl_scene *scene = d->scene;
+    struct scene_material standard = scene_material_default();
+    walk_items(w);
+
+    /* What each key draws, from the scene primitive it came from. */
+    uint32_t group_count = 0;
+    uint64_t item_count = 0;
+    for (uint32_t key = 0; key < w->key_count; key++) {
+        if (keys[key].count == 0) continue;
+        struct group_key group = {.primitive = key / 2, .mirrored = key & 1, .count = keys[key].count};
+        keys[key].count = 0;
+        const struct scene_primitive *source = &scene->primitives.data[w->sources[key]];
+        group.bucket = bucket_bits(material_of(scene, source, &standard), source->topology, group.mirrored);
+        item_count += group.count;
+        keys[group_count++] = group; /* never overtakes `key` */
+    }
+    if (item_count > UINT32_MAX - 1) return FNL_ERROR_UNSUPPORTED;
+    qsort(keys, group_count, sizeof *keys, compare_groups);
+
+    struct gpu_group *groups = host_allocate_zero(&d->host, MAX(group_count, 1u) * sizeof *groups);
+    struct gpu_item *items = host_allocate_zero(&d->host, MAX(item_count, 1u) * sizeof *items);
+    fnl_result result = groups && items ? FNL_OK : FNL_ERROR_MEMORY;
+    uint32_t first = 0;
+    d->blend_item_count = 0;
+    for (uint32_t i = 0; i < group_count && result == FNL_OK; i++) {
+        struct group_key *key = &keys[i];
+        w->groups[key->primitive * 2 + key->mirrored] = i;
+        key->first = first;
+        groups[i] = (struct gpu_group){.first_item = first, .item_count = key->count, .primitive = key->primitive};
+        struct geometry_bucket *last = d->buckets.count ? &d->buckets.data[d->buckets.count - 1] : NULL;
+        if (i == 0 || keys[i - 1].bucket != key->bucket) {
+            bool sorted = key->bucket == 1u << 16;
+            struct geometry_bucket bucket = {
+                .topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : vulkan_topology(key->bucket >> 4), .blend = sorted || key->bucket & 8,
+                .mask = !sorted && key->bucket & 4, .double_sided = !sorted && key->bucket & 2, .mirrored = !sorted && key->bucket & 1,
+                .first_item = first, .first_group = i};
+            if (!array_push(&d->host, &d->buckets, bucket)) {
+                result = FNL_ERROR_MEMORY;
+                break;
+            }
+            last = &d->buckets.data[d->buckets.count - 1];
+            if (sorted) d->blend_first_item = first;
+        }
+        last->item_count += key->count;
+        last->group_count++;
+        if (key->bucket == 1u << 16) d->blend_item_count += key->count;
+        first += key->count;
+        key->count = 0;
+    }
+    if (result == FNL_OK) {
+        w->items = items;
+        walk_items(w);
+        d->item_count = (uint32_t)item_count;
+        d->group_count = group_count;
+        result = device_upload_array(d, "items", &d->items, items, item_count * sizeof *items);
+        if (result == FNL_OK) result = device_upload_array(d, "groups", &d->groups, groups, group_count * sizeof *groups);
+    }
+    if (groups) host_free(&d->host, groups, MAX(group_count, 1u) * sizeof *groups);
+    if (items) host_free(&d->host, items, MAX(item_count, 1u) * sizeof *items);
+    return result;
+}
+
+static void map_sources(struct item_walk *w) {
+    const fnl_scene *scene = w->d->scene;
+    for (uint32_t i = 0; i < scene->primitives.count; i++) w->sources[i * 2] = w->sources[i * 2 + 1] = i;
+    for (uint32_t n = 0; n < scene->nodes.count; n++) {
+        if (w->node_primitives[n] == SCENE_NONE) continue;
+        const struct scene_mesh *mesh = &scene->meshes.data[scene->nodes.data[n].mesh];
+        for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+            uint32_t key = (w->node_primitives[n] + i) * 2;
+            w->sources[key] = w->sources[key + 1] = mesh->first_primitive + i;
+        }
+    }
+}
+
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count, const uint32_t *node_primitives) {
+    TRY(upload_instances(d));
+    struct item_walk walk = {.d = d, .primitives = primitives, .node_primitives = node_primitives, .key_count = primitive_count * 2};
+    size_t keys_size = MAX(walk.key_count, 1u) * sizeof *walk.keys, map_size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
+    walk.keys = host_allocate_zero(&d->host, keys_size);
+    walk.sources = host_allocate_zero(&d->host, map_size);
+    walk.groups = host_allocate_zero(&d->host, map_size);
+    fnl_result result = FNL_ERROR_MEMORY;
+    if (walk.keys && walk.sources && walk.groups) {
+        map_sources(&walk);
+        result = upload_groups(&walk);
+    }
+    host_free(&d->host, walk.keys, keys_size);
+    host_free(&d->host, walk.sources, map_size);
+    host_free(&d->host, walk.groups, map_size);
+    return result;
+}
