@@ -23,6 +23,11 @@ layout(set = 0, binding = 2) uniform uimage2D images_uint[];
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer uint_array { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer const_uint_array { uint at[]; };
 
+// Number of the work group or invocation in a dispatch made by gpu_dispatch_linear, which may have two dimensions and a few
+// groups too many.
+#define LINEAR_GROUP (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x)
+#define LINEAR_INVOCATION (LINEAR_GROUP * gl_WorkGroupSize.x + gl_LocalInvocationID.x)
+
 const float PI = 3.14159265358979323846;
 
 // The library keeps a finite largest value in 16-bit targets.

@@ -110,6 +110,11 @@ void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_
     commands->device->vk.CmdDispatch(commands->handle, x, y, z);
 }
 
+void gpu_dispatch_linear(struct gpu_commands *commands, uint32_t groups) {
+    enum { ROW = 65535 }; /* every device takes this many groups in each dimension */
+    gpu_dispatch(commands, MIN(groups, (uint32_t)ROW), DIVIDE_UP(groups, (uint32_t)ROW), 1);
+}
+
 void gpu_dispatch_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset) {
     if (!can_run(commands, VK_PIPELINE_BIND_POINT_COMPUTE)) return;
     commands->device->vk.CmdDispatchIndirect(commands->handle, buffer->handle, offset);

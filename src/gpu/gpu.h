@@ -174,6 +174,9 @@ gpu_device *gpu_commands_device(struct gpu_commands *commands);
 void gpu_bind(struct gpu_commands *commands, const struct gpu_pipeline *pipeline); /* also binds set 0 when needed; NULL: later draws and dispatches are skipped */
 void gpu_push(struct gpu_commands *commands, const void *data, uint32_t size);
 void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t z);
+/** At least `groups` work groups, in two dimensions where one does not hold them: shaders number them by LINEAR_GROUP (common.glsl) and leave
+    the surplus alone. */
+void gpu_dispatch_linear(struct gpu_commands *commands, uint32_t groups);
 void gpu_dispatch_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset);
 void gpu_bind_indices(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset); /* 32-bit */
 void gpu_draw(struct gpu_commands *commands, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex, uint32_t first_instance);

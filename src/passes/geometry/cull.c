@@ -17,7 +17,7 @@ static void execute_cull(const struct graph_context *context, const void *data) 
         .item_count = d->scene->item_count, .group_count = d->scene->group_count};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->scene->item_count + 1, 64u), 1, 1);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->scene->item_count + 1, 64u));
 }
 
 struct sort_data {
@@ -43,7 +43,7 @@ static void execute_sort(const struct graph_context *context, const void *data) 
         .item_count = d->scene->blend_item_count, .run_count = DIVIDE_UP(d->scene->blend_item_count, SORT_RUN), .shift = d->shift};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->threads, 64u), 1, 1);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
 }
 
 static struct graph_pass *add_sort_pass(struct graph *graph, const char *name, const struct sort_data *data) {

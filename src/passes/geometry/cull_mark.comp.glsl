@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cull_push push; };
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = LINEAR_INVOCATION;
     if (index > push.item_count) return;
     if (index == push.item_count) {
         push.sums.at[index] = 0u;

@@ -13,7 +13,7 @@ static void execute_sum(const struct graph_context *context, const void *data) {
         .values = graph_address(context, d->values), .blocks = graph_address(context, d->blocks), .count = d->count};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->count, PREFIX_SUM_BLOCK), 1, 1);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->count, PREFIX_SUM_BLOCK));
 }
 
 static void add_step(struct graph *graph, const char *name, struct sum_data data) {

@@ -9,8 +9,9 @@ layout(local_size_x = 128) in;
 layout(push_constant, scalar) uniform push_block { gpu_prefix_sum_push push; };
 
 void main() {
-    uint before = push.blocks.at[gl_WorkGroupID.x];
-    uint first = gl_WorkGroupID.x * PREFIX_SUM_BLOCK + gl_LocalInvocationIndex;
+    if (LINEAR_GROUP * PREFIX_SUM_BLOCK >= push.count) return;
+    uint before = push.blocks.at[LINEAR_GROUP];
+    uint first = LINEAR_GROUP * PREFIX_SUM_BLOCK + gl_LocalInvocationIndex;
     for (uint i = 0u; i < 8u; i++) {
         uint index = first + i * 128u;
         if (index < push.count) push.values.at[index] = add_saturated(push.values.at[index], before);

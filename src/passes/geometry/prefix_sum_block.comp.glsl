@@ -12,7 +12,8 @@ shared uint sums[128];
 
 void main() {
     uint thread = gl_LocalInvocationIndex;
-    uint first = gl_WorkGroupID.x * PREFIX_SUM_BLOCK + thread * 8u;
+    if (LINEAR_GROUP * PREFIX_SUM_BLOCK >= push.count) return; // the whole group
+    uint first = LINEAR_GROUP * PREFIX_SUM_BLOCK + thread * 8u;
     uint values[8];
     uint total = 0u;
     for (uint i = 0u; i < 8u; i++) {
@@ -32,5 +33,5 @@ void main() {
         if (first + i < push.count) push.values.at[first + i] = sum;
         sum = add_saturated(sum, values[i]);
     }
-    if (thread == 127u) push.blocks.at[gl_WorkGroupID.x] = sum;
+    if (thread == 127u) push.blocks.at[LINEAR_GROUP] = sum;
 }

@@ -12,7 +12,7 @@ static void execute_skin(const struct graph_context *context, const void *data) 
     for (uint32_t i = 0; i < d->deform_count; i++) {
         push.deform = i;
         gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch(context->commands, DIVIDE_UP(d->vertex_counts[i], 64u), 1, 1);
+        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->vertex_counts[i], 64u));
     }
 }
 

@@ -30,7 +30,7 @@ vec3 safe_normalize(vec3 v) {
 
 void main() {
     gpu_deform d = push.deforms.at[push.deform];
-    uint vertex = gl_GlobalInvocationID.x;
+    uint vertex = LINEAR_INVOCATION;
     if (vertex >= d.count) return;
 
     vec3 position = push.positions.at[d.source + vertex];

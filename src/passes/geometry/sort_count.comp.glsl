@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_sort_push push; };
 
 void main() {
-    uint run = gl_GlobalInvocationID.x;
+    uint run = LINEAR_INVOCATION;
     if (run >= push.run_count) return;
     uint counts[SORT_DIGITS];
     for (uint d = 0u; d < SORT_DIGITS; d++) counts[d] = 0u;

@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_sort_push push; };
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = LINEAR_INVOCATION;
     if (index >= push.item_count) return;
     uint item_index = push.keys_in.at[index * 2u + 1u];
     gpu_primitive primitive = push.scene.scene.primitives.at[push.scene.scene.items.at[item_index].primitive];

@@ -3,6 +3,7 @@
 
 #include "shaders.h"
 
+enum { MAX_SUMS = 1 << 24, MAX_CHUNKS = 65535 };
 enum step { STEP_BOUNDS, STEP_COUNT, STEP_FILL };
 
 struct step_data {
@@ -10,7 +11,7 @@ struct step_data {
     struct lights_in_view in_view;
     struct cells_build build;
     graph_buffer bounds, sums, cells, ids, overflow;
-    uint32_t cell_count, chunk_count;
+    uint32_t cell_count, chunk_size, chunk_count;
     enum step step;
 };
 
@@ -18,7 +19,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
     const struct step_data *d = data;
     struct gpu_cells_push push = {
         .view = d->input.view, .list = d->build.header_address, .cells = graph_address(context, d->bounds),
-        .light_count = d->input.local_count, .cell_count = d->cell_count, .chunk_count = d->chunk_count,
+        .light_count = d->input.local_count, .cell_count = d->cell_count, .chunk_size = d->chunk_size, .chunk_count = d->chunk_count,
         .capacity = d->build.pool_capacity, .flags = d->build.flags, .depth = GPU_NO_DEPTH};
     if (d->step == STEP_BOUNDS) {
         struct gpu_compute_params params = {.shader = d->build.bounds_shader, .constant_count = 2,
@@ -26,7 +27,8 @@ static void execute_step(const struct graph_context *context, const void *data) 
         if (d->build.depth.id) push.depth = graph_sampled(context, d->build.depth);
         gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch(context->commands, d->build.bounds_groups_x, d->build.bounds_groups_y, 1);
+        if (d->build.bounds_groups_y) gpu_dispatch(context->commands, d->build.bounds_groups_x, d->build.bounds_groups_y, 1);
+        else gpu_dispatch_linear(context->commands, d->build.bounds_groups_x);
         return;
     }
     struct gpu_compute_params params = {.shader = d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
@@ -62,7 +64,11 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     struct step_data data = {.input = *input, .in_view = *in_view, .build = *build};
     /* Without memory for the header the device already carries a sticky error; the grid only has to be valid. */
     data.cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
-    data.chunk_count = MAX(DIVIDE_UP(input->local_count, CELL_CHUNK), 1u);
+    /* Chunks keep a big device busy; there need not be more than a few million of them. */
+    data.chunk_size = CELL_CHUNK;
+    for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, data.chunk_size)) > MAX_CHUNKS || (chunks > 1 && (uint64_t)data.cell_count * chunks > MAX_SUMS);)
+        data.chunk_size *= 2;
+    data.chunk_count = MAX(DIVIDE_UP(input->local_count, data.chunk_size), 1u);
     uint32_t sum_count = data.cell_count * data.chunk_count + 1;
     data.bounds = graph_create_buffer(graph, names->bounds_buffer, data.cell_count * sizeof(struct gpu_cell_bounds));
     data.sums = graph_create_buffer(graph, names->sums_buffer, sum_count * 4ull);

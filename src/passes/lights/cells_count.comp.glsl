@@ -17,9 +17,9 @@ void main() {
         return;
     }
     gpu_cell_bounds bounds = push.cells.at[cell];
-    uint end = min((chunk + 1u) * CELL_CHUNK, push.visible_sums.at[push.light_count]);
+    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
     uint count = 0u;
-    for (uint i = chunk * CELL_CHUNK; i < end; i++)
+    for (uint i = chunk * push.chunk_size; i < end; i++)
         if (cell_touches(bounds, push.bounds.at[i])) count++;
     push.sums.at[cell * push.chunk_count + chunk] = count;
 }

@@ -22,7 +22,7 @@ void main() {
     uint slot = push.sums.at[cell * push.chunk_count + chunk], slot_end = push.sums.at[cell * push.chunk_count + chunk + 1u];
     if (slot == slot_end) return;
     gpu_cell_bounds bounds = push.cells.at[cell];
-    uint end = min((chunk + 1u) * CELL_CHUNK, push.visible_sums.at[push.light_count]);
-    for (uint i = chunk * CELL_CHUNK; i < end; i++)
+    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
+    for (uint i = chunk * push.chunk_size; i < end; i++)
         if (cell_touches(bounds, push.bounds.at[i])) push.ids.at[slot++] = push.visible_ids.at[i];
 }

@@ -6,7 +6,7 @@
 #include "shared.h"
 #include "lights/lights_shared.h"
 
-/* Lights that one thread tests against one cell. */
+/* Fewest lights that one thread tests against one cell. */
 #define CELL_CHUNK 256u
 
 /* A light in view space, as the cell tests want it. */
@@ -46,6 +46,7 @@ struct gpu_cells_push {
     ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
     uint light_count;
     uint cell_count;
+    uint chunk_size;               /* lights that one thread tests */
     uint chunk_count;
     uint capacity;                 /* of the pool */
     uint depth;                    /* tiles: bindless index of the depth image, or GPU_NO_DEPTH */

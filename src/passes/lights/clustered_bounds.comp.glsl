@@ -13,7 +13,7 @@ const float FAR_AWAY = 1e9;
 float slice_start(uint slice) { return exp2((float(slice) - push.list.list.slice_bias) / push.list.list.slice_scale); }
 
 void main() {
-    uint cell = gl_GlobalInvocationID.x;
+    uint cell = LINEAR_INVOCATION;
     if (cell >= push.cell_count) return;
     gpu_light_list list = push.list.list;
     uint tile_x = cell % list.tiles_x, tile_y = cell / list.tiles_x % list.tiles_y, slice = cell / (list.tiles_x * list.tiles_y);

@@ -42,7 +42,7 @@ static void execute_lights(const struct graph_context *context, const void *data
                                    .light_count = d->input.local_count};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u), 1, 1);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u));
 }
 
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input) {

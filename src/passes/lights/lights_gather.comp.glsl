@@ -9,7 +9,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_lights_push push; };
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = LINEAR_INVOCATION;
     if (index >= push.light_count) return;
     uint slot = push.sums.at[index];
     if (push.sums.at[index + 1u] == slot) return;
