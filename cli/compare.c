@@ -35,27 +35,26 @@ struct comparison {
 };
 
 static void print_help(void) {
-    puts(
-        "Usage: fanal compare [OPTIONS] A B\n"
-        "\n"
-        "Prints how far two pictures of one size are apart: the greatest difference of a channel and where it is, the\n"
-        "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
-        "pictures are PNG, EXR, HDR, JPEG or WebP files; integer pixels are taken from 0 to 1, floats as they are.\n"
-        "\n"
-        "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
-        "  --mean-diff X     the mean difference may be X at most\n"
-        "  --psnr X          PSNR must be X dB at least\n"
-        "  --ssim X          SSIM must be X at least\n"
-        "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
-        "  --json            prints JSON; null stands for infinity\n"
-        "  -h, --help        prints this text\n"
-        "\n"
-        "Exit status: 0 within all limits, 1 over a limit, 2 on an error, such as sizes that differ.\n"
-        "\n"
-        "Examples:\n"
-        "  fanal compare expected.png actual.png --max-diff 2/255\n"
-        "  fanal compare a.exr b.exr --psnr 50 --ssim 0.99 -o difference.png\n"
-        "  fanal compare a.png b.png --json");
+    puts("Usage: fanal compare [OPTIONS] A B\n"
+         "\n"
+         "Prints how far two pictures of one size are apart: the greatest difference of a channel and where it is, the\n"
+         "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
+         "pictures are PNG, EXR, HDR, JPEG or WebP files; integer pixels are taken from 0 to 1, floats as they are.\n"
+         "\n"
+         "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
+         "  --mean-diff X     the mean difference may be X at most\n"
+         "  --psnr X          PSNR must be X dB at least\n"
+         "  --ssim X          SSIM must be X at least\n"
+         "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
+         "  --json            prints JSON; null stands for infinity\n"
+         "  -h, --help        prints this text\n"
+         "\n"
+         "Exit status: 0 within all limits, 1 over a limit, 2 on an error, such as sizes that differ.\n"
+         "\n"
+         "Examples:\n"
+         "  fanal compare expected.png actual.png --max-diff 2/255\n"
+         "  fanal compare a.exr b.exr --psnr 50 --ssim 0.99 -o difference.png\n"
+         "  fanal compare a.png b.png --json");
 }
 
 /* A number, or two of them with a slash between. */
@@ -87,18 +86,22 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
     optind = 0; /* glibc: starts anew, whatever was parsed before */
     for (int key; (key = getopt_long(argc, argv, "o:h", options, NULL)) != -1;) {
         switch (key) {
-        case 'o': out->output = optarg; break;
-        case 'j': out->json = true; break;
+        case 'o':
+            out->output = optarg;
+            break;
+        case 'j':
+            out->json = true;
+            break;
         case 'h':
             print_help();
             *helped = true;
             return EXIT_WITHIN;
-        case '?': return EXIT_ERROR; /* getopt has said what is wrong */
+        case '?':
+            return EXIT_ERROR; /* getopt has said what is wrong */
         default:
             out->limited[key - 256] = true;
             if (parse_number(optarg, &out->limit[key - 256])) break;
-            fprintf(stderr, "fanal compare: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option,
-                    optarg);
+            fprintf(stderr, "fanal compare: --%s: '%s' is not a number or fraction\n", metrics[key - 256].option, optarg);
             return EXIT_ERROR;
         }
     }
@@ -118,10 +121,14 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
 
 static double value_of(const fnl_image_difference *difference, enum metric metric) {
     switch (metric) {
-    case METRIC_MAX: return difference->max;
-    case METRIC_MEAN: return difference->mean;
-    case METRIC_PSNR: return difference->psnr;
-    default: return difference->ssim;
+    case METRIC_MAX:
+        return difference->max;
+    case METRIC_MEAN:
+        return difference->mean;
+    case METRIC_PSNR:
+        return difference->psnr;
+    default:
+        return difference->ssim;
     }
 }
 
@@ -156,10 +163,10 @@ static bool print_json(const struct comparison *comparison) {
         if (is_broken(comparison, m)) json_array_append_new(over, json_string(metrics[m].option));
     json_t *root =
         json_pack("{s:[ss], s:i, s:i, s:o, s:[ii], s:o, s:o, s:o, s:o, s:I, s:o}", "files", comparison->path[0],
-                  comparison->path[1], "width", (int)comparison->image[0].width, "height",
-                  (int)comparison->image[0].height, "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y,
-                  "mean", json_number(d->mean), "rmse", json_number(d->rmse), "psnr", json_number(d->psnr), "ssim",
-                  json_number(d->ssim), "differing_pixels", (json_int_t)d->differing_pixels, "over", over);
+                  comparison->path[1], "width", (int)comparison->image[0].width, "height", (int)comparison->image[0].height,
+                  "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y, "mean", json_number(d->mean), "rmse",
+                  json_number(d->rmse), "psnr", json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
+                  (json_int_t)d->differing_pixels, "over", over);
     bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
     json_decref(root);
     if (printed)
@@ -183,8 +190,8 @@ static int compare(struct comparison *comparison) {
     for (int i = 0; i < 2; i++)
         if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return EXIT_ERROR;
     if (a->width != b->width || a->height != b->height) {
-        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0],
-                a->width, a->height, comparison->path[1], b->width, b->height);
+        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width,
+                a->height, comparison->path[1], b->width, b->height);
         return EXIT_ERROR;
     }
     if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK) return EXIT_ERROR;

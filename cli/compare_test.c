@@ -119,8 +119,8 @@ static void test_json(void **state) {
     const char *first, *over;
     double greatest, psnr;
     int x, y, differing;
-    assert_int_equal(json_unpack(root, "{s:[s], s:F, s:[ii], s:F, s:i, s:[s!]}", "files", &first, "max", &greatest,
-                                 "max_at", &x, &y, "psnr", &psnr, "differing_pixels", &differing, "over", &over),
+    assert_int_equal(json_unpack(root, "{s:[s], s:F, s:[ii], s:F, s:i, s:[s!]}", "files", &first, "max", &greatest, "max_at",
+                                 &x, &y, "psnr", &psnr, "differing_pixels", &differing, "over", &over),
                      0);
     assert_string_equal(first, "a.png");
     assert_string_equal(over, "max-diff");

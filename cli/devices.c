@@ -27,8 +27,12 @@ static void print_help(void) {
 }
 
 /* Optional features, and what they are for. */
-static const struct { const char *name, *use; size_t offset; } features[] = {
-#define FEATURE(field, use) {#field, use, offsetof(fnl_device_info, field)}
+static const struct {
+    const char *name, *use;
+    size_t offset;
+} features[] = {
+#define FEATURE(field, use)                                                                                                 \
+    { #field, use, offsetof(fnl_device_info, field) }
     FEATURE(async_compute, "light lists beside drawing"),
     FEATURE(timestamps, "times of passes"),
     FEATURE(pipeline_statistics, "invocation counts"),
@@ -48,8 +52,8 @@ static bool has(const fnl_device_info *info, int i) { return *(const bool *)((co
 static void print_text(const fnl_device_info *infos, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const fnl_device_info *d = &infos[i];
-        printf("%u  %s  (%s, %s, Vulkan %u.%u, %.1f GiB, MSAA up to %ux)\n", i, d->name, fnl_device_type_name(d->type), d->driver,
-               d->api_version_major, d->api_version_minor, (double)d->memory_bytes / (1 << 30), d->max_msaa);
+        printf("%u  %s  (%s, %s, Vulkan %u.%u, %.1f GiB, MSAA up to %ux)\n", i, d->name, fnl_device_type_name(d->type),
+               d->driver, d->api_version_major, d->api_version_minor, (double)d->memory_bytes / (1 << 30), d->max_msaa);
         if (!d->usable) printf("   cannot be used: lacks %s\n", d->missing);
         for (int f = 0; f < FEATURE_COUNT; f++)
             printf("   %-4s %-22s %s\n", has(d, f) ? "yes" : "no", features[f].name, features[f].use);
@@ -62,11 +66,12 @@ static int print_json(const fnl_device_info *infos, uint32_t count) {
         const fnl_device_info *d = &infos[i];
         json_t *optional = json_object();
         for (int f = 0; f < FEATURE_COUNT; f++) json_object_set_new(optional, features[f].name, json_boolean(has(d, f)));
-        json_array_append_new(list, json_pack("{s:i,s:s,s:s,s:s,s:s#,s:b,s:s,s:I,s:i,s:i,s:o}", "index", (int)i, "name", d->name,
-                                              "driver", d->driver, "type", fnl_device_type_name(d->type), "vulkan",
-                                              (char[]){(char)('0' + d->api_version_major % 10), '.', (char)('0' + d->api_version_minor % 10)}, 3,
-                                              "usable", d->usable, "missing", d->missing, "memory_bytes", (json_int_t)d->memory_bytes,
-                                              "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "features", optional));
+        json_array_append_new(
+            list, json_pack("{s:i,s:s,s:s,s:s,s:s#,s:b,s:s,s:I,s:i,s:i,s:o}", "index", (int)i, "name", d->name, "driver",
+                            d->driver, "type", fnl_device_type_name(d->type), "vulkan",
+                            (char[]){(char)('0' + d->api_version_major % 10), '.', (char)('0' + d->api_version_minor % 10)},
+                            3, "usable", d->usable, "missing", d->missing, "memory_bytes", (json_int_t)d->memory_bytes,
+                            "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "features", optional));
     }
     int status = json_dumpf(list, stdout, JSON_INDENT(2)) == 0 ? 0 : 2;
     putchar('\n');
@@ -75,14 +80,21 @@ static int print_json(const fnl_device_info *infos, uint32_t count) {
 }
 
 int command_devices(int argc, char **argv) {
-    static const struct option options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
     bool json = false;
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         switch (option) {
-        case 'j': json = true; break;
-        case 'h': print_help(); return 0;
-        default: fputs("fanal: see 'fanal devices --help'\n", stderr); return 2;
+        case 'j':
+            json = true;
+            break;
+        case 'h':
+            print_help();
+            return 0;
+        default:
+            fputs("fanal: see 'fanal devices --help'\n", stderr);
+            return 2;
         }
     }
     if (optind < argc) {
@@ -98,8 +110,10 @@ int command_devices(int argc, char **argv) {
     if (count > MAX_DEVICES) count = MAX_DEVICES;
     for (uint32_t i = 0; i < count; i++) usable += infos[i].usable;
     int status = 0;
-    if (json) status = print_json(infos, count);
-    else print_text(infos, count);
+    if (json)
+        status = print_json(infos, count);
+    else
+        print_text(infos, count);
     if (usable == 0) fputs("fanal: error: no usable Vulkan device; is a driver installed?\n", stderr);
     free(infos);
     return usable ? status : 2;

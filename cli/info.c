@@ -124,8 +124,10 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
                directional ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
         if (!directional) {
             printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
-            if (isinf(light.range)) printf("  range derived");
-            else printf("  range %.4g m", (double)light.range);
+            if (isinf(light.range))
+                printf("  range derived");
+            else
+                printf("  range %.4g m", (double)light.range);
         }
         if (light.kind == FNL_LIGHT_SPOT)
             printf("  cone %.1f to %.1f degrees", (double)light.inner_cone_angle * 180 / 3.14159265358979,
@@ -141,8 +143,10 @@ static void print_cameras(const fnl_scene *scene, uint32_t count) {
         fnl_camera camera;
         fnl_scene_query_camera(scene, i, &camera);
         printf("  %3u  %-24s  ", i, fnl_scene_camera_name(scene, i));
-        if (camera.orthographic) printf("orthographic, %.4g m high", (double)camera.vertical_extent);
-        else printf("perspective, %.1f degrees", (double)camera.vertical_fov * 180 / 3.14159265358979);
+        if (camera.orthographic)
+            printf("orthographic, %.4g m high", (double)camera.vertical_extent);
+        else
+            printf("perspective, %.1f degrees", (double)camera.vertical_fov * 180 / 3.14159265358979);
         printf("  at %8.3f %8.3f %8.3f\n", (double)camera.position.x, (double)camera.position.y, (double)camera.position.z);
     }
     print_rest(count);
@@ -289,9 +293,15 @@ int command_info(int argc, char **argv) {
     optind = 0; /* a full restart: several commands may run in one process */
     for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         switch (option) {
-        case 'j': json = true; break;
-        case 'h': print_help(); return EXIT_GOOD;
-        default: fputs("fanal: see 'fanal info --help'\n", stderr); return EXIT_ERROR;
+        case 'j':
+            json = true;
+            break;
+        case 'h':
+            print_help();
+            return EXIT_GOOD;
+        default:
+            fputs("fanal: see 'fanal info --help'\n", stderr);
+            return EXIT_ERROR;
         }
     }
     if (argc - optind != 1) {
@@ -306,8 +316,10 @@ int command_info(int argc, char **argv) {
     int status = EXIT_ERROR;
     if (fnl_scene_load(&host, source, &scene) == FNL_OK && fnl_scene_query_info(scene, &info) == FNL_OK) {
         status = EXIT_GOOD;
-        if (json) status = print_json(scene, source, &info);
-        else print_text(scene, source, &info);
+        if (json)
+            status = print_json(scene, source, &info);
+        else
+            print_text(scene, source, &info);
     }
     fnl_scene_destroy(&scene);
     return status;

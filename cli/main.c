@@ -22,7 +22,8 @@ static void print_help(FILE *out) {
     fputs("Fanal renders scenes with thousands of lights on Vulkan.\n\nUsage: fanal COMMAND [OPTIONS] …\n\n", out);
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
     fputs("\n'fanal COMMAND --help' tells more; 'fanal --version' prints the version.\n\n"
-          "Example:\n  fanal render \"builtin:city?lights=4096\" --size 1280x720 -o city.png\n", out);
+          "Example:\n  fanal render \"builtin:city?lights=4096\" --size 1280x720 -o city.png\n",
+          out);
 }
 
 int main(int argc, char **argv) {

@@ -15,7 +15,8 @@
 static void print_help(void) {
     puts("Usage: fanal render SCENE -o OUT.png|OUT.exr [-o ...] [OPTIONS]\n"
          "\n"
-         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall wall spheres pole lamps grass onetile\n"
+         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall wall spheres pole lamps grass "
+         "onetile\n"
          "nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
          "\n"
          "Picture\n"
@@ -55,7 +56,8 @@ static void print_help(void) {
          "\n"
          "Examples:\n"
          "  fanal render helmet.glb --lights 500 -o helmet.png\n"
-         "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o city.png\n"
+         "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
+         "city.png\n"
          "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
 }
 
@@ -83,15 +85,16 @@ static bool parse_number(const char *option, const char *text, double *out) {
 
 static bool parse_vector(const char *option, const char *text, fnl_vec3 *out) {
     int used = 0;
-    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) && isfinite(out->y) && isfinite(out->z))
+    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) &&
+        isfinite(out->y) && isfinite(out->z))
         return true;
     return bad_value(option, text, "three numbers such as 1,2.5,-3");
 }
 
 static bool parse_size(const char *text, fnl_frame *frame) {
     int used = 0;
-    if (sscanf(text, "%ux%u%n", &frame->width, &frame->height, &used) == 2 && !text[used] && frame->width >= 1 && frame->height >= 1 &&
-        frame->width <= 16384 && frame->height <= 16384)
+    if (sscanf(text, "%ux%u%n", &frame->width, &frame->height, &used) == 2 && !text[used] && frame->width >= 1 &&
+        frame->height >= 1 && frame->width <= 16384 && frame->height <= 16384)
         return true;
     return bad_value("size", text, "a size such as 1280x720, with sides from 1 to 16384");
 }
@@ -133,34 +136,71 @@ static bool parse_aov(const char *text, uint32_t *aovs) {
 
 static bool parse_exposure(const char *text, fnl_frame *frame) {
     double ev = 0;
-    frame->exposure = strcmp(text, "auto") == 0 ? FNL_EXPOSURE_AUTO : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE : FNL_EXPOSURE_EV;
+    frame->exposure = strcmp(text, "auto") == 0   ? FNL_EXPOSURE_AUTO
+                      : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE
+                                                  : FNL_EXPOSURE_EV;
     if (frame->exposure == FNL_EXPOSURE_EV && !parse_number("exposure", text, &ev)) return false;
     frame->ev = (float)ev;
     return true;
 }
 
 static bool add_output(struct render_options *o, const char *path) {
-    if (!render_has_extension(path, "png") && !render_has_extension(path, "exr")) return bad_value("output", path, "a file that ends in .png or .exr");
+    if (!render_has_extension(path, "png") && !render_has_extension(path, "exr"))
+        return bad_value("output", path, "a file that ends in .png or .exr");
     if (o->output_count == RENDER_MAX_OUTPUTS) return bad_value("output", path, "among the first 16 outputs");
     o->outputs[o->output_count++] = path;
     return true;
 }
 
 enum { OPTION_FIRST = 256 };
-enum { O_SIZE = OPTION_FIRST, O_CAMERA, O_EYE, O_LOOK_AT, O_FOV, O_SHADING, O_LISTS, O_MSAA, O_GBUFFER_PREPASS, O_LIGHTS, O_LIGHT_SEED, O_EXPOSURE, O_TONEMAP,
-       O_BACKGROUND, O_AMBIENT, O_TIME, O_ANIMATION, O_FRAMES, O_DEVICE, O_VALIDATE, O_DEBUG, O_AOV, O_STATS, O_PLAN };
+enum {
+    O_SIZE = OPTION_FIRST,
+    O_CAMERA,
+    O_EYE,
+    O_LOOK_AT,
+    O_FOV,
+    O_SHADING,
+    O_LISTS,
+    O_MSAA,
+    O_GBUFFER_PREPASS,
+    O_LIGHTS,
+    O_LIGHT_SEED,
+    O_EXPOSURE,
+    O_TONEMAP,
+    O_BACKGROUND,
+    O_AMBIENT,
+    O_TIME,
+    O_ANIMATION,
+    O_FRAMES,
+    O_DEVICE,
+    O_VALIDATE,
+    O_DEBUG,
+    O_AOV,
+    O_STATS,
+    O_PLAN
+};
 
 static bool parse_option(struct render_options *o, int option, const char *value) {
     long long integer;
     double number;
     int index;
     switch (option) {
-    case 'o': return add_output(o, value);
-    case 'q': o->quiet = true; return true;
-    case O_SIZE: return parse_size(value, &o->frame);
-    case O_CAMERA: o->camera = value; return true;
-    case O_EYE: o->has_eye = true; return parse_vector("eye", value, &o->eye);
-    case O_LOOK_AT: o->has_look_at = true; return parse_vector("look-at", value, &o->look_at);
+    case 'o':
+        return add_output(o, value);
+    case 'q':
+        o->quiet = true;
+        return true;
+    case O_SIZE:
+        return parse_size(value, &o->frame);
+    case O_CAMERA:
+        o->camera = value;
+        return true;
+    case O_EYE:
+        o->has_eye = true;
+        return parse_vector("eye", value, &o->eye);
+    case O_LOOK_AT:
+        o->has_look_at = true;
+        return parse_vector("look-at", value, &o->look_at);
     case O_FOV:
         if (!parse_number("fov", value, &number)) return false;
         if (!(number > 0 && number < 180)) return bad_value("fov", value, "an angle between 0 and 180 degrees");
@@ -176,10 +216,13 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->frame.lists = (fnl_light_lists)index;
         return true;
     case O_MSAA:
-        if (!parse_integer("msaa", value, 1, 8, &integer) || (integer & (integer - 1))) return bad_value("msaa", value, "one of 1 2 4 8");
+        if (!parse_integer("msaa", value, 1, 8, &integer) || (integer & (integer - 1)))
+            return bad_value("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
         return true;
-    case O_GBUFFER_PREPASS: o->frame.gbuffer_prepass = true; return true;
+    case O_GBUFFER_PREPASS:
+        o->frame.gbuffer_prepass = true;
+        return true;
     case O_LIGHTS:
         if (!parse_integer("lights", value, 0, 1 << 24, &integer)) return false;
         o->light_count = (uint32_t)integer;
@@ -188,51 +231,86 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!parse_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
         o->light_seed = (uint64_t)integer;
         return true;
-    case O_EXPOSURE: return parse_exposure(value, &o->frame);
+    case O_EXPOSURE:
+        return parse_exposure(value, &o->frame);
     case O_TONEMAP:
         if (!parse_name("tonemap", value, tonemap_name, &index)) return false;
         o->frame.tonemap = (fnl_tonemap)index;
         return true;
-    case O_BACKGROUND: o->has_background = true; return parse_vector("background", value, &o->background);
-    case O_AMBIENT: o->has_ambient = true; return parse_vector("ambient", value, &o->ambient);
-    case O_TIME: return parse_number("time", value, &o->time);
-    case O_ANIMATION: o->animation = value; return true;
+    case O_BACKGROUND:
+        o->has_background = true;
+        return parse_vector("background", value, &o->background);
+    case O_AMBIENT:
+        o->has_ambient = true;
+        return parse_vector("ambient", value, &o->ambient);
+    case O_TIME:
+        return parse_number("time", value, &o->time);
+    case O_ANIMATION:
+        o->animation = value;
+        return true;
     case O_FRAMES:
         if (!parse_integer("frames", value, 1, 1000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;
         return true;
-    case O_DEVICE: o->device = value; return true;
-    case O_VALIDATE: o->validate = true; return true;
+    case O_DEVICE:
+        o->device = value;
+        return true;
+    case O_VALIDATE:
+        o->validate = true;
+        return true;
     case O_DEBUG:
         if (!parse_name("debug", value, debug_name, &index)) return false;
         o->frame.debug = (fnl_debug_view)index;
         return true;
-    case O_AOV: return parse_aov(value, &o->aovs);
-    case O_STATS: o->stats = value; return true;
-    case O_PLAN: o->plan = true; return true;
-    default: return false;
+    case O_AOV:
+        return parse_aov(value, &o->aovs);
+    case O_STATS:
+        o->stats = value;
+        return true;
+    case O_PLAN:
+        o->plan = true;
+        return true;
+    default:
+        return false;
     }
 }
 
-static const struct option long_options[] = {
-    {"output", required_argument, NULL, 'o'}, {"quiet", no_argument, NULL, 'q'}, {"help", no_argument, NULL, 'h'},
-    {"size", required_argument, NULL, O_SIZE}, {"camera", required_argument, NULL, O_CAMERA}, {"eye", required_argument, NULL, O_EYE},
-    {"look-at", required_argument, NULL, O_LOOK_AT}, {"fov", required_argument, NULL, O_FOV},
-    {"shading", required_argument, NULL, O_SHADING}, {"lists", required_argument, NULL, O_LISTS}, {"msaa", required_argument, NULL, O_MSAA},
-    {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS}, {"lights", required_argument, NULL, O_LIGHTS}, {"light-seed", required_argument, NULL, O_LIGHT_SEED},
-    {"exposure", required_argument, NULL, O_EXPOSURE}, {"tonemap", required_argument, NULL, O_TONEMAP},
-    {"background", required_argument, NULL, O_BACKGROUND}, {"ambient", required_argument, NULL, O_AMBIENT}, {"time", required_argument, NULL, O_TIME},
-    {"animation", required_argument, NULL, O_ANIMATION}, {"frames", required_argument, NULL, O_FRAMES},
-    {"device", required_argument, NULL, O_DEVICE}, {"validate", no_argument, NULL, O_VALIDATE}, {"debug", required_argument, NULL, O_DEBUG},
-    {"aov", required_argument, NULL, O_AOV}, {"stats", required_argument, NULL, O_STATS}, {"plan", no_argument, NULL, O_PLAN},
-    {NULL, 0, NULL, 0}};
+static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+                                             {"quiet", no_argument, NULL, 'q'},
+                                             {"help", no_argument, NULL, 'h'},
+                                             {"size", required_argument, NULL, O_SIZE},
+                                             {"camera", required_argument, NULL, O_CAMERA},
+                                             {"eye", required_argument, NULL, O_EYE},
+                                             {"look-at", required_argument, NULL, O_LOOK_AT},
+                                             {"fov", required_argument, NULL, O_FOV},
+                                             {"shading", required_argument, NULL, O_SHADING},
+                                             {"lists", required_argument, NULL, O_LISTS},
+                                             {"msaa", required_argument, NULL, O_MSAA},
+                                             {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
+                                             {"lights", required_argument, NULL, O_LIGHTS},
+                                             {"light-seed", required_argument, NULL, O_LIGHT_SEED},
+                                             {"exposure", required_argument, NULL, O_EXPOSURE},
+                                             {"tonemap", required_argument, NULL, O_TONEMAP},
+                                             {"background", required_argument, NULL, O_BACKGROUND},
+                                             {"ambient", required_argument, NULL, O_AMBIENT},
+                                             {"time", required_argument, NULL, O_TIME},
+                                             {"animation", required_argument, NULL, O_ANIMATION},
+                                             {"frames", required_argument, NULL, O_FRAMES},
+                                             {"device", required_argument, NULL, O_DEVICE},
+                                             {"validate", no_argument, NULL, O_VALIDATE},
+                                             {"debug", required_argument, NULL, O_DEBUG},
+                                             {"aov", required_argument, NULL, O_AOV},
+                                             {"stats", required_argument, NULL, O_STATS},
+                                             {"plan", no_argument, NULL, O_PLAN},
+                                             {NULL, 0, NULL, 0}};
 
 /* What only makes sense together. */
 static bool check_options(struct render_options *o) {
     const char *problem = NULL;
     bool has_exr = false;
     for (int i = 0; i < o->output_count; i++) has_exr = has_exr || render_has_extension(o->outputs[i], "exr");
-    if (o->output_count == 0 && !o->stats && !o->plan) problem = "no output was asked for: give -o FILE, --stats FILE or --plan";
+    if (o->output_count == 0 && !o->stats && !o->plan)
+        problem = "no output was asked for: give -o FILE, --stats FILE or --plan";
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";

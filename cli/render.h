@@ -6,7 +6,15 @@
 #include "fanal/fanal.h"
 
 enum { RENDER_MAX_OUTPUTS = 16 };
-enum render_aov { RENDER_AOV_DEPTH, RENDER_AOV_NORMAL, RENDER_AOV_ALBEDO, RENDER_AOV_ROUGHNESS, RENDER_AOV_ID, RENDER_AOV_POSITION, RENDER_AOV_COUNT };
+enum render_aov {
+    RENDER_AOV_DEPTH,
+    RENDER_AOV_NORMAL,
+    RENDER_AOV_ALBEDO,
+    RENDER_AOV_ROUGHNESS,
+    RENDER_AOV_ID,
+    RENDER_AOV_POSITION,
+    RENDER_AOV_COUNT
+};
 
 struct render_options {
     const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
@@ -14,7 +22,7 @@ struct render_options {
     fnl_frame frame;
     bool has_eye, has_look_at, has_shading, has_background, has_ambient, validate, quiet, plan;
     fnl_vec3 eye, look_at, background, ambient;
-    float fov; /* radians; 0: the camera's */
+    float fov;                               /* radians; 0: the camera's */
     uint32_t light_count, frame_count, aovs; /* aovs: bits 1 << enum render_aov */
     uint64_t light_seed;
     double time;
@@ -32,8 +40,8 @@ struct render_report {
     fnl_frame frame;
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
     uint32_t frame_count, pass_count;
-    const char **names;    /* pass_count */
-    double *pass_times;    /* pass_count * frame_count: times of one pass in a row */
+    const char **names;            /* pass_count */
+    double *pass_times;            /* pass_count * frame_count: times of one pass in a row */
     double *cpu_times, *gpu_times; /* frame_count */
 };
 

@@ -35,7 +35,8 @@ static bool find_animation(const fnl_scene *scene, const char *name, uint32_t *o
     }
     for (uint32_t i = 0; i < info.animation_count; i++) {
         fnl_animation_info animation;
-        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name && strcmp(animation.name, name) == 0) {
+        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name &&
+            strcmp(animation.name, name) == 0) {
             *out = i;
             return true;
         }
@@ -53,8 +54,10 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
     } else if (o->camera) {
         char *end;
         unsigned long number = strtoul(o->camera, &end, 10);
-        if (*o->camera && !*end && number < count) index = (uint32_t)number;
-        else if (fnl_scene_find_camera(scene, o->camera, &index) != FNL_OK) return false;
+        if (*o->camera && !*end && number < count)
+            index = (uint32_t)number;
+        else if (fnl_scene_find_camera(scene, o->camera, &index) != FNL_OK)
+            return false;
         if (fnl_scene_query_camera(scene, index, out) != FNL_OK) return false;
     } else if (count > 0) {
         if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
@@ -83,7 +86,8 @@ static bool add_default_light(const struct render_options *o, fnl_scene *scene) 
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
     if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
-    if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK) return false;
+    if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
+        return false;
     if (o->light_count && fnl_scene_scatter_lights(*scene, o->light_count, o->light_seed) != FNL_OK) return false;
     if (!add_default_light(o, *scene)) return false;
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
@@ -98,8 +102,10 @@ static void choose_device(const struct render_options *o, fnl_device_params *par
     if (!o->device) return;
     char *end;
     long index = strtol(o->device, &end, 10);
-    if (*o->device && !*end) params->index = (int32_t)index;
-    else params->name = o->device;
+    if (*o->device && !*end)
+        params->index = (int32_t)index;
+    else
+        params->name = o->device;
 }
 
 /* ---- outputs ---- */
@@ -111,7 +117,8 @@ bool render_has_extension(const char *path, const char *extension) {
 
 static uint32_t wanted_outputs(const struct render_options *o) {
     uint32_t outputs = o->output_count ? 0 : FNL_OUTPUT_COLOR; /* numbers alone still need the whole frame */
-    for (int i = 0; i < o->output_count; i++) outputs |= render_has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
+    for (int i = 0; i < o->output_count; i++)
+        outputs |= render_has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
     if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
     if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
@@ -119,20 +126,36 @@ static uint32_t wanted_outputs(const struct render_options *o) {
 }
 
 /* Pictures read back so far, by bit number of fnl_output. */
-struct pictures { fnl_image images[5]; };
+struct pictures {
+    fnl_image images[5];
+};
 
 static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
-    static const struct { const char *name; int aov, picture, component; } layout[] = {
-        {"R", -1, 1, 0}, {"G", -1, 1, 1}, {"B", -1, 1, 2}, {"A", -1, 1, 3},
-        {"depth.Z", RENDER_AOV_DEPTH, 3, 3}, {"normal.X", RENDER_AOV_NORMAL, 3, 0}, {"normal.Y", RENDER_AOV_NORMAL, 3, 1},
-        {"normal.Z", RENDER_AOV_NORMAL, 3, 2}, {"albedo.R", RENDER_AOV_ALBEDO, 2, 0}, {"albedo.G", RENDER_AOV_ALBEDO, 2, 1},
-        {"albedo.B", RENDER_AOV_ALBEDO, 2, 2}, {"roughness.Y", RENDER_AOV_ROUGHNESS, 2, 3}, {"id.Y", RENDER_AOV_ID, 4, 3},
-        {"position.X", RENDER_AOV_POSITION, 4, 0}, {"position.Y", RENDER_AOV_POSITION, 4, 1}, {"position.Z", RENDER_AOV_POSITION, 4, 2}};
+    static const struct {
+        const char *name;
+        int aov, picture, component;
+    } layout[] = {{"R", -1, 1, 0},
+                  {"G", -1, 1, 1},
+                  {"B", -1, 1, 2},
+                  {"A", -1, 1, 3},
+                  {"depth.Z", RENDER_AOV_DEPTH, 3, 3},
+                  {"normal.X", RENDER_AOV_NORMAL, 3, 0},
+                  {"normal.Y", RENDER_AOV_NORMAL, 3, 1},
+                  {"normal.Z", RENDER_AOV_NORMAL, 3, 2},
+                  {"albedo.R", RENDER_AOV_ALBEDO, 2, 0},
+                  {"albedo.G", RENDER_AOV_ALBEDO, 2, 1},
+                  {"albedo.B", RENDER_AOV_ALBEDO, 2, 2},
+                  {"roughness.Y", RENDER_AOV_ROUGHNESS, 2, 3},
+                  {"id.Y", RENDER_AOV_ID, 4, 3},
+                  {"position.X", RENDER_AOV_POSITION, 4, 0},
+                  {"position.Y", RENDER_AOV_POSITION, 4, 1},
+                  {"position.Z", RENDER_AOV_POSITION, 4, 2}};
     fnl_exr_channel channels[sizeof layout / sizeof *layout];
     uint32_t count = 0;
     for (size_t i = 0; i < sizeof layout / sizeof *layout; i++)
         if (layout[i].aov < 0 || (o->aovs & 1u << layout[i].aov))
-            channels[count++] = (fnl_exr_channel){layout[i].name, (const float *)p->images[layout[i].picture].pixels + layout[i].component, 4};
+            channels[count++] = (fnl_exr_channel){
+                layout[i].name, (const float *)p->images[layout[i].picture].pixels + layout[i].component, 4};
     return fnl_exr_save(host, path, o->frame.width, o->frame.height, channels, count) == FNL_OK;
 }
 
@@ -145,7 +168,8 @@ static bool save_outputs(const struct render_options *o, const fnl_host *host, f
     int written = 0;
     for (; written < o->output_count && good; written++) {
         const char *path = o->outputs[written];
-        good = render_has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK : save_exr(o, host, path, &p);
+        good = render_has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK
+                                                 : save_exr(o, host, path, &p);
     }
     if (!good) /* all or nothing: the last one counted was not written */
         for (int i = 0; i + 1 < written; i++) unlink(o->outputs[i]);
@@ -171,7 +195,8 @@ static bool note_frame(struct render_report *report, uint32_t index, const fnl_f
 }
 
 /* One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is saved. */
-static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report) {
+static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
+                       struct render_report *report) {
     report->frame_count = o->frame_count;
     report->cpu_times = calloc(o->frame_count, sizeof(double));
     report->gpu_times = calloc(o->frame_count, sizeof(double));
@@ -182,14 +207,17 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
         show_progress(o, "rendering", i, total);
-        if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK) return false;
+        if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK ||
+            fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
+            return false;
         if (i >= warm_up && !note_frame(report, i - warm_up, &report->stats)) return false;
     }
     if (counts) {
         show_progress(o, "counting", total - 1, total);
         frame.count_lights = true;
         frame.timers = false;
-        if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK) return false;
+        if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
+            return false;
     }
     show_progress(o, "done", total, total);
     return true;
@@ -218,10 +246,12 @@ int render_run(const struct render_options *o) {
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK && run_frames(o, renderer, frame, &report);
     if (good) {
         report.frame = frame;
-        good = fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+        good =
+            fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
     }
     if (good && o->validate && fnl_device_validation_count(device)) {
-        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n", (unsigned long long)fnl_device_validation_count(device));
+        fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
+                (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
     if (good && o->plan) print_plan(renderer);

@@ -14,7 +14,9 @@ static int compare_doubles(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-struct summary { double median, low, p95; };
+struct summary {
+    double median, low, p95;
+};
 
 static struct summary summarise(const double *times, uint32_t count) {
     struct summary s = {0};
@@ -39,9 +41,9 @@ static struct summary pass_summary(const struct render_report *r, uint32_t pass)
 void report_print(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     printf("%s, %s\n", r->device.name, r->device.driver);
-    printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width, r->frame.height,
-           fnl_shading_name(r->frame.shading), fnl_light_lists_name(r->frame.lists), r->frame.msaa, r->scene.triangle_count,
-           r->scene.instance_count, s->lights_total);
+    printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
+           r->frame.height, fnl_shading_name(r->frame.shading), fnl_light_lists_name(r->frame.lists), r->frame.msaa,
+           r->scene.triangle_count, r->scene.instance_count, s->lights_total);
     struct summary gpu = summarise(r->gpu_times, r->frame_count), cpu = summarise(r->cpu_times, r->frame_count);
     printf("\n  %-28s %10s %10s %10s\n", "pass, ms", "median", "min", "p95");
     double small = 0;
@@ -60,12 +62,16 @@ void report_print(const struct render_report *r) {
     if (small_count) printf("  %-28s %10.3f\n", others, small);
     printf("  %-28s %10.3f %10.3f %10.3f\n", "all passes", gpu.median, gpu.low, gpu.p95);
     printf("  %-28s %10.3f %10.3f %10.3f\n", "CPU, record and submit", cpu.median, cpu.low, cpu.p95);
-    printf("\n  lights in view %u of %u; list entries %" PRIu64 " in %u cells, %.1f KiB; overflow cells %u; dropped %u\n", s->lights_in_view,
-           s->lights_total, s->list_entries, s->cells, (double)s->list_bytes / 1024, s->overflow_cells, s->lights_dropped);
+    printf("\n  lights in view %u of %u; list entries %" PRIu64 " in %u cells, %.1f KiB; overflow cells %u; dropped %u\n",
+           s->lights_in_view, s->lights_total, s->list_entries, s->cells, (double)s->list_bytes / 1024, s->overflow_cells,
+           s->lights_dropped);
     if (s->evaluations_counted)
-        printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u\n", s->evaluations, s->mean_per_pixel, s->max_per_pixel);
-    printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64 "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n", s->draws,
-           s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20), (double)s->device_peak_bytes / (1 << 20));
+        printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u\n", s->evaluations, s->mean_per_pixel,
+               s->max_per_pixel);
+    printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
+           "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
+           s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
+           (double)s->device_peak_bytes / (1 << 20));
 }
 
 static json_t *integer(uint64_t value) { return json_integer((json_int_t)value); }
@@ -75,23 +81,27 @@ static json_t *make_json(const struct render_report *r) {
     json_t *passes = json_array();
     for (uint32_t i = 0; i < r->pass_count; i++) {
         struct summary p = pass_summary(r, i);
-        json_array_append_new(passes, json_pack("{s:s,s:f,s:f,s:f}", "name", r->names[i], "gpu_ms_median", p.median, "gpu_ms_min", p.low, "gpu_ms_p95", p.p95));
+        json_array_append_new(passes, json_pack("{s:s,s:f,s:f,s:f}", "name", r->names[i], "gpu_ms_median", p.median,
+                                                "gpu_ms_min", p.low, "gpu_ms_p95", p.p95));
     }
-    json_t *lights = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "total", integer(s->lights_total), "in_view", integer(s->lights_in_view), "list_bytes",
-                               integer(s->list_bytes), "list_entries", integer(s->list_entries), "overflow_cells", integer(s->overflow_cells),
-                               "dropped", integer(s->lights_dropped));
+    json_t *lights =
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "total", integer(s->lights_total), "in_view", integer(s->lights_in_view),
+                  "list_bytes", integer(s->list_bytes), "list_entries", integer(s->list_entries), "overflow_cells",
+                  integer(s->overflow_cells), "dropped", integer(s->lights_dropped));
     json_object_set_new(lights, "evaluations", integer(s->evaluations));
     json_object_set_new(lights, "mean_per_pixel", json_real(s->mean_per_pixel));
     json_object_set_new(lights, "max_per_pixel", integer(s->max_per_pixel));
-    return json_pack("{s:{s:s,s:s,s:s},s:{s:o,s:o,s:o},s:{s:i,s:i,s:s,s:s,s:i},s:o,s:{s:f,s:f},s:o,s:i,s:{s:o,s:o,s:o},s:f,s:{s:o,s:o}}",
-                     "device", "name", r->device.name, "driver", r->device.driver, "type", fnl_device_type_name(r->device.type),
-                     "scene", "triangles", integer(r->scene.triangle_count), "instances", integer(r->scene.instance_count), "lights", integer(s->lights_total),
-                     "view", "width", (int)r->frame.width, "height", (int)r->frame.height, "shading", fnl_shading_name(r->frame.shading),
-                     "lists", fnl_light_lists_name(r->frame.lists), "msaa", (int)r->frame.msaa, "passes", passes,
-                     "frame", "gpu_ms_median", summarise(r->gpu_times, r->frame_count).median, "cpu_ms_median", summarise(r->cpu_times, r->frame_count).median,
-                     "lights", lights, "draws", (int)s->draws,
-                     "culling", "items", integer(s->items), "items_visible", integer(s->items_visible), "triangles_visible", integer(s->triangles_visible),
-                     "ev", (double)s->ev, "memory", "device_bytes", integer(s->device_bytes), "peak_bytes", integer(s->device_peak_bytes));
+    return json_pack(
+        "{s:{s:s,s:s,s:s},s:{s:o,s:o,s:o},s:{s:i,s:i,s:s,s:s,s:i},s:o,s:{s:f,s:f},s:o,s:i,s:{s:o,s:o,s:o},s:f,s:{s:o,s:o}}",
+        "device", "name", r->device.name, "driver", r->device.driver, "type", fnl_device_type_name(r->device.type), "scene",
+        "triangles", integer(r->scene.triangle_count), "instances", integer(r->scene.instance_count), "lights",
+        integer(s->lights_total), "view", "width", (int)r->frame.width, "height", (int)r->frame.height, "shading",
+        fnl_shading_name(r->frame.shading), "lists", fnl_light_lists_name(r->frame.lists), "msaa", (int)r->frame.msaa,
+        "passes", passes, "frame", "gpu_ms_median", summarise(r->gpu_times, r->frame_count).median, "cpu_ms_median",
+        summarise(r->cpu_times, r->frame_count).median, "lights", lights, "draws", (int)s->draws, "culling", "items",
+        integer(s->items), "items_visible", integer(s->items_visible), "triangles_visible", integer(s->triangles_visible),
+        "ev", (double)s->ev, "memory", "device_bytes", integer(s->device_bytes), "peak_bytes",
+        integer(s->device_peak_bytes));
 }
 
 bool report_save(const struct render_report *r, const char *path) {

@@ -91,9 +91,8 @@ static VkDeviceMemory allocate(struct program *p, const VkMemoryRequirements *ne
     while (type < memory.memoryTypeCount &&
            (!(needs->memoryTypeBits >> type & 1) || (memory.memoryTypes[type].propertyFlags & flags) != flags))
         type++;
-    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                 .allocationSize = needs->size,
-                                 .memoryTypeIndex = type};
+    VkMemoryAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = type};
     VkDeviceMemory allocated;
     check(vkAllocateMemory(p->device, &info, NULL, &allocated), "vkAllocateMemory");
     return allocated;
@@ -115,13 +114,11 @@ static void make_image_and_buffer(struct program *p) {
     p->image_memory = allocate(p, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     check(vkBindImageMemory(p->device, p->image, p->image_memory, 0), "vkBindImageMemory");
 
-    VkBufferCreateInfo buffer_info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                      .size = BYTES,
-                                      .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VkBufferCreateInfo buffer_info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = BYTES, .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     check(vkCreateBuffer(p->device, &buffer_info, NULL, &p->buffer), "vkCreateBuffer");
     vkGetBufferMemoryRequirements(p->device, p->buffer, &needs);
-    p->buffer_memory =
-        allocate(p, &needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    p->buffer_memory = allocate(p, &needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
     check(vkBindBufferMemory(p->device, p->buffer, p->buffer_memory, 0), "vkBindBufferMemory");
     check(vkMapMemory(p->device, p->buffer_memory, 0, BYTES, 0, &p->pixels), "vkMapMemory");
 }
@@ -258,10 +255,8 @@ int main(int argc, char **argv) {
     submit(&p, p.copy, p.timeline, 2, p.timeline, 3);
 
     uint64_t value = 3;
-    VkSemaphoreWaitInfo wait = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
-                                .semaphoreCount = 1,
-                                .pSemaphores = &p.timeline,
-                                .pValues = &value};
+    VkSemaphoreWaitInfo wait = {
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, .semaphoreCount = 1, .pSemaphores = &p.timeline, .pValues = &value};
     check(vkWaitSemaphores(p.device, &wait, UINT64_MAX), "vkWaitSemaphores");
     fnl_image picture = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA8, p.pixels};
     check_fanal(fnl_image_save(NULL, path, &picture), path);

@@ -14,8 +14,12 @@
 #else
 #include "base/maths.h"
 #include <sys/types.h>
-typedef struct uvec2 { uint32_t x, y; } uvec2;
-typedef struct uvec3 { uint32_t x, y, z; } uvec3;
+typedef struct uvec2 {
+    uint32_t x, y;
+} uvec2;
+typedef struct uvec3 {
+    uint32_t x, y, z;
+} uvec3;
 #define ADDRESS(block) uint64_t
 #define STRUCT(name) struct name
 #endif

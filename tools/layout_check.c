@@ -15,7 +15,14 @@
 #define SPIRV_MAGIC 0x07230203u
 #define PREFIX "gpu_"
 
-enum { OP_NAME = 5, OP_MEMBER_NAME = 6, OP_TYPE_ARRAY = 28, OP_TYPE_RUNTIME_ARRAY = 29, OP_DECORATE = 71, OP_MEMBER_DECORATE = 72 };
+enum {
+    OP_NAME = 5,
+    OP_MEMBER_NAME = 6,
+    OP_TYPE_ARRAY = 28,
+    OP_TYPE_RUNTIME_ARRAY = 29,
+    OP_DECORATE = 71,
+    OP_MEMBER_DECORATE = 72
+};
 enum { DECORATION_BLOCK = 2, DECORATION_BUFFER_BLOCK = 3, DECORATION_ARRAY_STRIDE = 6, DECORATION_OFFSET = 35 };
 
 static void die(const char *path, const char *what) {
@@ -30,7 +37,10 @@ static void *resize(void *old, size_t size) {
 }
 
 /** The lines of the result; duplicates go when they are sorted. */
-static struct { char **data; size_t count; } lines;
+static struct {
+    char **data;
+    size_t count;
+} lines;
 
 static void add_line(const char *expression, const char *type, const char *member, uint32_t number) {
     char line[1024];
@@ -76,7 +86,11 @@ static void check_module(const char *path) {
     size_t count;
     uint32_t *words = read_module(path, &count);
     uint32_t bound = words[3], op, length;
-    struct id { const char *name; uint32_t stride, element; bool block; } *ids = resize(NULL, bound * sizeof(*ids));
+    struct id {
+        const char *name;
+        uint32_t stride, element;
+        bool block;
+    } *ids = resize(NULL, bound * sizeof(*ids));
     memset(ids, 0, bound * sizeof(*ids));
     for (size_t at = 0; next(path, words, count, &at, &op, &length);) {
         const uint32_t *w = words + at;
@@ -95,7 +109,8 @@ static void check_module(const char *path) {
         const char *member = NULL;
         uint32_t inner_op, inner_length;
         for (size_t i = 0; next(path, words, count, &i, &inner_op, &inner_length);) {
-            if (inner_op == OP_MEMBER_NAME && words[i + 1] == w[1] && words[i + 2] == w[2]) member = (const char *)&words[i + 3];
+            if (inner_op == OP_MEMBER_NAME && words[i + 1] == w[1] && words[i + 2] == w[2])
+                member = (const char *)&words[i + 3];
         }
         if (!member) die(path, "has no member names: compile shaders without stripping them");
         add_line("offsetof", type->name, member, w[4]);

@@ -69,11 +69,19 @@ typedef struct fnl_host {
 /** A host with all defaults. */
 FNL_API fnl_host fnl_host_default(void);
 
-typedef struct fnl_vec2 { float x, y; } fnl_vec2;
-typedef struct fnl_vec3 { float x, y, z; } fnl_vec3;
-typedef struct fnl_vec4 { float x, y, z, w; } fnl_vec4;
+typedef struct fnl_vec2 {
+    float x, y;
+} fnl_vec2;
+typedef struct fnl_vec3 {
+    float x, y, z;
+} fnl_vec3;
+typedef struct fnl_vec4 {
+    float x, y, z, w;
+} fnl_vec4;
 /** Column-major 4x4 matrix: m[column * 4 + row], as glTF stores it. */
-typedef struct fnl_mat4 { float m[16]; } fnl_mat4;
+typedef struct fnl_mat4 {
+    float m[16];
+} fnl_mat4;
 
 #ifdef __cplusplus
 }

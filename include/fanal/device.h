@@ -12,11 +12,12 @@ extern "C" {
 typedef struct fnl_device fnl_device;
 
 typedef struct fnl_device_params {
-    fnl_host host;            /**< memory, log and jobs for everything made with this device; default all built in */
-    int32_t index;            /**< as `fanal devices` numbers them; -1 (default) picks the best: discrete, integrated, virtual, CPU */
-    const char *name;         /**< part of a device name, case-insensitive; used when index is -1; NULL (default): any */
-    bool validate;            /**< Vulkan validation and synchronisation validation; messages go to the log; default false */
-    const char *cache_folder; /**< pipelines are kept here between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": nowhere */
+    fnl_host host; /**< memory, log and jobs for everything made with this device; default all built in */
+    int32_t index; /**< as `fanal devices` numbers them; -1 (default) picks the best: discrete, integrated, virtual, CPU */
+    const char *name; /**< part of a device name, case-insensitive; used when index is -1; NULL (default): any */
+    bool validate;    /**< Vulkan validation and synchronisation validation; messages go to the log; default false */
+    const char *
+        cache_folder; /**< pipelines are kept here between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": nowhere */
 } fnl_device_params;
 
 FNL_API fnl_device_params fnl_device_params_default(void);
@@ -27,7 +28,11 @@ FNL_API fnl_result fnl_device_create(const fnl_device_params *params, fnl_device
 FNL_API void fnl_device_destroy(fnl_device **device);
 
 typedef enum fnl_device_type {
-    FNL_DEVICE_DISCRETE = 0, FNL_DEVICE_INTEGRATED, FNL_DEVICE_VIRTUAL, FNL_DEVICE_CPU, FNL_DEVICE_OTHER
+    FNL_DEVICE_DISCRETE = 0,
+    FNL_DEVICE_INTEGRATED,
+    FNL_DEVICE_VIRTUAL,
+    FNL_DEVICE_CPU,
+    FNL_DEVICE_OTHER
 } fnl_device_type;
 
 FNL_API const char *fnl_device_type_name(fnl_device_type type);
@@ -36,13 +41,14 @@ typedef struct fnl_device_info {
     char name[256], driver[256];
     fnl_device_type type;
     uint32_t api_version_major, api_version_minor;
-    bool usable;                    /**< has all that Fanal needs */
-    char missing[512];              /**< what it lacks, comma-separated; empty when usable */
-    uint64_t memory_bytes;          /**< largest device-local heap */
-    uint32_t msaa_counts;           /**< sample counts that work for colour and depth, as bits: 1, 2, 4, 8 */
-    uint32_t max_msaa;              /**< highest sample count for colour and depth */
-    bool async_compute;             /**< has a second queue that can compute */
-    bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate, multiview, pipeline_statistics; /**< optional features */
+    bool usable;           /**< has all that Fanal needs */
+    char missing[512];     /**< what it lacks, comma-separated; empty when usable */
+    uint64_t memory_bytes; /**< largest device-local heap */
+    uint32_t msaa_counts;  /**< sample counts that work for colour and depth, as bits: 1, 2, 4, 8 */
+    uint32_t max_msaa;     /**< highest sample count for colour and depth */
+    bool async_compute;    /**< has a second queue that can compute */
+    bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate,
+        multiview, pipeline_statistics; /**< optional features */
     uint32_t subgroup_size;
 } fnl_device_info;
 

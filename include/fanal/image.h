@@ -56,9 +56,9 @@ FNL_API fnl_result fnl_exr_save(const fnl_host *host, const char *path, uint32_t
  * both sides count as equal.
  */
 typedef struct fnl_image_difference {
-    double max;           /**< largest absolute difference of one channel */
-    double mean;          /**< mean absolute difference */
-    double rmse;          /**< root of the mean squared difference */
+    double max;  /**< largest absolute difference of one channel */
+    double mean; /**< mean absolute difference */
+    double rmse; /**< root of the mean squared difference */
     /** 20 log10(peak / rmse) in dB, infinite for equal pictures; peak is 1, for floats at least the greatest finite value. */
     double psnr;
     /**
@@ -71,13 +71,15 @@ typedef struct fnl_image_difference {
 } fnl_image_difference;
 
 /** FNL_ERROR_INVALID when the sizes differ. Different pixel formats are compared in [0, 1]. */
-FNL_API fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, const fnl_image *b, fnl_image_difference *out);
+FNL_API fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, const fnl_image *b,
+                                     fnl_image_difference *out);
 
 /**
  * A picture of the differences: absolute difference per channel times `gain` (0: scaled so that the greatest is white),
  * opaque RGBA8, free with fnl_image_free. A difference of alpha shows in all three channels; an infinite one is white.
  */
-FNL_API fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain, fnl_image *out);
+FNL_API fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain,
+                                                fnl_image *out);
 
 #ifdef __cplusplus
 }

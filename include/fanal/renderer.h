@@ -31,7 +31,11 @@ typedef enum fnl_light_lists {
 } fnl_light_lists;
 
 typedef enum fnl_tonemap {
-    FNL_TONEMAP_NONE = 0, FNL_TONEMAP_KHRONOS_NEUTRAL, FNL_TONEMAP_ACES, FNL_TONEMAP_AGX, FNL_TONEMAP_COUNT
+    FNL_TONEMAP_NONE = 0,
+    FNL_TONEMAP_KHRONOS_NEUTRAL,
+    FNL_TONEMAP_ACES,
+    FNL_TONEMAP_AGX,
+    FNL_TONEMAP_COUNT
 } fnl_tonemap;
 
 typedef enum fnl_exposure {
@@ -42,7 +46,10 @@ typedef enum fnl_exposure {
 
 typedef enum fnl_debug_view {
     FNL_DEBUG_NONE = 0,
-    FNL_DEBUG_ALBEDO, FNL_DEBUG_NORMAL, FNL_DEBUG_DEPTH, FNL_DEBUG_ROUGHNESS,
+    FNL_DEBUG_ALBEDO,
+    FNL_DEBUG_NORMAL,
+    FNL_DEBUG_DEPTH,
+    FNL_DEBUG_ROUGHNESS,
     FNL_DEBUG_LIGHTS,   /**< heat map of the lights that a pixel visits, with a legend */
     FNL_DEBUG_CELLS,    /**< tiles, or depth slices in colours, of the light lists */
     FNL_DEBUG_OVERDRAW, /**< fragments per pixel, hidden ones too, with a legend */
@@ -57,28 +64,29 @@ FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 
 /** What a frame keeps for fnl_renderer_read; bits. */
 typedef enum fnl_output {
-    FNL_OUTPUT_COLOR = 1,      /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
-    FNL_OUTPUT_RADIANCE = 2,   /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
-    FNL_OUTPUT_SURFACE = 4,    /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
-    FNL_OUTPUT_NORMAL = 8,     /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
-    FNL_OUTPUT_POSITION = 16   /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
+    FNL_OUTPUT_COLOR = 1,    /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
+    FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
+    FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
+    FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
+    FNL_OUTPUT_POSITION = 16 /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
 } fnl_output;
 
 typedef struct fnl_frame {
-    uint32_t width, height;   /**< pixels, 1 .. 16384; default 1280 x 720 */
-    fnl_camera camera;        /**< default fnl_camera_default() */
-    fnl_shading shading;      /**< default FNL_SHADING_DEFERRED */
-    fnl_light_lists lists;    /**< default FNL_LISTS_CLUSTERED */
-    uint32_t msaa;            /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
-    fnl_tonemap tonemap;      /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
-    fnl_exposure exposure;    /**< default FNL_EXPOSURE_AUTO */
-    float ev;                 /**< EV100 for FNL_EXPOSURE_EV; default 0 */
-    fnl_debug_view debug;     /**< default none */
-    uint32_t outputs;         /**< fnl_output bits; default FNL_OUTPUT_COLOR */
-    bool count_lights;        /**< count light evaluations exactly (slower); they then appear in the stats; default false */
-    bool timers;              /**< measure each pass on the GPU; default true */
-    bool gbuffer_prepass;     /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
-    uint32_t record_threads;  /**< threads that record commands; 0 (default): as many as the job system has */
+    uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
+    fnl_camera camera;      /**< default fnl_camera_default() */
+    fnl_shading shading;    /**< default FNL_SHADING_DEFERRED */
+    fnl_light_lists lists;  /**< default FNL_LISTS_CLUSTERED */
+    uint32_t
+        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
+    fnl_tonemap tonemap;     /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
+    fnl_exposure exposure;   /**< default FNL_EXPOSURE_AUTO */
+    float ev;                /**< EV100 for FNL_EXPOSURE_EV; default 0 */
+    fnl_debug_view debug;    /**< default none */
+    uint32_t outputs;        /**< fnl_output bits; default FNL_OUTPUT_COLOR */
+    bool count_lights;       /**< count light evaluations exactly (slower); they then appear in the stats; default false */
+    bool timers;             /**< measure each pass on the GPU; default true */
+    bool gbuffer_prepass;    /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
+    uint32_t record_threads; /**< threads that record commands; 0 (default): as many as the job system has */
 } fnl_frame;
 
 FNL_API fnl_frame fnl_frame_default(void);
@@ -92,27 +100,31 @@ FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *
 /** Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
-typedef struct fnl_pass_time { const char *name; double milliseconds; } fnl_pass_time;
+typedef struct fnl_pass_time {
+    const char *name;
+    double milliseconds;
+} fnl_pass_time;
 
 typedef struct fnl_frame_stats {
     /** Light lists. Counts are exact and of this very frame. */
-    uint32_t lights_total, lights_in_view; /**< in_view counts those whose bounds touch the view; for `all` lists it is the total */
+    uint32_t lights_total,
+        lights_in_view; /**< in_view counts those whose bounds touch the view; for `all` lists it is the total */
     uint64_t list_bytes, list_entries;
-    uint32_t cells, overflow_cells;        /**< cells that used all lights because the pool was too small in this frame */
-    uint32_t lights_dropped;               /**< always 0: that is the contract */
-    bool evaluations_counted;              /**< the next three are only known with fnl_frame.count_lights */
-    uint64_t evaluations;                  /**< lights visited by shaded fragments, directional lights left out */
+    uint32_t cells, overflow_cells; /**< cells that used all lights because the pool was too small in this frame */
+    uint32_t lights_dropped;        /**< always 0: that is the contract */
+    bool evaluations_counted;       /**< the next three are only known with fnl_frame.count_lights */
+    uint64_t evaluations;           /**< lights visited by shaded fragments, directional lights left out */
     double mean_per_pixel;
     uint32_t max_per_pixel;
-    uint32_t draws;                        /**< draw calls (indirect ones count once) */
-    uint64_t items, items_visible;         /**< primitives of instances, and those left after culling */
+    uint32_t draws;                /**< draw calls (indirect ones count once) */
+    uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
     uint64_t triangles_visible;
-    double cpu_milliseconds;               /**< recording and submitting */
-    double gpu_milliseconds;               /**< sum of all passes; 0 without timers */
-    float ev;                              /**< exposure used, EV100 */
+    double cpu_milliseconds; /**< recording and submitting */
+    double gpu_milliseconds; /**< sum of all passes; 0 without timers */
+    float ev;                /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     uint32_t pass_count;
-    const fnl_pass_time *passes;           /**< in order, owned by the renderer, valid until the next call on it */
+    const fnl_pass_time *passes; /**< in order, owned by the renderer, valid until the next call on it */
 } fnl_frame_stats;
 
 /** Waits for the last frame and describes it. */

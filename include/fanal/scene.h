@@ -18,11 +18,21 @@ extern "C" {
 typedef struct fnl_scene fnl_scene;
 
 /** Handles: an index and a generation, so that a handle of something removed is recognised. All-zero is "none". */
-typedef struct fnl_image_id { uint32_t index, generation; } fnl_image_id;
-typedef struct fnl_material_id { uint32_t index, generation; } fnl_material_id;
-typedef struct fnl_mesh_id { uint32_t index, generation; } fnl_mesh_id;
-typedef struct fnl_instance_id { uint32_t index, generation; } fnl_instance_id;
-typedef struct fnl_light_id { uint32_t index, generation; } fnl_light_id;
+typedef struct fnl_image_id {
+    uint32_t index, generation;
+} fnl_image_id;
+typedef struct fnl_material_id {
+    uint32_t index, generation;
+} fnl_material_id;
+typedef struct fnl_mesh_id {
+    uint32_t index, generation;
+} fnl_mesh_id;
+typedef struct fnl_instance_id {
+    uint32_t index, generation;
+} fnl_instance_id;
+typedef struct fnl_light_id {
+    uint32_t index, generation;
+} fnl_light_id;
 
 /** An empty scene. `host` may be NULL. */
 FNL_API fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out);
@@ -42,19 +52,19 @@ typedef enum fnl_alpha_mode { FNL_ALPHA_OPAQUE = 0, FNL_ALPHA_MASK, FNL_ALPHA_BL
 
 /** A glTF 2.0 metallic-roughness material. Textures multiply their factors; an all-zero id is no texture. */
 typedef struct fnl_material_params {
-    float base_color[4];          /**< linear RGB and alpha, 0..1; default 1, 1, 1, 1 */
-    float metallic;               /**< 0..1; default 1 */
-    float roughness;              /**< perceptual roughness, 0..1; default 1 */
-    float emissive[3];            /**< cd/m^2 (strength included), >= 0; default 0 */
-    float normal_scale;           /**< scales the normal map's x and y; default 1 */
-    float occlusion_strength;     /**< 0..1; default 1 */
-    float ior;                    /**< index of refraction of the dielectric part, >= 1, or 0 for none; default 1.5 */
-    float specular;               /**< strength of the dielectric specular part, 0..1; default 1 */
-    float specular_color[3];      /**< linear F0 tint of the dielectric part, >= 0; default 1 */
-    fnl_alpha_mode alpha_mode;    /**< default opaque */
-    float alpha_cutoff;           /**< for FNL_ALPHA_MASK; default 0.5 */
-    bool double_sided;            /**< default false */
-    bool unlit;                   /**< base colour is shown as it is; default false */
+    float base_color[4];       /**< linear RGB and alpha, 0..1; default 1, 1, 1, 1 */
+    float metallic;            /**< 0..1; default 1 */
+    float roughness;           /**< perceptual roughness, 0..1; default 1 */
+    float emissive[3];         /**< cd/m^2 (strength included), >= 0; default 0 */
+    float normal_scale;        /**< scales the normal map's x and y; default 1 */
+    float occlusion_strength;  /**< 0..1; default 1 */
+    float ior;                 /**< index of refraction of the dielectric part, >= 1, or 0 for none; default 1.5 */
+    float specular;            /**< strength of the dielectric specular part, 0..1; default 1 */
+    float specular_color[3];   /**< linear F0 tint of the dielectric part, >= 0; default 1 */
+    fnl_alpha_mode alpha_mode; /**< default opaque */
+    float alpha_cutoff;        /**< for FNL_ALPHA_MASK; default 0.5 */
+    bool double_sided;         /**< default false */
+    bool unlit;                /**< base colour is shown as it is; default false */
     fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
 } fnl_material_params;
 
@@ -65,21 +75,22 @@ FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_p
 
 /** Triangles with one material. Arrays are copied. Missing normals and tangents are generated. */
 typedef struct fnl_mesh_params {
-    uint32_t vertex_count;        /**< 1 .. 2^32 - 2 */
-    uint32_t index_count;         /**< a multiple of 3; 0: vertices are used in order */
-    const float *positions;       /**< 3 per vertex, metres, finite; required */
-    const float *normals;         /**< 3 per vertex, unit, or NULL: flat ones are made */
-    const float *tangents;        /**< 4 per vertex, unit xyz and handedness +1 or -1, or NULL */
-    const float *uv;              /**< 2 per vertex, or NULL */
-    const float *colors;          /**< 4 per vertex, linear, multiply the base colour, or NULL */
-    const uint32_t *indices;      /**< each below vertex_count, or NULL with index_count 0 */
-    fnl_material_id material;     /**< all-zero: glTF's default material */
+    uint32_t vertex_count;    /**< 1 .. 2^32 - 2 */
+    uint32_t index_count;     /**< a multiple of 3; 0: vertices are used in order */
+    const float *positions;   /**< 3 per vertex, metres, finite; required */
+    const float *normals;     /**< 3 per vertex, unit, or NULL: flat ones are made */
+    const float *tangents;    /**< 4 per vertex, unit xyz and handedness +1 or -1, or NULL */
+    const float *uv;          /**< 2 per vertex, or NULL */
+    const float *colors;      /**< 4 per vertex, linear, multiply the base colour, or NULL */
+    const uint32_t *indices;  /**< each below vertex_count, or NULL with index_count 0 */
+    fnl_material_id material; /**< all-zero: glTF's default material */
 } fnl_mesh_params;
 
 FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, fnl_mesh_id *out);
 
 /** Places a mesh. `transform` is affine, finite, and may mirror. */
-FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform, fnl_instance_id *out);
+FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform,
+                                          fnl_instance_id *out);
 FNL_API fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform);
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 
@@ -88,11 +99,11 @@ FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id i
 typedef enum fnl_light_kind { FNL_LIGHT_DIRECTIONAL = 0, FNL_LIGHT_POINT, FNL_LIGHT_SPOT } fnl_light_kind;
 
 typedef struct fnl_light_params {
-    fnl_light_kind kind;   /**< default point */
-    fnl_vec3 position;     /**< metres; not for directional lights */
-    fnl_vec3 direction;    /**< where the light shines to, normalised by the call; not for point lights; default 0, 0, -1 */
-    float color[3];        /**< linear RGB, >= 0; default 1 */
-    float intensity;       /**< candela, or lux for directional lights, >= 0; default 1 */
+    fnl_light_kind kind; /**< default point */
+    fnl_vec3 position;   /**< metres; not for directional lights */
+    fnl_vec3 direction;  /**< where the light shines to, normalised by the call; not for point lights; default 0, 0, -1 */
+    float color[3];      /**< linear RGB, >= 0; default 1 */
+    float intensity;     /**< candela, or lux for directional lights, >= 0; default 1 */
     /**
      * Distance from which on the light gives exactly nothing, metres, > 0; INFINITY (the default) derives it from the
      * intensity: where the unwindowed illuminance falls to 0.05 lux. Not for directional lights.
@@ -130,15 +141,15 @@ FNL_API fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, doub
 /* ---- cameras ---- */
 
 typedef struct fnl_camera {
-    fnl_vec3 position;       /**< metres */
-    fnl_vec3 target;         /**< a point it looks at; must differ from the position */
-    fnl_vec3 up;             /**< default 0, 1, 0 */
-    bool orthographic;       /**< default false */
-    float vertical_fov;      /**< radians, 0 .. pi; default 0.9 */
-    float vertical_extent;   /**< orthographic: height of the view in metres; default 10 */
-    float near_distance;     /**< metres, > 0; default 0.05 */
-    float far_distance;      /**< orthographic only, > near; perspective views reach to infinity; default 1000 */
-    fnl_vec2 shift;          /**< off-axis projection: moves the picture, in half widths and half heights; default 0 */
+    fnl_vec3 position;     /**< metres */
+    fnl_vec3 target;       /**< a point it looks at; must differ from the position */
+    fnl_vec3 up;           /**< default 0, 1, 0 */
+    bool orthographic;     /**< default false */
+    float vertical_fov;    /**< radians, 0 .. pi; default 0.9 */
+    float vertical_extent; /**< orthographic: height of the view in metres; default 10 */
+    float near_distance;   /**< metres, > 0; default 0.05 */
+    float far_distance;    /**< orthographic only, > near; perspective views reach to infinity; default 1000 */
+    fnl_vec2 shift;        /**< off-axis projection: moves the picture, in half widths and half heights; default 0 */
 } fnl_camera;
 
 FNL_API fnl_camera fnl_camera_default(void);
@@ -154,12 +165,12 @@ FNL_API fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float 
 /* ---- what is in it ---- */
 
 typedef struct fnl_scene_info {
-    uint64_t triangle_count;          /**< over all instances */
-    uint64_t unique_triangle_count;   /**< over all meshes once */
+    uint64_t triangle_count;        /**< over all instances */
+    uint64_t unique_triangle_count; /**< over all meshes once */
     uint64_t unique_vertex_count;
     uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
     uint64_t instance_count;
-    uint32_t light_count;             /**< placed lights */
+    uint32_t light_count; /**< placed lights */
     uint32_t directional_count, point_count, spot_count;
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
@@ -167,9 +178,21 @@ typedef struct fnl_scene_info {
 
 FNL_API fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out);
 
-typedef struct fnl_image_info { const char *name; const char *file_kind; uint32_t width, height; } fnl_image_info;
-typedef struct fnl_animation_info { const char *name; double duration; uint32_t channel_count; } fnl_animation_info;
-typedef struct fnl_extension_info { const char *name; bool required; const char *treatment; /**< "full", "ignored", or what is done instead */ } fnl_extension_info;
+typedef struct fnl_image_info {
+    const char *name;
+    const char *file_kind;
+    uint32_t width, height;
+} fnl_image_info;
+typedef struct fnl_animation_info {
+    const char *name;
+    double duration;
+    uint32_t channel_count;
+} fnl_animation_info;
+typedef struct fnl_extension_info {
+    const char *name;
+    bool required;
+    const char *treatment; /**< "full", "ignored", or what is done instead */
+} fnl_extension_info;
 
 /** By index below the counts of fnl_scene_info; the strings live as long as the scene. */
 FNL_API fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_image_info *out);

@@ -34,11 +34,11 @@ typedef struct fnl_vulkan_import {
     PFN_vkGetInstanceProcAddr get_instance_proc_addr; /**< required */
     VkInstance instance;
     VkPhysicalDevice physical_device;
-    VkDevice device;              /**< made for Vulkan 1.3 with at least the features of fnl_vulkan_requirements_init */
-    uint32_t graphics_family;     /**< a family with graphics and compute */
-    VkQueue graphics_queue;       /**< used only inside Fanal's calls; the caller must not submit to it at the same time */
-    uint32_t compute_family;      /**< of compute_queue */
-    VkQueue compute_queue;        /**< a second queue for asynchronous compute, or VK_NULL_HANDLE */
+    VkDevice device;          /**< made for Vulkan 1.3 with at least the features of fnl_vulkan_requirements_init */
+    uint32_t graphics_family; /**< a family with graphics and compute */
+    VkQueue graphics_queue;   /**< used only inside Fanal's calls; the caller must not submit to it at the same time */
+    uint32_t compute_family;  /**< of compute_queue */
+    VkQueue compute_queue;    /**< a second queue for asynchronous compute, or VK_NULL_HANDLE */
 } fnl_vulkan_import;
 
 /** Like fnl_device_create, on the caller's Vulkan device; `params` may be NULL (its device choice is ignored). */
@@ -46,13 +46,14 @@ FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_
 
 /** Where a frame goes and how it is ordered against the caller's own work. */
 typedef struct fnl_vulkan_target {
-    VkImage image;              /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame */
-    VkFormat format;            /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
+    VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame */
+    VkFormat
+        format; /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
     VkImageLayout initial_layout; /**< layout on entry; UNDEFINED discards the contents, which is what most want */
     VkImageLayout final_layout;   /**< layout that the image is left in; not UNDEFINED */
-    VkSemaphore wait;           /**< waited for before the image is touched, or VK_NULL_HANDLE */
-    uint64_t wait_value;        /**< for timeline semaphores */
-    VkSemaphore signal;         /**< signalled when the image is finished, or VK_NULL_HANDLE */
+    VkSemaphore wait;             /**< waited for before the image is touched, or VK_NULL_HANDLE */
+    uint64_t wait_value;          /**< for timeline semaphores */
+    VkSemaphore signal;           /**< signalled when the image is finished, or VK_NULL_HANDLE */
     uint64_t signal_value;
 } fnl_vulkan_target;
 

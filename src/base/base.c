@@ -8,14 +8,22 @@
 
 const char *fnl_result_name(fnl_result result) {
     switch (result) {
-    case FNL_OK: return "success";
-    case FNL_ERROR_INVALID: return "invalid argument";
-    case FNL_ERROR_FILE: return "file error";
-    case FNL_ERROR_FORMAT: return "broken contents";
-    case FNL_ERROR_UNSUPPORTED: return "not supported";
-    case FNL_ERROR_MEMORY: return "out of memory";
-    case FNL_ERROR_DEVICE: return "device error";
-    case FNL_ERROR_DEVICE_LOST: return "device lost";
+    case FNL_OK:
+        return "success";
+    case FNL_ERROR_INVALID:
+        return "invalid argument";
+    case FNL_ERROR_FILE:
+        return "file error";
+    case FNL_ERROR_FORMAT:
+        return "broken contents";
+    case FNL_ERROR_UNSUPPORTED:
+        return "not supported";
+    case FNL_ERROR_MEMORY:
+        return "out of memory";
+    case FNL_ERROR_DEVICE:
+        return "device error";
+    case FNL_ERROR_DEVICE_LOST:
+        return "device lost";
     }
     return "unknown result";
 }
@@ -41,9 +49,7 @@ static void default_log(void *user, fnl_log_level level, const char *line) {
     if (level >= FNL_LOG_WARNING) fprintf(stderr, "fanal: %s%s\n", level == FNL_LOG_ERROR ? "error: " : "warning: ", line);
 }
 
-fnl_host fnl_host_default(void) {
-    return (fnl_host){.reallocate = default_reallocate, .log = default_log};
-}
+fnl_host fnl_host_default(void) { return (fnl_host){.reallocate = default_reallocate, .log = default_log}; }
 
 fnl_host host_resolve(const fnl_host *host) {
     fnl_host resolved = host ? *host : (fnl_host){0};

@@ -14,7 +14,7 @@
 #define MIN(a, b) ((a) < (b) ? (a) : (b))
 #define MAX(a, b) ((a) > (b) ? (a) : (b))
 #define CLAMP(x, low, high) MIN(MAX(x, low), high)
-#define DIVIDE_UP(a, b) (((a) + (b) - 1) / (b))
+#define DIVIDE_UP(a, b) (((a) + (b)-1) / (b))
 #define UNUSED(x) ((void)(x))
 
 /** Rounds up to a multiple of a power of two. */
@@ -41,19 +41,19 @@ void host_log_list(const fnl_host *host, fnl_log_level level, const char *format
 #define log_error(host, ...) host_log(host, FNL_LOG_ERROR, __VA_ARGS__)
 
 /** Misuse check for public entry points: logs the failed expression and returns FNL_ERROR_INVALID. */
-#define REQUIRE(host, expression)                                                                                       \
-    do {                                                                                                                \
-        if (!(expression)) {                                                                                            \
-            log_error(host, "%s: misuse, '%s' does not hold", __func__, #expression);                                   \
-            return FNL_ERROR_INVALID;                                                                                   \
-        }                                                                                                               \
+#define REQUIRE(host, expression)                                                                                           \
+    do {                                                                                                                    \
+        if (!(expression)) {                                                                                                \
+            log_error(host, "%s: misuse, '%s' does not hold", __func__, #expression);                                       \
+            return FNL_ERROR_INVALID;                                                                                       \
+        }                                                                                                                   \
     } while (0)
 
 /** Returns early with the result of a call that failed. */
-#define TRY(call)                                                                                                       \
-    do {                                                                                                                \
-        fnl_result try_result_ = (call);                                                                                \
-        if (try_result_ != FNL_OK) return try_result_;                                                                  \
+#define TRY(call)                                                                                                           \
+    do {                                                                                                                    \
+        fnl_result try_result_ = (call);                                                                                    \
+        if (try_result_ != FNL_OK) return try_result_;                                                                      \
     } while (0)
 
 /* ---- arena: memory that is freed all at once ---- */
@@ -82,25 +82,25 @@ char *arena_format(struct arena *arena, const char *format, ...) __attribute__((
 
 /* ---- growing arrays: ARRAY(struct light) lights = {0}; ---- */
 
-#define ARRAY(type)                                                                                                     \
-    struct {                                                                                                            \
-        type *data;                                                                                                     \
-        uint32_t count, capacity;                                                                                       \
+#define ARRAY(type)                                                                                                         \
+    struct {                                                                                                                \
+        type *data;                                                                                                         \
+        uint32_t count, capacity;                                                                                           \
     }
 
 /** Makes room for `needed` elements in all. False (and a logged error) when memory ran out. */
 bool array_reserve_raw(const fnl_host *host, void **data, uint32_t *capacity, uint64_t needed, size_t element_size);
 
-#define array_reserve(host, array, needed)                                                                              \
+#define array_reserve(host, array, needed)                                                                                  \
     array_reserve_raw(host, (void **)&(array)->data, &(array)->capacity, needed, sizeof(*(array)->data))
 /** Appends `value`; false when memory ran out. */
-#define array_push(host, array, value)                                                                                  \
+#define array_push(host, array, value)                                                                                      \
     (array_reserve(host, array, (uint64_t)(array)->count + 1) ? ((array)->data[(array)->count++] = (value), true) : false)
-#define array_free(host, array)                                                                                         \
-    do {                                                                                                                \
-        host_free(host, (array)->data, sizeof(*(array)->data) * (size_t)(array)->capacity);                             \
-        (array)->data = NULL;                                                                                           \
-        (array)->count = (array)->capacity = 0;                                                                         \
+#define array_free(host, array)                                                                                             \
+    do {                                                                                                                    \
+        host_free(host, (array)->data, sizeof(*(array)->data) * (size_t)(array)->capacity);                                 \
+        (array)->data = NULL;                                                                                               \
+        (array)->count = (array)->capacity = 0;                                                                             \
     } while (0)
 
 /* ---- hashing ---- */
@@ -111,7 +111,9 @@ uint64_t hash_bytes(const void *data, size_t size, uint64_t seed);
 
 /* ---- deterministic random numbers (SplitMix64, Steele et al. 2014) ---- */
 
-struct random_state { uint64_t state; };
+struct random_state {
+    uint64_t state;
+};
 uint64_t random_bits(struct random_state *random);
 /** Uniform in [0, 1). */
 float random_float(struct random_state *random);

@@ -92,7 +92,8 @@ static void test_octahedral_round_trip(void **state) {
     struct random_state random = {1};
     float worst = 1;
     for (int i = 0; i < 100000; i++) {
-        vec3 n = vec3_normalize(vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
+        vec3 n = vec3_normalize(
+            vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
         worst = fminf(worst, vec3_dot(n, octahedral_decode(octahedral_encode(n))));
     }
     assert_true(worst > 0.999999f);

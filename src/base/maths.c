@@ -6,9 +6,9 @@
 mat4 mat4_from_trs(vec3 t, quat q, vec3 s) {
     float xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z, xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
     float wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
-    return (mat4){{(1 - 2 * (yy + zz)) * s.x, 2 * (xy + wz) * s.x, 2 * (xz - wy) * s.x, 0,
-                   2 * (xy - wz) * s.y, (1 - 2 * (xx + zz)) * s.y, 2 * (yz + wx) * s.y, 0,
-                   2 * (xz + wy) * s.z, 2 * (yz - wx) * s.z, (1 - 2 * (xx + yy)) * s.z, 0, t.x, t.y, t.z, 1}};
+    return (mat4){{(1 - 2 * (yy + zz)) * s.x, 2 * (xy + wz) * s.x, 2 * (xz - wy) * s.x, 0, 2 * (xy - wz) * s.y,
+                   (1 - 2 * (xx + zz)) * s.y, 2 * (yz + wx) * s.y, 0, 2 * (xz + wy) * s.z, 2 * (yz - wx) * s.z,
+                   (1 - 2 * (xx + yy)) * s.z, 0, t.x, t.y, t.z, 1}};
 }
 
 bool mat4_inverse(const mat4 *matrix, mat4 *out) {
@@ -90,7 +90,7 @@ uint16_t half_from_float(float value) {
     uint32_t sign = bits >> 16 & 0x8000u, magnitude = bits & 0x7fffffffu;
     if (magnitude > 0x7f800000u) return (uint16_t)(sign | 0x7e00u);
     if (magnitude >= 0x477ff000u) return (uint16_t)(sign | 0x7c00u); /* rounds to 65536 or more */
-    if (magnitude < 0x38800000u) { /* subnormal: let the float adder round */
+    if (magnitude < 0x38800000u) {                                   /* subnormal: let the float adder round */
         float shifted;
         memcpy(&shifted, &magnitude, 4);
         shifted += 0.5f;

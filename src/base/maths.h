@@ -103,7 +103,9 @@ mat4 mat4_look_at(vec3 eye, vec3 target, vec3 up);
 quat quat_slerp(quat a, quat b, float t);
 
 /** Axis-aligned box; empty when low > high. */
-struct box { vec3 low, high; };
+struct box {
+    vec3 low, high;
+};
 static inline struct box box_empty(void) {
     return (struct box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
 }

@@ -39,7 +39,9 @@ fnl_result gpu_status(const gpu_device *device);
 /** Makes an error stick (the first wins). */
 void gpu_fail(gpu_device *device, fnl_result result);
 
-struct gpu_memory_stats { uint64_t used_bytes, reserved_bytes, peak_used_bytes; };
+struct gpu_memory_stats {
+    uint64_t used_bytes, reserved_bytes, peak_used_bytes;
+};
 struct gpu_memory_stats gpu_memory_stats(const gpu_device *device);
 
 /* ---- buffers ---- */
@@ -55,11 +57,15 @@ struct gpu_buffer {
     VkDeviceAddress address;
     uint64_t size;
     void *mapped; /* not for GPU_MEMORY_DEVICE */
-    struct gpu_allocation { uint32_t block, type; uint64_t offset, size; } allocation;
+    struct gpu_allocation {
+        uint32_t block, type;
+        uint64_t offset, size;
+    } allocation;
 };
 
 /** Usable as storage (by address), index, indirect and transfer buffer. Size 0 is rounded up to 16. Not cleared. */
-fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind, struct gpu_buffer *out);
+fnl_result gpu_buffer_create(gpu_device *device, const char *name, uint64_t size, enum gpu_memory_kind kind,
+                             struct gpu_buffer *out);
 /** Freed once the frames in flight are over. Clears the struct; an all-zero struct is accepted. */
 void gpu_buffer_destroy(gpu_device *device, struct gpu_buffer *buffer);
 
@@ -69,9 +75,9 @@ struct gpu_image_params {
     const char *name;
     VkFormat format;
     uint32_t width, height, layers, mips, samples; /* each at least 1 */
-    bool cube;          /* layers = 6: also seen as a cube map */
-    bool srgb_view;     /* 8-bit UNORM: also seen as sRGB (image.srgb_index) */
-    VkImageUsageFlags usage; /* SAMPLED and STORAGE get bindless indices */
+    bool cube;                                     /* layers = 6: also seen as a cube map */
+    bool srgb_view;                                /* 8-bit UNORM: also seen as sRGB (image.srgb_index) */
+    VkImageUsageFlags usage;                       /* SAMPLED and STORAGE get bindless indices */
 };
 
 struct gpu_image {
@@ -89,19 +95,29 @@ fnl_result gpu_image_create(gpu_device *device, const struct gpu_image_params *p
 /** Freed, with its views and bindless indices, once the frames in flight are over. */
 void gpu_image_destroy(gpu_device *device, struct gpu_image *image);
 /** Wraps a caller's image: makes views and bindless indices, owns no memory. */
-fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params, struct gpu_image *out);
+fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params,
+                            struct gpu_image *out);
 
 /** Size and alignment that an image or a buffer would take, without making one that stays. */
-struct gpu_requirements { uint64_t size, alignment; uint32_t memory_types; };
+struct gpu_requirements {
+    uint64_t size, alignment;
+    uint32_t memory_types;
+};
 struct gpu_requirements gpu_image_requirements(gpu_device *device, const struct gpu_image_params *params);
 struct gpu_requirements gpu_buffer_requirements(gpu_device *device, uint64_t size);
 
 /** A piece of device-local memory in which several images and buffers may lie over one another. */
-struct gpu_heap { VkDeviceMemory memory; uint64_t size; uint32_t memory_types; };
+struct gpu_heap {
+    VkDeviceMemory memory;
+    uint64_t size;
+    uint32_t memory_types;
+};
 fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, uint32_t memory_types, struct gpu_heap *out);
 void gpu_heap_destroy(gpu_device *device, struct gpu_heap *heap);
-fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const struct gpu_image_params *params, struct gpu_image *out);
-fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name, uint64_t size, struct gpu_buffer *out);
+fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset,
+                               const struct gpu_image_params *params, struct gpu_image *out);
+fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name,
+                                uint64_t size, struct gpu_buffer *out);
 
 /** Samplers are made once per description; the index is into the bindless sampler array. */
 struct gpu_sampler_params {
@@ -116,9 +132,11 @@ uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *
 /* ---- uploads outside of frames: complete when gpu_upload_flush returns ---- */
 
 /** Copies through a staging ring; blocks only when the ring is full. Thread-safe. */
-fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer, uint64_t offset, const void *data, uint64_t size);
+fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer, uint64_t offset, const void *data,
+                             uint64_t size);
 /** Fills mip 0 of layer 0 and, with `generate_mips`, the smaller ones by 2x2 blits; `color` averages through the sRGB view. Leaves the image in SHADER_READ_ONLY_OPTIMAL. Thread-safe. */
-fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size, bool generate_mips, bool color);
+fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
+                            bool generate_mips, bool color);
 /** Waits until all uploads are done and visible to later submissions. */
 fnl_result gpu_upload_flush(gpu_device *device);
 /** Copies a device buffer back; waits. For tests and one-off reads outside frames. */
@@ -142,18 +160,18 @@ enum gpu_blend {
 
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
-    uint32_t constant_count; /* the same constants go to both stages */
+    uint32_t constant_count;                    /* the same constants go to both stages */
     uint32_t constants[GPU_MAX_CONSTANTS];
     VkPrimitiveTopology topology;
-    VkCullModeFlags cull;   /* front faces are counter-clockwise as seen with +Y up */
-    bool mirrored;          /* the other winding is the front */
+    VkCullModeFlags cull; /* front faces are counter-clockwise as seen with +Y up */
+    bool mirrored;        /* the other winding is the front */
     uint32_t color_count;
     VkFormat color_formats[GPU_MAX_COLORS];
     enum gpu_blend blends[GPU_MAX_COLORS];
-    VkFormat depth_format;  /* UNDEFINED: none */
+    VkFormat depth_format; /* UNDEFINED: none */
     bool depth_test, depth_write, depth_clamp;
     VkCompareOp depth_compare;
-    uint32_t samples;       /* 1, 2, 4, 8 */
+    uint32_t samples; /* 1, 2, 4, 8 */
 };
 
 /** NULL after a logged, sticky error. Hash lookups; no allocation when it exists. Thread-safe. Params must be zeroed before filling: they are hashed as bytes. */
@@ -171,7 +189,9 @@ struct gpu_commands *gpu_commands_begin(gpu_device *device, enum gpu_queue queue
 void gpu_commands_end(struct gpu_commands *commands);
 gpu_device *gpu_commands_device(struct gpu_commands *commands);
 
-void gpu_bind(struct gpu_commands *commands, const struct gpu_pipeline *pipeline); /* also binds set 0 when needed; NULL: later draws and dispatches are skipped */
+void gpu_bind(
+    struct gpu_commands *commands,
+    const struct gpu_pipeline *pipeline); /* also binds set 0 when needed; NULL: later draws and dispatches are skipped */
 void gpu_push(struct gpu_commands *commands, const void *data, uint32_t size);
 void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t z);
 /** At least `groups` work groups, in two dimensions where one does not hold them: shaders number them by LINEAR_GROUP (common.glsl) and leave
@@ -179,15 +199,21 @@ void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_
 void gpu_dispatch_linear(struct gpu_commands *commands, uint32_t groups);
 void gpu_dispatch_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset);
 void gpu_bind_indices(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset); /* 32-bit */
-void gpu_draw(struct gpu_commands *commands, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex, uint32_t first_instance);
+void gpu_draw(struct gpu_commands *commands, uint32_t vertex_count, uint32_t instance_count, uint32_t first_vertex,
+              uint32_t first_instance);
 /** `count` VkDrawIndexedIndirectCommand, tightly packed. */
-void gpu_draw_indexed_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint32_t count);
+void gpu_draw_indexed_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset,
+                               uint32_t count);
 /** The count is read from a buffer, at most `max_count`. */
-void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, const struct gpu_buffer *count_buffer, uint64_t count_offset, uint32_t max_count);
-void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t from_offset, const struct gpu_buffer *to, uint64_t to_offset, uint64_t size);
-void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint64_t size, uint32_t value);
+void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset,
+                                     const struct gpu_buffer *count_buffer, uint64_t count_offset, uint32_t max_count);
+void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t from_offset,
+                     const struct gpu_buffer *to, uint64_t to_offset, uint64_t size);
+void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint64_t size,
+                     uint32_t value);
 /** Mip 0, layer 0, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
-void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to, uint64_t offset);
+void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
+                              uint64_t offset);
 /** Same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to);
 
@@ -196,18 +222,29 @@ struct gpu_attachment {
     VkAttachmentLoadOp load;
     VkAttachmentStoreOp store;
     VkClearValue clear;
-    bool read_only;                    /* depth: DEPTH_READ_ONLY layout */
-    const struct gpu_image *resolve;   /* multisampled colour averaged into it, or NULL */
+    bool read_only;                  /* depth: DEPTH_READ_ONLY layout */
+    const struct gpu_image *resolve; /* multisampled colour averaged into it, or NULL */
 };
-struct gpu_rendering { uint32_t width, height, layers, color_count; struct gpu_attachment colors[GPU_MAX_COLORS]; struct gpu_attachment depth; /* image NULL: none */ };
+struct gpu_rendering {
+    uint32_t width, height, layers, color_count;
+    struct gpu_attachment colors[GPU_MAX_COLORS];
+    struct gpu_attachment depth; /* image NULL: none */
+};
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);
 void gpu_end_rendering(struct gpu_commands *commands);
 
 /* For the frame graph. */
-struct gpu_image_barrier { const struct gpu_image *image; VkPipelineStageFlags2 from_stages, to_stages; VkAccessFlags2 from_access, to_access; VkImageLayout from_layout, to_layout; };
+struct gpu_image_barrier {
+    const struct gpu_image *image;
+    VkPipelineStageFlags2 from_stages, to_stages;
+    VkAccessFlags2 from_access, to_access;
+    VkImageLayout from_layout, to_layout;
+};
 /** One vkCmdPipelineBarrier2: image barriers and one global memory barrier (when its stages are not 0). */
-void gpu_barrier(struct gpu_commands *commands, const struct gpu_image_barrier *images, uint32_t image_count, VkPipelineStageFlags2 from_stages, VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stages, VkAccessFlags2 to_access);
+void gpu_barrier(struct gpu_commands *commands, const struct gpu_image_barrier *images, uint32_t image_count,
+                 VkPipelineStageFlags2 from_stages, VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stages,
+                 VkAccessFlags2 to_access);
 void gpu_begin_label(struct gpu_commands *commands, const char *name);
 void gpu_end_label(struct gpu_commands *commands);
 /** Writes timestamp `index` of the frame, below GPU_MAX_TIMESTAMPS. */
@@ -229,9 +266,13 @@ struct gpu_batch {
     uint32_t command_count;
     uint32_t wait_batch; /* an earlier batch on the other queue that this one waits for, or GPU_NO_INDEX */
 };
-struct gpu_external_semaphores { VkSemaphore wait, signal; uint64_t wait_value, signal_value; };
+struct gpu_external_semaphores {
+    VkSemaphore wait, signal;
+    uint64_t wait_value, signal_value;
+};
 /** Submits the batches in order and ends the frame. `external` may be NULL. The sticky error comes out here. */
-fnl_result gpu_frame_end(gpu_device *device, const struct gpu_batch *batches, uint32_t batch_count, const struct gpu_external_semaphores *external);
+fnl_result gpu_frame_end(gpu_device *device, const struct gpu_batch *batches, uint32_t batch_count,
+                         const struct gpu_external_semaphores *external);
 /** Waits for the frame with this number. */
 fnl_result gpu_frame_wait(gpu_device *device, uint64_t frame_number);
 /** Timestamps of the last finished use of a slot, in nanoseconds from the first; false when the device has none or they were not written. */
@@ -239,7 +280,12 @@ bool gpu_frame_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uin
 
 /* ---- memory written by the CPU each frame ---- */
 
-struct gpu_slice { void *data; VkDeviceAddress address; const struct gpu_buffer *buffer; uint64_t offset; };
+struct gpu_slice {
+    void *data;
+    VkDeviceAddress address;
+    const struct gpu_buffer *buffer;
+    uint64_t offset;
+};
 /** Takes mapped upload memory that lives until this frame is over; 256-byte aligned; grows by the frame after. data NULL after a sticky error. Thread-safe. */
 struct gpu_slice gpu_frame_allocate(gpu_device *device, uint64_t size);
 

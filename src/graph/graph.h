@@ -14,8 +14,12 @@
 struct graph;
 struct graph_pass;
 
-typedef struct graph_image { uint32_t id; } graph_image;   /* id 0 is none */
-typedef struct graph_buffer { uint32_t id; } graph_buffer;
+typedef struct graph_image {
+    uint32_t id;
+} graph_image; /* id 0 is none */
+typedef struct graph_buffer {
+    uint32_t id;
+} graph_buffer;
 
 /** `device` NULL gives the null back end: everything but execution works, with invented memory sizes. */
 fnl_result graph_create(const fnl_host *host, gpu_device *device, struct graph **out);
@@ -47,7 +51,9 @@ graph_buffer graph_import_buffer(struct graph *graph, const char *name, const st
  * frame's to read. `previous.id` is 0 in the first frame, after the size or format changed, and when the last frame did
  * not declare or not write it.
  */
-struct graph_history { graph_image current, previous; };
+struct graph_history {
+    graph_image current, previous;
+};
 struct graph_history graph_history(struct graph *graph, const struct graph_image_params *params);
 
 struct graph_image_params graph_image_info(const struct graph *graph, graph_image image);
@@ -73,20 +79,20 @@ struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum gr
                                   const void *data, size_t data_size);
 
 enum graph_use {
-    GRAPH_SAMPLE_COMPUTE,   /* image: texture reads */
+    GRAPH_SAMPLE_COMPUTE, /* image: texture reads */
     GRAPH_SAMPLE_FRAGMENT,
-    GRAPH_READ_COMPUTE,     /* storage image or buffer */
-    GRAPH_WRITE_COMPUTE,    /* what was there does not matter to the pass, but texels it does not write keep their values */
+    GRAPH_READ_COMPUTE,  /* storage image or buffer */
+    GRAPH_WRITE_COMPUTE, /* what was there does not matter to the pass, but texels it does not write keep their values */
     GRAPH_READ_WRITE_COMPUTE,
-    GRAPH_READ_VERTEX,      /* buffer, by address, in vertex shaders */
+    GRAPH_READ_VERTEX, /* buffer, by address, in vertex shaders */
     GRAPH_READ_FRAGMENT,
-    GRAPH_READ_GRAPHICS,    /* buffer: in vertex and fragment shaders */
+    GRAPH_READ_GRAPHICS,       /* buffer: in vertex and fragment shaders */
     GRAPH_READ_WRITE_FRAGMENT, /* atomics from fragment shaders */
-    GRAPH_INDIRECT,         /* buffer: indirect commands */
-    GRAPH_INDEX,            /* buffer: indices */
+    GRAPH_INDIRECT,            /* buffer: indirect commands */
+    GRAPH_INDEX,               /* buffer: indices */
     GRAPH_COPY_FROM,
     GRAPH_COPY_TO,
-    GRAPH_READ_HOST,        /* imported buffer: read by the CPU after the frame; keeps the pass */
+    GRAPH_READ_HOST, /* imported buffer: read by the CPU after the frame; keeps the pass */
 };
 /** Several uses of one resource by one pass add up; those of an image must agree on the layout. */
 void graph_use_image(struct graph_pass *pass, graph_image image, enum graph_use use);
@@ -117,8 +123,8 @@ fnl_result graph_compile(struct graph *graph);
 size_t graph_print(const struct graph *graph, char *text, size_t capacity);
 
 struct graph_execute_params {
-    uint32_t record_threads; /* 0: as many as the device's job pool has */
-    bool timers;             /* write timestamps around every pass */
+    uint32_t record_threads;      /* 0: as many as the device's job pool has */
+    bool timers;                  /* write timestamps around every pass */
     bool force_async_on_graphics; /* tests: compile for a compute queue although the device has none; its batches then go
                                      to the graphics queue in their own submissions */
     const struct gpu_external_semaphores *external; /* or NULL */
@@ -134,7 +140,10 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
  * is at hand; a later one is waited for; an earlier one is forgotten. Culled passes and those after the 256th do not
  * appear. `out` is valid until the next execute. Names are those given to graph_add_pass.
  */
-struct graph_timer { const char *name; double milliseconds; };
+struct graph_timer {
+    const char *name;
+    double milliseconds;
+};
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 
 struct graph_stats {

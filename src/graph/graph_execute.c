@@ -278,7 +278,8 @@ bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && graph->device; i++) {
         struct graph_timer_slot *slot = &graph->timer_slots[i];
         if (slot->frame_number == frame_number && slot->results_frame != frame_number && slot->names.count) {
-            if (gpu_frame_number(graph->device) >= frame_number + GPU_FRAMES_IN_FLIGHT) return false; /* overwritten by another graph */
+            if (gpu_frame_number(graph->device) >= frame_number + GPU_FRAMES_IN_FLIGHT)
+                return false; /* overwritten by another graph */
             if (gpu_frame_wait(graph->device, frame_number) != FNL_OK) return false;
             read_timers(graph, i);
         }

@@ -59,8 +59,8 @@ static fnl_result begin(const fnl_host *host, const fnl_image *a, const fnl_imag
     REQUIRE(host, b != NULL && b->pixels != NULL && fnl_pixel_size(b->format) != 0);
     REQUIRE(host, a->width > 0 && a->height > 0);
     if (a->width != b->width || a->height != b->height) {
-        log_error(host, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height,
-                  b->width, b->height);
+        log_error(host, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height, b->width,
+                  b->height);
         return FNL_ERROR_INVALID;
     }
     *out = (struct comparison){.a = a, .b = b};

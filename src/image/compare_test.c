@@ -23,9 +23,12 @@ static fnl_image noise(uint32_t width, uint32_t height, fnl_pixel_format format,
 static double at(const fnl_image *image, uint32_t x, uint32_t y, uint32_t c) {
     size_t i = ((size_t)y * image->width + x) * 4 + c;
     switch (image->format) {
-    case FNL_PIXEL_FORMAT_RGBA8: return ((const uint8_t *)image->pixels)[i] / 255.0;
-    case FNL_PIXEL_FORMAT_RGBA16: return ((const uint16_t *)image->pixels)[i] / 65535.0;
-    case FNL_PIXEL_FORMAT_RGBA32F: return (double)((const float *)image->pixels)[i];
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return ((const uint8_t *)image->pixels)[i] / 255.0;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return ((const uint16_t *)image->pixels)[i] / 65535.0;
+    case FNL_PIXEL_FORMAT_RGBA32F:
+        return (double)((const float *)image->pixels)[i];
     }
     return NAN;
 }
@@ -123,8 +126,7 @@ static void test_metrics_are_the_slow_formulas(void **state) {
 static void test_equal_pictures(void **state) {
     UNUSED(state);
     for (int format = 0; format < 3; format++) {
-        fnl_image a = noise(33, 17, (fnl_pixel_format)format, 1, 0.1),
-                  b = noise(33, 17, (fnl_pixel_format)format, 1, 0.1);
+        fnl_image a = noise(33, 17, (fnl_pixel_format)format, 1, 0.1), b = noise(33, 17, (fnl_pixel_format)format, 1, 0.1);
         fnl_image_difference d;
         assert_int_equal(fnl_image_compare(NULL, &a, &b, &d), FNL_OK);
         assert_true(d.max == 0 && d.mean == 0 && d.rmse == 0 && isinf(d.psnr) && d.psnr > 0 && d.ssim == 1);
@@ -227,8 +229,7 @@ static void test_misuse_is_refused(void **state) {
     char line[200] = "";
     fnl_host host = {.user = line, .log = say_nothing};
     uint8_t pixels[16] = {0};
-    fnl_image a = {2, 2, FNL_PIXEL_FORMAT_RGBA8, pixels}, b = {4, 1, FNL_PIXEL_FORMAT_RGBA8, pixels}, none = {0},
-              picture;
+    fnl_image a = {2, 2, FNL_PIXEL_FORMAT_RGBA8, pixels}, b = {4, 1, FNL_PIXEL_FORMAT_RGBA8, pixels}, none = {0}, picture;
     fnl_image_difference d;
     assert_int_equal(fnl_image_compare(&host, &a, &b, &d), FNL_ERROR_INVALID);
     assert_non_null(strstr(line, "2 x 2 and 4 x 1"));

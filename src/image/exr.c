@@ -27,8 +27,7 @@ static struct stream *stream_of(exr_const_context_t exr) {
 static void keep_message(exr_const_context_t exr, exr_result_t code, const char *message) {
     struct stream *stream = stream_of(exr);
     if (stream && !stream->message[0])
-        snprintf(stream->message, sizeof stream->message, "%s",
-                 message ? message : exr_get_default_error_message(code));
+        snprintf(stream->message, sizeof stream->message, "%s", message ? message : exr_get_default_error_message(code));
 }
 
 static const char *message_of(const struct stream *stream, exr_result_t code) {
@@ -109,10 +108,13 @@ fnl_result image_exr_peek(const struct image_source *source, struct image_file_i
    and the other schemes stay below. */
 static uint64_t ratio_max(exr_compression_t compression) {
     switch (compression) {
-    case EXR_COMPRESSION_NONE: return 1;
+    case EXR_COMPRESSION_NONE:
+        return 1;
     case EXR_COMPRESSION_DWAA:
-    case EXR_COMPRESSION_DWAB: return 65536;
-    default: return 2048;
+    case EXR_COMPRESSION_DWAB:
+        return 65536;
+    default:
+        return 2048;
     }
 }
 
@@ -142,8 +144,7 @@ static fnl_result choose_channels(struct reader *reader, bool *grey, uint32_t *f
         snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", name);
     }
     if (!color && luminance && chroma)
-        return image_fail(reader->source, FNL_ERROR_UNSUPPORTED,
-                          "is an EXR of luminance and chroma, which is not read");
+        return image_fail(reader->source, FNL_ERROR_UNSUPPORTED, "is an EXR of luminance and chroma, which is not read");
     if (!color && !luminance)
         return image_fail(reader->source, FNL_ERROR_UNSUPPORTED, "EXR without channels R, G, B or Y; it has %s", names);
     *grey = !color;
@@ -175,9 +176,13 @@ static uint32_t load_little(const uint8_t *at, int bytes) {
 static float to_float(uint32_t stored, uint16_t type) {
     float value;
     switch (type) {
-    case EXR_PIXEL_HALF: return half_to_float((uint16_t)stored);
-    case EXR_PIXEL_UINT: return (float)stored;
-    default: memcpy(&value, &stored, sizeof value); return value;
+    case EXR_PIXEL_HALF:
+        return half_to_float((uint16_t)stored);
+    case EXR_PIXEL_UINT:
+        return (float)stored;
+    default:
+        memcpy(&value, &stored, sizeof value);
+        return value;
     }
 }
 
@@ -196,14 +201,11 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipeline) {
             size_t size = (size_t)channel->width * (size_t)channel->bytes_per_element;
             if ((size_t)(end - at) < size) return EXR_ERR_CORRUPT_CHUNK;
             uint32_t target = channel_target(channel->channel_name, decoder->grey);
-            float *pixel = (float *)decoder->image->pixels + row * 4 +
-                           (target == 8   ? 3
-                            : target == 4 ? 2
-                                          : target == 2);
+            float *pixel = (float *)decoder->image->pixels + row * 4 + (target == 8 ? 3 : target == 4 ? 2 : target == 2);
             for (int32_t x = 0; target && x < channel->width; x++, pixel += 4)
-                *pixel = to_float(
-                    load_little(at + (size_t)x * (size_t)channel->bytes_per_element, channel->bytes_per_element),
-                    channel->data_type);
+                *pixel =
+                    to_float(load_little(at + (size_t)x * (size_t)channel->bytes_per_element, channel->bytes_per_element),
+                             channel->data_type);
             at += size;
         }
     }
@@ -213,8 +215,7 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipeline) {
 static exr_result_t decode_chunk(struct reader *reader, struct chunk_decoder *decoder, const exr_chunk_info_t *chunk,
                                  uint32_t left, uint32_t top) {
     if (chunk->unpacked_size / ratio_max(reader->compression) > chunk->packed_size) return EXR_ERR_CORRUPT_CHUNK;
-    if ((uint64_t)left + (uint32_t)chunk->width > reader->width ||
-        (uint64_t)top + (uint32_t)chunk->height > reader->height)
+    if ((uint64_t)left + (uint32_t)chunk->width > reader->width || (uint64_t)top + (uint32_t)chunk->height > reader->height)
         return EXR_ERR_CORRUPT_CHUNK;
     exr_decode_pipeline_t *pipeline = &decoder->pipeline;
     exr_result_t error = decoder->begun ? exr_decoding_update(reader->exr, 0, chunk, pipeline)
@@ -343,8 +344,7 @@ static exr_result_t write_chunks(exr_context_t exr, uint32_t width, uint32_t hei
         exr_chunk_info_t chunk;
         error = exr_write_scanline_chunk_info(exr, 0, (int)y, &chunk);
         if (error) break;
-        error =
-            begun ? exr_encoding_update(exr, 0, &chunk, &pipeline) : exr_encoding_initialize(exr, 0, &chunk, &pipeline);
+        error = begun ? exr_encoding_update(exr, 0, &chunk, &pipeline) : exr_encoding_initialize(exr, 0, &chunk, &pipeline);
         for (int i = 0; !error && i < pipeline.channel_count; i++) {
             exr_coding_channel_info_t *target = &pipeline.channels[i];
             const fnl_exr_channel *channel = find_channel(channels, count, target->channel_name);
@@ -362,8 +362,7 @@ static exr_result_t write_chunks(exr_context_t exr, uint32_t width, uint32_t hei
     return error;
 }
 
-static fnl_result check_channels(const fnl_host *host, uint32_t width, const fnl_exr_channel *channels,
-                                 uint32_t count) {
+static fnl_result check_channels(const fnl_host *host, uint32_t width, const fnl_exr_channel *channels, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         REQUIRE(host, channels[i].name != NULL && channels[i].name[0] != 0);
         REQUIRE(host, strlen(channels[i].name) <= CHANNEL_NAME_MAX);

@@ -51,8 +51,8 @@ static int read_numbers(const char *text, float *values, int capacity) {
 /* EXPOSURE and COLORCORR say by what the pixels have been multiplied; several of them add up. */
 static fnl_result read_variable(const struct image_source *source, const char *line, struct header *header) {
     if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-        return image_fail(source, FNL_ERROR_UNSUPPORTED,
-                          "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)", line + 7);
+        return image_fail(source, FNL_ERROR_UNSUPPORTED, "Radiance HDR of format '%.40s' (only 32-bit_rle_rgbe is read)",
+                          line + 7);
     bool exposure = strncmp(line, "EXPOSURE=", 9) == 0, correction = strncmp(line, "COLORCORR=", 10) == 0;
     if (!exposure && !correction) return FNL_OK;
     float factors[3];

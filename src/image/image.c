@@ -6,9 +6,12 @@
 
 size_t fnl_pixel_size(fnl_pixel_format format) {
     switch (format) {
-    case FNL_PIXEL_FORMAT_RGBA8: return 4;
-    case FNL_PIXEL_FORMAT_RGBA16: return 8;
-    case FNL_PIXEL_FORMAT_RGBA32F: return 16;
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return 4;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return 8;
+    case FNL_PIXEL_FORMAT_RGBA32F:
+        return 16;
     }
     return 0;
 }
@@ -34,8 +37,8 @@ fnl_result image_fail(const struct image_source *source, fnl_result result, cons
 
 fnl_result image_check_size(const struct image_source *source, uint64_t width, uint64_t height) {
     if (width == 0 || height == 0)
-        return image_fail(source, FNL_ERROR_FORMAT, "the picture has no pixels (%llu x %llu)",
-                          (unsigned long long)width, (unsigned long long)height);
+        return image_fail(source, FNL_ERROR_FORMAT, "the picture has no pixels (%llu x %llu)", (unsigned long long)width,
+                          (unsigned long long)height);
     if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX || width * height > IMAGE_PIXELS_MAX)
         return image_fail(source, FNL_ERROR_UNSUPPORTED,
                           "a picture of %llu x %llu pixels is over the limit (%u a side, %u in all)",
@@ -70,21 +73,25 @@ static enum image_file_kind recognise(const unsigned char *bytes, size_t size) {
 
 static fnl_result fail_unknown(const struct image_source *source) {
     if (source->size == 0) return image_fail(source, FNL_ERROR_FORMAT, "is empty, not a picture");
-    return image_fail(source, FNL_ERROR_FORMAT,
-                      "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
+    return image_fail(source, FNL_ERROR_FORMAT, "is not a picture of a known kind (PNG, JPEG, WebP, Radiance HDR, OpenEXR)");
 }
 
-fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name,
-                      struct image_file_info *out) {
+fnl_result image_peek(const fnl_host *host, const void *bytes, size_t size, const char *name, struct image_file_info *out) {
     *out = (struct image_file_info){0};
     struct image_source source = {host, bytes, size, name};
     switch (recognise(bytes, size)) {
-    case IMAGE_FILE_PNG: return image_png_peek(&source, out);
-    case IMAGE_FILE_JPEG: return image_jpeg_peek(&source, out);
-    case IMAGE_FILE_WEBP: return image_webp_peek(&source, out);
-    case IMAGE_FILE_HDR: return image_hdr_peek(&source, out);
-    case IMAGE_FILE_EXR: return image_exr_peek(&source, out);
-    case IMAGE_FILE_UNKNOWN: break;
+    case IMAGE_FILE_PNG:
+        return image_png_peek(&source, out);
+    case IMAGE_FILE_JPEG:
+        return image_jpeg_peek(&source, out);
+    case IMAGE_FILE_WEBP:
+        return image_webp_peek(&source, out);
+    case IMAGE_FILE_HDR:
+        return image_hdr_peek(&source, out);
+    case IMAGE_FILE_EXR:
+        return image_exr_peek(&source, out);
+    case IMAGE_FILE_UNKNOWN:
+        break;
     }
     return fail_unknown(&source);
 }
@@ -98,12 +105,18 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
         return image_fail(&source, FNL_ERROR_UNSUPPORTED,
                           "floating-point pictures cannot be used here, only PNG, JPEG and WebP");
     switch (kind) {
-    case IMAGE_FILE_PNG: return image_png_decode(&source, force_rgba8, out);
-    case IMAGE_FILE_JPEG: return image_jpeg_decode(&source, out);
-    case IMAGE_FILE_WEBP: return image_webp_decode(&source, out);
-    case IMAGE_FILE_HDR: return image_hdr_decode(&source, out);
-    case IMAGE_FILE_EXR: return image_exr_decode(&source, out);
-    case IMAGE_FILE_UNKNOWN: break;
+    case IMAGE_FILE_PNG:
+        return image_png_decode(&source, force_rgba8, out);
+    case IMAGE_FILE_JPEG:
+        return image_jpeg_decode(&source, out);
+    case IMAGE_FILE_WEBP:
+        return image_webp_decode(&source, out);
+    case IMAGE_FILE_HDR:
+        return image_hdr_decode(&source, out);
+    case IMAGE_FILE_EXR:
+        return image_exr_decode(&source, out);
+    case IMAGE_FILE_UNKNOWN:
+        break;
     }
     return fail_unknown(&source);
 }
@@ -131,8 +144,7 @@ void fnl_image_free(const fnl_host *host, fnl_image *image) {
 
 static fnl_result save_exr(const fnl_host *host, const char *path, const fnl_image *image) {
     const float *pixels = image->pixels;
-    const fnl_exr_channel channels[] = {
-        {"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}, {"A", pixels + 3, 4}};
+    const fnl_exr_channel channels[] = {{"R", pixels, 4}, {"G", pixels + 1, 4}, {"B", pixels + 2, 4}, {"A", pixels + 3, 4}};
     return fnl_exr_save(host, path, image->width, image->height, channels, COUNT_OF(channels));
 }
 
@@ -144,8 +156,7 @@ fnl_result fnl_image_save(const fnl_host *host, const char *path, const fnl_imag
     if (image_check_size(&target, image->width, image->height) != FNL_OK) return FNL_ERROR_INVALID;
 
     bool is_float = image->format == FNL_PIXEL_FORMAT_RGBA32F;
-    bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"),
-         hdr = path_has_extension(path, "hdr");
+    bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"), hdr = path_has_extension(path, "hdr");
     if (!png && !exr && !hdr)
         return image_fail(&target, FNL_ERROR_UNSUPPORTED, "pictures are written as .png, .exr or .hdr, not as '.%s'",
                           path_extension(path));

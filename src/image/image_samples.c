@@ -8,12 +8,12 @@
 #include <spng.h>
 #include <webp/encode.h>
 
-#define CHECK(expression)                                                                                              \
-    do {                                                                                                               \
-        if (!(expression)) {                                                                                           \
-            fprintf(stderr, "%s:%d: '%s' does not hold\n", __FILE__, __LINE__, #expression);                           \
-            abort();                                                                                                   \
-        }                                                                                                              \
+#define CHECK(expression)                                                                                                   \
+    do {                                                                                                                    \
+        if (!(expression)) {                                                                                                \
+            fprintf(stderr, "%s:%d: '%s' does not hold\n", __FILE__, __LINE__, #expression);                                \
+            abort();                                                                                                        \
+        }                                                                                                                   \
     } while (0)
 
 struct maker {
@@ -21,8 +21,7 @@ struct maker {
     uint32_t count, width, height;
 };
 
-static struct image_sample *add(struct maker *maker, const char *name, enum image_file_kind kind,
-                                fnl_pixel_format format) {
+static struct image_sample *add(struct maker *maker, const char *name, enum image_file_kind kind, fnl_pixel_format format) {
     CHECK(maker->count < IMAGE_SAMPLES_MAX);
     struct image_sample *sample = &maker->samples[maker->count++];
     *sample = (struct image_sample){.name = name, .kind = kind};
@@ -45,8 +44,7 @@ static uint32_t level(uint32_t x, uint32_t y, uint32_t channel, uint32_t greates
 
 static void add_png(struct maker *maker, const char *name, uint8_t color_type, uint8_t depth, bool transparent) {
     bool wide = depth == 16;
-    struct image_sample *sample =
-        add(maker, name, IMAGE_FILE_PNG, wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8);
+    struct image_sample *sample = add(maker, name, IMAGE_FILE_PNG, wide ? FNL_PIXEL_FORMAT_RGBA16 : FNL_PIXEL_FORMAT_RGBA8);
     static const uint32_t channels_of[] = {1, 0, 3, 1, 2, 0, 4};
     uint32_t channels = channels_of[color_type], greatest = (1u << depth) - 1, full = wide ? 65535 : 255;
     bool indexed = color_type == SPNG_COLOR_TYPE_INDEXED, grey = channels <= 2 && !indexed, alpha = channels % 2 == 0;
@@ -79,8 +77,7 @@ static void add_png(struct maker *maker, const char *name, uint8_t color_type, u
         }
     spng_ctx *png = spng_ctx_new(SPNG_CTX_ENCODER);
     CHECK(png != NULL && spng_set_option(png, SPNG_ENCODE_TO_BUFFER, 1) == 0);
-    struct spng_ihdr header = {
-        .width = maker->width, .height = maker->height, .bit_depth = depth, .color_type = color_type};
+    struct spng_ihdr header = {.width = maker->width, .height = maker->height, .bit_depth = depth, .color_type = color_type};
     CHECK(spng_set_ihdr(png, &header) == 0);
     if (indexed) {
         struct spng_plte palette = {.n_entries = 1u << depth};
@@ -90,8 +87,7 @@ static void add_png(struct maker *maker, const char *name, uint8_t color_type, u
         CHECK(spng_set_plte(png, &palette) == 0);
     }
     if (transparent) {
-        struct spng_trns trns = {
-            .gray = (uint16_t)level(0, 0, 0, greatest), .n_type3_entries = 2, .type3_alpha = {255, 77}};
+        struct spng_trns trns = {.gray = (uint16_t)level(0, 0, 0, greatest), .n_type3_entries = 2, .type3_alpha = {255, 77}};
         CHECK(spng_set_trns(png, &trns) == 0);
     }
     CHECK(spng_encode_image(png, data, row_bytes * maker->height, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE) == 0);
@@ -184,8 +180,8 @@ static void add_hdr(struct maker *maker, const char *name, enum hdr_kind kind, c
     uint32_t width = maker->width, height = maker->height;
     unsigned char *bytes = malloc(256 + (size_t)width * height * 8), *at = bytes;
     CHECK(bytes != NULL);
-    at += sprintf((char *)at, "#?RADIANCE\n# a comment\nEXPOSURE=%g\nFORMAT=32-bit_rle_rgbe\n\n%cY %u %cX %u\n",
-                  exposure, axes[0], height, axes[1], width);
+    at += sprintf((char *)at, "#?RADIANCE\n# a comment\nEXPOSURE=%g\nFORMAT=32-bit_rle_rgbe\n\n%cY %u %cX %u\n", exposure,
+                  axes[0], height, axes[1], width);
     bool new_runs = kind == HDR_NEW_RUNS && width >= 8;
     for (uint32_t y = 0; y < height; y++) {
         if (new_runs) at += (*at = 2, at[1] = 2, at[2] = (unsigned char)(width >> 8), at[3] = (unsigned char)width, 4);
@@ -310,9 +306,7 @@ static bool write_exr_part(exr_context_t exr, int part, struct exr_kind kind, co
 
 static void add_exr_part(exr_context_t exr, const char *name, struct exr_kind kind, uint32_t width, uint32_t height) {
     int part;
-    exr_storage_t storage = kind.deep   ? EXR_STORAGE_DEEP_SCANLINE
-                            : kind.tile ? EXR_STORAGE_TILED
-                                        : EXR_STORAGE_SCANLINE;
+    exr_storage_t storage = kind.deep ? EXR_STORAGE_DEEP_SCANLINE : kind.tile ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE;
     CHECK(exr_add_part(exr, name, storage, &part) == 0);
     CHECK(exr_initialize_required_attr_simple(exr, part, (int32_t)width, (int32_t)height, kind.compression) == 0);
     exr_attr_box2i_t window;
@@ -392,8 +386,7 @@ uint32_t image_samples_make(struct image_sample samples[IMAGE_SAMPLES_MAX], uint
     add_png(&maker, "rgba16.png", SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, 16, false);
     add_jpeg(&maker, "444.jpg", (struct jpeg_kind){.input = JCS_RGB, .stored = JCS_YCbCr});
     add_jpeg(&maker, "420-restarts.jpg", (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .subsampled = true, .restarts = true});
-    add_jpeg(&maker, "progressive.jpg",
-             (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .progressive = true, .subsampled = true});
+    add_jpeg(&maker, "progressive.jpg", (struct jpeg_kind){JCS_RGB, JCS_YCbCr, .progressive = true, .subsampled = true});
     add_jpeg(&maker, "rgb.jpg", (struct jpeg_kind){.input = JCS_RGB, .stored = JCS_RGB});
     add_jpeg(&maker, "grey.jpg", (struct jpeg_kind){.input = JCS_GRAYSCALE, .stored = JCS_GRAYSCALE});
     add_jpeg(&maker, "cmyk.jpg", (struct jpeg_kind){.input = JCS_CMYK, .stored = JCS_CMYK});
@@ -435,11 +428,10 @@ uint32_t image_samples_make(struct image_sample samples[IMAGE_SAMPLES_MAX], uint
     add_exr(&maker, "uint.exr", kind);
     kind = (struct exr_kind){.compression = EXR_COMPRESSION_PIZ, .type = EXR_PIXEL_HALF, .channels = "Y", .tile = 8};
     add_exr(&maker, "grey-tiled.exr", kind);
-    kind = (struct exr_kind){
-        .compression = EXR_COMPRESSION_RLE, .type = EXR_PIXEL_FLOAT, .channels = "RXZ", .multipart = true};
+    kind =
+        (struct exr_kind){.compression = EXR_COMPRESSION_RLE, .type = EXR_PIXEL_FLOAT, .channels = "RXZ", .multipart = true};
     add_exr(&maker, "multipart.exr", kind);
-    kind = (struct exr_kind){
-        .compression = EXR_COMPRESSION_ZIPS, .type = EXR_PIXEL_FLOAT, .channels = "BGR", .deep = true};
+    kind = (struct exr_kind){.compression = EXR_COMPRESSION_ZIPS, .type = EXR_PIXEL_FLOAT, .channels = "BGR", .deep = true};
     add_exr(&maker, "deep.exr", kind);
     return maker.count;
 }

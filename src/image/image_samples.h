@@ -11,8 +11,8 @@ struct image_sample {
     unsigned char *bytes;
     size_t size;
     fnl_image expected;
-    double tolerance;       /* greatest difference to `expected` that the file's compression may make */
-    fnl_result result;      /* what decoding gives */
+    double tolerance;  /* greatest difference to `expected` that the file's compression may make */
+    fnl_result result; /* what decoding gives */
 };
 
 #define IMAGE_SAMPLES_MAX 64

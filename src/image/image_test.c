@@ -67,9 +67,12 @@ static uint32_t count_files(void) {
 
 static double value_at(const fnl_image *image, size_t i) {
     switch (image->format) {
-    case FNL_PIXEL_FORMAT_RGBA8: return ((const uint8_t *)image->pixels)[i] / 255.0;
-    case FNL_PIXEL_FORMAT_RGBA16: return ((const uint16_t *)image->pixels)[i] / 65535.0;
-    case FNL_PIXEL_FORMAT_RGBA32F: return (double)((const float *)image->pixels)[i];
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return ((const uint8_t *)image->pixels)[i] / 255.0;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return ((const uint16_t *)image->pixels)[i] / 65535.0;
+    case FNL_PIXEL_FORMAT_RGBA32F:
+        return (double)((const float *)image->pixels)[i];
     }
     return NAN;
 }
@@ -147,8 +150,7 @@ static void test_forced_to_8_bits(void **state) {
         assert_int_equal(image.format, FNL_PIXEL_FORMAT_RGBA8);
         for (size_t k = 0; k < 37 * 11 * 4; k++)
             if (samples[i].tolerance == 0)
-                assert_int_equal(((uint8_t *)image.pixels)[k],
-                                 (int)floor(value_at(&samples[i].expected, k) * 255 + 0.5));
+                assert_int_equal(((uint8_t *)image.pixels)[k], (int)floor(value_at(&samples[i].expected, k) * 255 + 0.5));
         fnl_image_free(&host, &image);
         assert_int_equal(watch.live, 0);
     }
@@ -198,8 +200,7 @@ static void test_damaged_files_do_no_harm(void **state) {
             unsigned char *copy = malloc(samples[i].size);
             assert_non_null(copy);
             memcpy(copy, samples[i].bytes, samples[i].size);
-            for (int k = 0; k < 3; k++)
-                copy[random_bits(&random) % samples[i].size] = (unsigned char)random_bits(&random);
+            for (int k = 0; k < 3; k++) copy[random_bits(&random) % samples[i].size] = (unsigned char)random_bits(&random);
             struct image_file_info info;
             fnl_image image = {0};
             if (image_peek(&host, copy, samples[i].size, "x", &info) == FNL_OK &&
@@ -264,7 +265,8 @@ static bool set_size(struct image_sample *sample, uint32_t width, uint32_t heigh
         sample->bytes = bytes;
         return true;
     }
-    default: return false;
+    default:
+        return false;
     }
 }
 
@@ -283,10 +285,8 @@ static void test_impossible_sizes_are_refused(void **state) {
                 continue;
             fnl_image image;
             fnl_result result = image_decode(&host, samples[i].bytes, samples[i].size, samples[i].name, false, &image);
-            if (result == FNL_OK)
-                fail_msg("%s as %u x %u was read", samples[i].name, impossible[s][0], impossible[s][1]);
-            if (watch.largest > 1 << 24)
-                fail_msg("%s asked for %zu bytes: %s", samples[i].name, watch.largest, watch.line);
+            if (result == FNL_OK) fail_msg("%s as %u x %u was read", samples[i].name, impossible[s][0], impossible[s][1]);
+            if (watch.largest > 1 << 24) fail_msg("%s asked for %zu bytes: %s", samples[i].name, watch.largest, watch.line);
             assert_int_equal(watch.live, 0);
             assert_int_equal(watch.lines, 1);
             assert_non_null(strstr(watch.line, samples[i].name));
@@ -337,8 +337,7 @@ static void decode_one(void *context, uint32_t index) {
     struct image_sample *sample = &work->samples[index % work->count];
     fnl_image image;
     fnl_result result = image_decode(&work->host, sample->bytes, sample->size, sample->name, false, &image);
-    if (result != sample->result || (result == FNL_OK && !near(&image, &sample->expected, sample->tolerance)))
-        work->wrong++;
+    if (result != sample->result || (result == FNL_OK && !near(&image, &sample->expected, sample->tolerance))) work->wrong++;
     fnl_image_free(&work->host, &image);
 }
 

@@ -51,8 +51,11 @@ static void judge_warning(j_common_ptr jpeg, int level) {
     case JWRN_JPEG_EOF:
     case JWRN_HUFF_BAD_CODE:
     case JWRN_MUST_RESYNC:
-    case JWRN_BOGUS_PROGRESSION: fail_with_message(jpeg); break;
-    default: break;
+    case JWRN_BOGUS_PROGRESSION:
+        fail_with_message(jpeg);
+        break;
+    default:
+        break;
     }
 }
 

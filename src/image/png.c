@@ -78,8 +78,7 @@ fnl_result image_png_decode(const struct image_source *source, bool force_rgba8,
                        held_pixels(source, &header), &image);
     if (result == FNL_OK) {
         size_t size = (size_t)image.width * image.height * fnl_pixel_size(image.format);
-        int error =
-            spng_decode_image(png, image.pixels, size, wide ? SPNG_FMT_RGBA16 : SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
+        int error = spng_decode_image(png, image.pixels, size, wide ? SPNG_FMT_RGBA16 : SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
         /* Read on to the end mark: without it the file has been cut off. */
         if (!error) error = spng_decode_chunks(png);
         if (error) result = fail(source, error);

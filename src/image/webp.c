@@ -6,10 +6,14 @@
 
 static const char *status_text(VP8StatusCode status) {
     switch (status) {
-    case VP8_STATUS_OUT_OF_MEMORY: return "out of memory";
-    case VP8_STATUS_UNSUPPORTED_FEATURE: return "unsupported feature";
-    case VP8_STATUS_NOT_ENOUGH_DATA: return "the file is cut off";
-    default: return "the data are damaged";
+    case VP8_STATUS_OUT_OF_MEMORY:
+        return "out of memory";
+    case VP8_STATUS_UNSUPPORTED_FEATURE:
+        return "unsupported feature";
+    case VP8_STATUS_NOT_ENOUGH_DATA:
+        return "the file is cut off";
+    default:
+        return "the data are damaged";
     }
 }
 
@@ -37,8 +41,7 @@ fnl_result image_webp_peek(const struct image_source *source, struct image_file_
 
 fnl_result image_webp_decode(const struct image_source *source, fnl_image *out) {
     WebPDecoderConfig config;
-    if (!WebPInitDecoderConfig(&config))
-        return image_fail(source, FNL_ERROR_UNSUPPORTED, "libwebp's version does not fit");
+    if (!WebPInitDecoderConfig(&config)) return image_fail(source, FNL_ERROR_UNSUPPORTED, "libwebp's version does not fit");
     TRY(read_features(source, &config.input));
     fnl_image image;
     /* A lossless file of one colour has a few bytes for any size: nothing to judge by. */

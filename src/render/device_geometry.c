@@ -16,13 +16,18 @@ static struct gpu_attributes pack_attributes(const struct scene_primitive *p, ui
     vec4 c = p->colors ? p->colors[v] : (vec4){1, 1, 1, 1};
     uint32_t ex = (uint32_t)lrintf((e.x * 0.5f + 0.5f) * 65535), ey = (uint32_t)lrintf((e.y * 0.5f + 0.5f) * 32767);
     return (struct gpu_attributes){
-        .normal = pack_snorm16(n.x) | pack_snorm16(n.y) << 16, .tangent = ex | ey << 16 | (t.w < 0 ? 0x80000000u : 0),
-        .uv0 = p->uv[0] ? p->uv[0][v] : (vec2){0, 0}, .uv1 = p->uv[1] ? p->uv[1][v] : (vec2){0, 0},
+        .normal = pack_snorm16(n.x) | pack_snorm16(n.y) << 16,
+        .tangent = ex | ey << 16 | (t.w < 0 ? 0x80000000u : 0),
+        .uv0 = p->uv[0] ? p->uv[0][v] : (vec2){0, 0},
+        .uv1 = p->uv[1] ? p->uv[1][v] : (vec2){0, 0},
         .color = {pack_unorm16(c.x) | pack_unorm16(c.y) << 16, pack_unorm16(c.z) | pack_unorm16(c.w) << 16}};
 }
 
 /* What is counted before anything is allocated; vertices and indices are below 2^32 in all. */
-struct geometry_totals { uint64_t vertices, indices, deformed_vertices, influences, morph_floats; uint32_t primitives; };
+struct geometry_totals {
+    uint64_t vertices, indices, deformed_vertices, influences, morph_floats;
+    uint32_t primitives;
+};
 
 struct upload {
     struct device_scene *d;
@@ -53,7 +58,8 @@ static struct geometry_totals count_geometry(const fnl_scene *scene) {
     return t;
 }
 
-static fnl_result upload_primitive(struct upload *u, const struct scene_primitive *p, uint32_t first_vertex, uint32_t first_index) {
+static fnl_result upload_primitive(struct upload *u, const struct scene_primitive *p, uint32_t first_vertex,
+                                   uint32_t first_index) {
     struct gpu_attributes packed[256];
     struct device_scene *d = u->d;
     TRY(gpu_upload_buffer(d->device, &d->positions, first_vertex * 12ull, p->positions, p->vertex_count * 12ull));
@@ -61,19 +67,23 @@ static fnl_result upload_primitive(struct upload *u, const struct scene_primitiv
     for (uint32_t v = 0; v < p->vertex_count;) {
         uint32_t count = MIN(p->vertex_count - v, COUNT_OF(packed));
         for (uint32_t i = 0; i < count; i++) packed[i] = pack_attributes(p, v + i);
-        TRY(gpu_upload_buffer(d->device, &d->attributes, (uint64_t)(first_vertex + v) * sizeof *packed, packed, count * sizeof *packed));
+        TRY(gpu_upload_buffer(d->device, &d->attributes, (uint64_t)(first_vertex + v) * sizeof *packed, packed,
+                              count * sizeof *packed));
         v += count;
     }
-    struct gpu_primitive g = {.material = p->material == SCENE_NONE ? d->scene->materials.count : p->material, .first_index = first_index,
-                              .index_count = p->index_count, .vertex_offset = (int32_t)first_vertex};
+    struct gpu_primitive g = {.material = p->material == SCENE_NONE ? d->scene->materials.count : p->material,
+                              .first_index = first_index,
+                              .index_count = p->index_count,
+                              .vertex_offset = (int32_t)first_vertex};
     g.center = vec3_scale(vec3_add(p->bounds.low, p->bounds.high), 0.5f);
     g.half_extent = vec3_scale(vec3_sub(p->bounds.high, p->bounds.low), 0.5f);
     return array_push(&d->host, &u->primitives, g) ? FNL_OK : FNL_ERROR_MEMORY;
 }
 
 /* Influences and morph differences of one deforming primitive. */
-static fnl_result upload_deform(struct upload *u, const struct scene_node *node, const struct device_deform *deform, const struct scene_primitive *p,
-                                uint64_t *influence_count, uint64_t *morph_count, struct gpu_deform *out) {
+static fnl_result upload_deform(struct upload *u, const struct scene_node *node, const struct device_deform *deform,
+                                const struct scene_primitive *p, uint64_t *influence_count, uint64_t *morph_count,
+                                struct gpu_deform *out) {
     struct device_scene *d = u->d;
     out->count = p->vertex_count;
     out->first_matrix = deform->first_matrix;
@@ -90,7 +100,8 @@ static fnl_result upload_deform(struct upload *u, const struct scene_node *node,
     if (pairs) {
         struct gpu_influence *influences = memory;
         for (uint64_t i = 0; i < pairs; i++) influences[i] = (struct gpu_influence){p->joints[i], p->weights[i]};
-        result = gpu_upload_buffer(d->device, &d->influences, *influence_count * sizeof *influences, influences, pairs * sizeof *influences);
+        result = gpu_upload_buffer(d->device, &d->influences, *influence_count * sizeof *influences, influences,
+                                   pairs * sizeof *influences);
     }
     if (floats && result == FNL_OK) {
         vec3 *differences = memory;
@@ -124,8 +135,12 @@ static fnl_result upload_deforming_nodes(struct upload *u, uint32_t first_vertex
         for (uint32_t i = 0; i < mesh->primitive_count; i++)
             deforms = deforms || node_deforms(node, &scene->primitives.data[mesh->first_primitive + i]);
         if (!deforms) continue;
-        struct device_deform deform = {.node = n, .skin = node->skin, .first_matrix = d->matrix_count, .first_weight = d->weight_count,
-                                       .matrix_count = node->skin == SCENE_NONE ? 0 : scene->skins.data[node->skin].joint_count,
+        struct device_deform deform = {.node = n,
+                                       .skin = node->skin,
+                                       .first_matrix = d->matrix_count,
+                                       .first_weight = d->weight_count,
+                                       .matrix_count =
+                                           node->skin == SCENE_NONE ? 0 : scene->skins.data[node->skin].joint_count,
                                        .weight_count = mesh->morph_target_count};
         d->matrix_count += deform.matrix_count;
         d->weight_count += deform.weight_count;
@@ -142,7 +157,8 @@ static fnl_result upload_deforming_nodes(struct upload *u, uint32_t first_vertex
                 first_vertex += p->vertex_count;
                 /* Joints and weights may carry the vertices anywhere: what deforms is never culled. */
                 g.half_extent = (vec3){1e18f, 1e18f, 1e18f};
-                if (!array_push(&d->host, &u->deforms, out) || !array_push(&d->host, &d->deform_vertex_counts, p->vertex_count))
+                if (!array_push(&d->host, &u->deforms, out) ||
+                    !array_push(&d->host, &d->deform_vertex_counts, p->vertex_count))
                     return FNL_ERROR_MEMORY;
             }
             if (!array_push(&d->host, &u->primitives, g)) return FNL_ERROR_MEMORY;
@@ -156,9 +172,11 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
     const fnl_scene *scene = d->scene;
     uint64_t vertices = totals->vertices + totals->deformed_vertices;
     TRY(gpu_buffer_create(d->device, "positions", MAX(vertices, 1u) * 12, GPU_MEMORY_DEVICE, &d->positions));
-    TRY(gpu_buffer_create(d->device, "attributes", MAX(vertices, 1u) * sizeof(struct gpu_attributes), GPU_MEMORY_DEVICE, &d->attributes));
+    TRY(gpu_buffer_create(d->device, "attributes", MAX(vertices, 1u) * sizeof(struct gpu_attributes), GPU_MEMORY_DEVICE,
+                          &d->attributes));
     TRY(gpu_buffer_create(d->device, "indices", MAX(totals->indices, 1u) * 4, GPU_MEMORY_DEVICE, &d->indices));
-    TRY(gpu_buffer_create(d->device, "influences", MAX(totals->influences, 1u) * sizeof(struct gpu_influence), GPU_MEMORY_DEVICE, &d->influences));
+    TRY(gpu_buffer_create(d->device, "influences", MAX(totals->influences, 1u) * sizeof(struct gpu_influence),
+                          GPU_MEMORY_DEVICE, &d->influences));
     TRY(gpu_buffer_create(d->device, "morph targets", MAX(totals->morph_floats, 1u) * 4, GPU_MEMORY_DEVICE, &d->morphs));
     uint32_t first_vertex = 0, first_index = 0;
     for (uint32_t i = 0; i < scene->primitives.count; i++) {
@@ -170,11 +188,16 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
     }
     TRY(device_materials_upload(d));
     TRY(upload_deforming_nodes(u, first_vertex));
-    TRY(device_upload_array(d, "primitives", &d->primitives, u->primitives.data, u->primitives.count * sizeof *u->primitives.data));
+    TRY(device_upload_array(d, "primitives", &d->primitives, u->primitives.data,
+                            u->primitives.count * sizeof *u->primitives.data));
     TRY(device_upload_array(d, "deforms", &d->deforms, u->deforms.data, u->deforms.count * sizeof *u->deforms.data));
     TRY(device_items_upload(d, u->primitives.data, u->primitives.count, u->node_primitives));
-    struct gpu_scene table = {.positions = d->positions.address, .attributes = d->attributes.address, .instances = d->instances.address,
-                              .primitives = d->primitives.address, .materials = d->materials.address, .items = d->items.address,
+    struct gpu_scene table = {.positions = d->positions.address,
+                              .attributes = d->attributes.address,
+                              .instances = d->instances.address,
+                              .primitives = d->primitives.address,
+                              .materials = d->materials.address,
+                              .items = d->items.address,
                               .groups = d->groups.address};
     return device_upload_array(d, "scene table", &d->table, &table, sizeof table);
 }
@@ -182,12 +205,14 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
 fnl_result device_geometry_upload(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     struct geometry_totals totals = count_geometry(scene);
-    if (totals.vertices + totals.deformed_vertices > INT32_MAX || totals.indices > UINT32_MAX || totals.influences > UINT32_MAX || totals.morph_floats > UINT32_MAX) {
+    if (totals.vertices + totals.deformed_vertices > INT32_MAX || totals.indices > UINT32_MAX ||
+        totals.influences > UINT32_MAX || totals.morph_floats > UINT32_MAX) {
         log_error(&d->host, "%s: has more vertices or indices than 32-bit draws can address", scene->source);
         return FNL_ERROR_UNSUPPORTED;
     }
     struct upload u = {.d = d};
-    size_t vertex_size = MAX(scene->primitives.count, 1u) * sizeof(uint32_t), node_size = MAX(scene->nodes.count, 1u) * sizeof(uint32_t);
+    size_t vertex_size = MAX(scene->primitives.count, 1u) * sizeof(uint32_t),
+           node_size = MAX(scene->nodes.count, 1u) * sizeof(uint32_t);
     u.first_vertex = host_allocate(&d->host, vertex_size);
     u.node_primitives = host_allocate(&d->host, node_size);
     fnl_result result = u.first_vertex && u.node_primitives ? upload_all(&u, &totals) : FNL_ERROR_MEMORY;

@@ -4,12 +4,18 @@
 
 enum { BATCH = 16 }; /* decoded at once: bounds the memory that waits for upload */
 
-struct decode { struct device_scene *d; uint32_t indices[BATCH]; fnl_image pixels[BATCH]; fnl_result results[BATCH]; };
+struct decode {
+    struct device_scene *d;
+    uint32_t indices[BATCH];
+    fnl_image pixels[BATCH];
+    fnl_result results[BATCH];
+};
 
 static void decode_one(void *context, uint32_t i) {
     struct decode *decode = context;
     const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
-    decode->results[i] = image_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, &decode->pixels[i]);
+    decode->results[i] =
+        image_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, &decode->pixels[i]);
 }
 
 static uint32_t mip_count(uint32_t width, uint32_t height) {
@@ -20,10 +26,16 @@ static uint32_t mip_count(uint32_t width, uint32_t height) {
 
 static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, const void *pixels) {
     const struct scene_image *image = &d->scene->images.data[index];
-    struct gpu_image_params params = {.name = image->name ? image->name : "image", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width,
-                                      .height = height, .layers = 1, .mips = mip_count(width, height), .samples = 1,
+    struct gpu_image_params params = {.name = image->name ? image->name : "image",
+                                      .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                      .width = width,
+                                      .height = height,
+                                      .layers = 1,
+                                      .mips = mip_count(width, height),
+                                      .samples = 1,
                                       .srgb_view = image->color,
-                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                               VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(gpu_image_create(d->device, &params, &d->images.data[index]));
     return gpu_upload_image(d->device, &d->images.data[index], pixels, (uint64_t)width * height * 4, true, image->color);
 }
@@ -34,7 +46,8 @@ static fnl_result upload_batch(struct decode *decode, uint32_t count, struct job
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < count; i++) {
         if (decode->results[i] == FNL_OK && result == FNL_OK)
-            result = upload_one(decode->d, decode->indices[i], decode->pixels[i].width, decode->pixels[i].height, decode->pixels[i].pixels);
+            result = upload_one(decode->d, decode->indices[i], decode->pixels[i].width, decode->pixels[i].height,
+                                decode->pixels[i].pixels);
         if (decode->results[i] == FNL_OK) fnl_image_free(&decode->d->host, &decode->pixels[i]);
     }
     return result;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_scene.h"
 
-static const struct scene_material *material_of(const fnl_scene *scene, const struct scene_primitive *p, const struct scene_material *standard) {
+static const struct scene_material *material_of(const fnl_scene *scene, const struct scene_primitive *p,
+                                                const struct scene_material *standard) {
     return p->material == SCENE_NONE ? standard : &scene->materials.data[p->material];
 }
 
@@ -34,7 +35,8 @@ static fnl_result upload_instances(struct device_scene *d) {
         if (draws) count += scene->nodes.data[n].instance_count;
     }
     if (count > UINT32_MAX / sizeof(struct gpu_instance)) return FNL_ERROR_UNSUPPORTED;
-    TRY(gpu_buffer_create(d->device, "instances", MAX(count, 1u) * sizeof(struct gpu_instance), GPU_MEMORY_DEVICE, &d->instances));
+    TRY(gpu_buffer_create(d->device, "instances", MAX(count, 1u) * sizeof(struct gpu_instance), GPU_MEMORY_DEVICE,
+                          &d->instances));
     struct gpu_instance chunk[256];
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
         const struct scene_node *node = &scene->nodes.data[n];
@@ -45,7 +47,8 @@ static fnl_result upload_instances(struct device_scene *d) {
                 mat4 m = instance_matrix(node, k + i);
                 chunk[i] = device_instance(&m);
             }
-            TRY(gpu_upload_buffer(d->device, &d->instances, (uint64_t)(d->node_instances.data[n] + k) * sizeof *chunk, chunk, part * sizeof *chunk));
+            TRY(gpu_upload_buffer(d->device, &d->instances, (uint64_t)(d->node_instances.data[n] + k) * sizeof *chunk, chunk,
+                                  part * sizeof *chunk));
             k += part;
         }
     }
@@ -53,7 +56,9 @@ static fnl_result upload_instances(struct device_scene *d) {
 }
 
 /* A group of items: one primitive, one handedness. Ordered by bucket; the bucket's bits are its sort key. */
-struct group_key { uint32_t bucket, primitive, mirrored, count, first; };
+struct group_key {
+    uint32_t bucket, primitive, mirrored, count, first;
+};
 
 static uint32_t bucket_bits(const struct scene_material *m, enum scene_topology topology, bool mirrored) {
     bool blend = m->alpha_mode == FNL_ALPHA_BLEND, sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
@@ -108,8 +113,9 @@ static void walk_items(struct item_walk *w) {
 }
 
 static VkPrimitiveTopology vulkan_topology(uint32_t topology) {
-    return topology == SCENE_TOPOLOGY_LINES ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
-         : topology == SCENE_TOPOLOGY_POINTS ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    return topology == SCENE_TOPOLOGY_LINES    ? VK_PRIMITIVE_TOPOLOGY_LINE_LIST
+           : topology == SCENE_TOPOLOGY_POINTS ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST
+                                               : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
 static fnl_result upload_groups(struct item_walk *w) {
@@ -147,10 +153,14 @@ static fnl_result upload_groups(struct item_walk *w) {
         struct geometry_bucket *last = d->buckets.count ? &d->buckets.data[d->buckets.count - 1] : NULL;
         if (i == 0 || keys[i - 1].bucket != key->bucket) {
             bool sorted = key->bucket == 1u << 16;
-            struct geometry_bucket bucket = {
-                .topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : vulkan_topology(key->bucket >> 4), .blend = sorted || key->bucket & 8,
-                .mask = !sorted && key->bucket & 4, .double_sided = !sorted && key->bucket & 2, .mirrored = !sorted && key->bucket & 1,
-                .first_item = first, .first_group = i};
+            struct geometry_bucket bucket = {.topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+                                                                : vulkan_topology(key->bucket >> 4),
+                                             .blend = sorted || key->bucket & 8,
+                                             .mask = !sorted && key->bucket & 4,
+                                             .double_sided = !sorted && key->bucket & 2,
+                                             .mirrored = !sorted && key->bucket & 1,
+                                             .first_item = first,
+                                             .first_group = i};
             if (!array_push(&d->host, &d->buckets, bucket)) {
                 result = FNL_ERROR_MEMORY;
                 break;
@@ -190,9 +200,11 @@ static void map_sources(struct item_walk *w) {
     }
 }
 
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count, const uint32_t *node_primitives) {
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,
+                               const uint32_t *node_primitives) {
     TRY(upload_instances(d));
-    struct item_walk walk = {.d = d, .primitives = primitives, .node_primitives = node_primitives, .key_count = primitive_count * 2};
+    struct item_walk walk = {
+        .d = d, .primitives = primitives, .node_primitives = node_primitives, .key_count = primitive_count * 2};
     size_t keys_size = MAX(walk.key_count, 1u) * sizeof *walk.keys, map_size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
     walk.keys = host_allocate_zero(&d->host, keys_size);
     walk.sources = host_allocate_zero(&d->host, map_size);

@@ -2,8 +2,11 @@
 #include "render/device_scene.h"
 
 struct gpu_light device_light(const fnl_light_params *light) {
-    struct gpu_light g = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction,
-                          .color = {light->color[0] * light->intensity, light->color[1] * light->intensity, light->color[2] * light->intensity}};
+    struct gpu_light g = {.position = light->position,
+                          .kind = (uint32_t)light->kind,
+                          .direction = light->direction,
+                          .color = {light->color[0] * light->intensity, light->color[1] * light->intensity,
+                                    light->color[2] * light->intensity}};
     if (light->kind == FNL_LIGHT_DIRECTIONAL) return g;
     bool dark = !(fmaxf(g.color.x, fmaxf(g.color.y, g.color.z)) > 0);
     g.range = light_effective_range(light);

@@ -2,35 +2,46 @@
 #include "render/device_scene.h"
 
 static VkSamplerAddressMode address_mode(enum scene_wrap wrap) {
-    return wrap == SCENE_WRAP_REPEAT ? VK_SAMPLER_ADDRESS_MODE_REPEAT
-         : wrap == SCENE_WRAP_MIRROR ? VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    return wrap == SCENE_WRAP_REPEAT   ? VK_SAMPLER_ADDRESS_MODE_REPEAT
+           : wrap == SCENE_WRAP_MIRROR ? VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT
+                                       : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
 }
 
 static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
     const struct scene_sampler *s = &d->scene->samplers.data[index];
-    struct gpu_sampler_params params = {
-        .mag = s->mag == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
-        .min = s->min == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
-        .mip = s->mip == SCENE_FILTER_LINEAR ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-        .mipmapped = s->mipmapped, .wrap_u = address_mode(s->wrap_u), .wrap_v = address_mode(s->wrap_v),
-        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? 8 : 1};
+    struct gpu_sampler_params params = {.mag = s->mag == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
+                                        .min = s->min == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
+                                        .mip = s->mip == SCENE_FILTER_LINEAR ? VK_SAMPLER_MIPMAP_MODE_LINEAR
+                                                                             : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                        .mipmapped = s->mipmapped,
+                                        .wrap_u = address_mode(s->wrap_u),
+                                        .wrap_v = address_mode(s->wrap_v),
+                                        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? 8 : 1};
     return gpu_sampler_index(d->device, &params);
 }
 
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m) {
     float r = m->ior > 0 ? (m->ior - 1) / (m->ior + 1) : 1; /* an index of 0 means total reflection (KHR_materials_ior) */
-    struct gpu_material g = {
-        .base_color = m->base_color, .emissive = m->emissive, .metallic = m->metallic, .roughness = m->roughness,
-        .dielectric_f0 = vec3_scale(m->specular_color, r * r), .specular = m->specular, .normal_scale = m->normal_scale,
-        .occlusion_strength = m->occlusion_strength, .alpha_cutoff = m->alpha_cutoff,
-        .flags = (m->unlit ? GPU_MATERIAL_UNLIT : 0) | (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
-                 (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) | (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0)};
+    struct gpu_material g = {.base_color = m->base_color,
+                             .emissive = m->emissive,
+                             .metallic = m->metallic,
+                             .roughness = m->roughness,
+                             .dielectric_f0 = vec3_scale(m->specular_color, r * r),
+                             .specular = m->specular,
+                             .normal_scale = m->normal_scale,
+                             .occlusion_strength = m->occlusion_strength,
+                             .alpha_cutoff = m->alpha_cutoff,
+                             .flags = (m->unlit ? GPU_MATERIAL_UNLIT : 0) |
+                                      (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
+                                      (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
+                                      (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0)};
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         const struct scene_texture *t = &m->textures[slot];
         struct gpu_texture *out = &g.textures[slot];
         out->image = GPU_TEXTURE_NONE;
         if (t->image == SCENE_NONE || !d->images.data[t->image].handle) continue;
-        bool color = slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
+        bool color =
+            slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
         const struct gpu_image *image = &d->images.data[t->image];
         out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
         out->sampler_index = sampler_index(d, t->sampler);

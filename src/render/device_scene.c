@@ -2,18 +2,23 @@
 #include "render/device_scene.h"
 
 void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene) {
-    *d = (struct device_scene){.device = device, .host = *gpu_host(device), .scene = scene, .structure_version = UINT64_MAX,
-                               .transform_version = UINT64_MAX, .light_version = UINT64_MAX};
+    *d = (struct device_scene){.device = device,
+                               .host = *gpu_host(device),
+                               .scene = scene,
+                               .structure_version = UINT64_MAX,
+                               .transform_version = UINT64_MAX,
+                               .light_version = UINT64_MAX};
 }
 
-fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data, uint64_t size) {
+fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
+                               uint64_t size) {
     TRY(gpu_buffer_create(d->device, name, MAX(size, 16u), GPU_MEMORY_DEVICE, buffer));
     return size ? gpu_upload_buffer(d->device, buffer, 0, data, size) : FNL_OK;
 }
 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
-                                    &d->items, &d->groups, &d->table, &d->deforms, &d->influences, &d->morphs};
+                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
@@ -35,7 +40,9 @@ void device_scene_finish(struct device_scene *d) {
 
 void device_scene_forget(struct device_scene *d) { d->structure_version = d->light_version = UINT64_MAX; }
 
-static bool node_mirrors(const struct scene_node *node) { return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0; }
+static bool node_mirrors(const struct scene_node *node) {
+    return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
+}
 
 /* Nodes that moved since the device was last told: those of the scene's list, or any when a step was missed. */
 static bool moved_nodes_listed(const struct device_scene *d) { return d->transform_version >= d->scene->moved_since; }
@@ -48,7 +55,8 @@ static bool handedness_changed(const struct device_scene *d) {
     uint32_t count = listed ? scene->moved.count : scene->nodes.count;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t n = listed ? scene->moved.data[i] : i;
-        if (d->node_instances.data[n] != SCENE_NONE && node_mirrors(&scene->nodes.data[n]) != d->node_mirrored.data[n]) return true;
+        if (d->node_instances.data[n] != SCENE_NONE && node_mirrors(&scene->nodes.data[n]) != d->node_mirrored.data[n])
+            return true;
     }
     return false;
 }
@@ -83,7 +91,11 @@ fnl_result device_scene_prepare(struct device_scene *d) {
 
 /* ---- updates inside a frame ---- */
 
-struct copy_data { struct gpu_slice slice; struct gpu_buffer target; uint64_t size; };
+struct copy_data {
+    struct gpu_slice slice;
+    struct gpu_buffer target;
+    uint64_t size;
+};
 
 static void execute_copy(const struct graph_context *context, const void *data) {
     const struct copy_data *d = data;
@@ -98,14 +110,20 @@ static fnl_result add_lights(struct device_scene *d, struct graph *graph, graph_
         copy.slice = gpu_frame_allocate(d->device, copy.size);
         if (!copy.slice.data) return gpu_status(d->device);
         memcpy(copy.slice.data, d->light_data.data, copy.size);
-        struct graph_pass *pass = graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
+        struct graph_pass *pass =
+            graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
         graph_use_buffer(pass, lights, GRAPH_COPY_TO);
     }
     d->light_version = d->scene->light_version;
     return FNL_OK;
 }
 
-struct move_data { struct device_scene *d; const uint32_t *nodes; uint32_t node_count; struct gpu_slice slice; };
+struct move_data {
+    struct device_scene *d;
+    const uint32_t *nodes;
+    uint32_t node_count;
+    struct gpu_slice slice;
+};
 
 static void execute_move(const struct graph_context *context, const void *data) {
     const struct move_data *m = data;
@@ -113,7 +131,8 @@ static void execute_move(const struct graph_context *context, const void *data) 
     for (uint32_t i = 0; i < m->node_count; i++) {
         uint32_t first = m->d->node_instances.data[m->nodes[i]];
         uint64_t size = m->d->scene->nodes.data[m->nodes[i]].instance_count * sizeof(struct gpu_instance);
-        gpu_copy_buffer(context->commands, m->slice.buffer, offset, &m->d->instances, first * sizeof(struct gpu_instance), size);
+        gpu_copy_buffer(context->commands, m->slice.buffer, offset, &m->d->instances, first * sizeof(struct gpu_instance),
+                        size);
         offset += size;
     }
 }
@@ -146,7 +165,8 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
         device_scene_node_instances(node, out);
         out += node->instance_count;
     }
-    struct graph_pass *pass = graph_add_pass(graph, "update instances", GRAPH_QUEUE_GRAPHICS, execute_move, &move, sizeof move);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "update instances", GRAPH_QUEUE_GRAPHICS, execute_move, &move, sizeof move);
     graph_use_buffer(pass, vertices, GRAPH_COPY_TO);
     return FNL_OK;
 }
@@ -161,13 +181,20 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
         const struct device_deform *deform = &d->deformed.data[i];
         const struct scene_node *node = &scene->nodes.data[deform->node];
         const float *values = node->morph_weights ? node->morph_weights : scene->meshes.data[node->mesh].morph_weights;
-        for (uint32_t w = 0; w < deform->weight_count; w++) ((float *)weights.data)[deform->first_weight + w] = values ? values[w] : 0;
+        for (uint32_t w = 0; w < deform->weight_count; w++)
+            ((float *)weights.data)[deform->first_weight + w] = values ? values[w] : 0;
         if (deform->matrix_count) skin_matrices(scene, deform->skin, (mat4 *)matrices.data + deform->first_matrix);
     }
-    struct skin_input input = {.vertices = vertices, .positions = d->positions.address, .attributes = d->attributes.address,
-                               .deforms = d->deforms.address, .influences = d->influences.address, .morphs = d->morphs.address,
-                               .weights = weights.address, .matrices = matrices.address,
-                               .vertex_counts = d->deform_vertex_counts.data, .deform_count = d->deform_vertex_counts.count};
+    struct skin_input input = {.vertices = vertices,
+                               .positions = d->positions.address,
+                               .attributes = d->attributes.address,
+                               .deforms = d->deforms.address,
+                               .influences = d->influences.address,
+                               .morphs = d->morphs.address,
+                               .weights = weights.address,
+                               .matrices = matrices.address,
+                               .vertex_counts = d->deform_vertex_counts.data,
+                               .deform_count = d->deform_vertex_counts.count};
     skin_add(graph, &input);
     return FNL_OK;
 }
@@ -178,10 +205,18 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
     TRY(add_lights(d, graph, lights));
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
-    out->geometry = (struct geometry_scene){
-        .scene = d->table.address, .indices = &d->indices, .vertices = vertices, .buckets = d->buckets.data, .bucket_count = d->buckets.count,
-        .item_count = d->item_count, .group_count = d->group_count, .blend_first_item = d->blend_first_item, .blend_item_count = d->blend_item_count};
-    out->lights = (struct light_input){.buffer = lights, .lights = d->lights.address, .directional_count = d->directional_count,
+    out->geometry = (struct geometry_scene){.scene = d->table.address,
+                                            .indices = &d->indices,
+                                            .vertices = vertices,
+                                            .buckets = d->buckets.data,
+                                            .bucket_count = d->buckets.count,
+                                            .item_count = d->item_count,
+                                            .group_count = d->group_count,
+                                            .blend_first_item = d->blend_first_item,
+                                            .blend_item_count = d->blend_item_count};
+    out->lights = (struct light_input){.buffer = lights,
+                                       .lights = d->lights.address,
+                                       .directional_count = d->directional_count,
                                        .local_count = d->light_data.count - d->directional_count};
     return FNL_OK;
 }

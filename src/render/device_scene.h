@@ -12,7 +12,9 @@
 #include "scene/scene.h"
 
 /** One node that is skinned or morphed: its joint matrices and weights are sent with every frame. */
-struct device_deform { uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight; };
+struct device_deform {
+    uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight;
+};
 
 struct device_scene {
     gpu_device *device;
@@ -20,7 +22,8 @@ struct device_scene {
     fnl_scene *scene;
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
-    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, items, groups, table, deforms, influences, morphs;
+    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, items, groups, table, deforms,
+        influences, morphs;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(struct geometry_bucket) buckets;
     ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
@@ -29,7 +32,7 @@ struct device_scene {
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t item_count, group_count, blend_first_item, blend_item_count, matrix_count, weight_count;
 
-    struct box bounds;             /* of the scene at the last transform_version */
+    struct box bounds; /* of the scene at the last transform_version */
 
     struct gpu_buffer lights;
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
@@ -53,10 +56,13 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
 /* ---- the parts ---- */
 
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
-fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data, uint64_t size);
+fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
+                               uint64_t size);
 
 /** Whether a node shows a mesh. */
-static inline bool device_node_draws(const struct scene_node *node) { return node->active && !node->removed && node->mesh != SCENE_NONE; }
+static inline bool device_node_draws(const struct scene_node *node) {
+    return node->active && !node->removed && node->mesh != SCENE_NONE;
+}
 
 /** The light array of a scene, directional ones first (device_lights.c). */
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
@@ -75,7 +81,8 @@ fnl_result device_geometry_upload(struct device_scene *d);
  * Instances, items, groups and buckets (device_items.c). `primitives` are those of the scene, then those of deforming nodes;
  * node_primitives[node] is the first own primitive of a deforming node, else SCENE_NONE.
  */
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count, const uint32_t *node_primitives);
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,
+                               const uint32_t *node_primitives);
 /** The device form of a node's instances, at its present pose. */
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
 

@@ -32,8 +32,10 @@ static bool has_blend(const struct frame_state *f) {
 }
 
 static graph_image create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
-    return graph_create_image(f->graph, &(struct graph_image_params){.name = name, .format = format, .width = f->frame->width,
-                                                                     .height = f->frame->height, .samples = samples});
+    return graph_create_image(
+        f->graph,
+        &(struct graph_image_params){
+            .name = name, .format = format, .width = f->frame->width, .height = f->frame->height, .samples = samples});
 }
 
 static fnl_result add_view(struct frame_state *f) {
@@ -60,7 +62,8 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
     float far = 1;
     if (!box_is_empty(&bounds))
         for (int i = 0; i < 8; i++) {
-            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y, i & 4 ? bounds.high.z : bounds.low.z};
+            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
+                           i & 4 ? bounds.high.z : bounds.low.z};
             far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
         }
     params.far = fminf(far, 1e6f);
@@ -96,19 +99,27 @@ static void add_lists(struct frame_state *f) {
     }
     case FNL_LISTS_CLUSTERED_CPU: {
         struct clustered_params params = cluster_params(f);
-        struct clustered_cpu_view view = {f->view.ndc_scale, f->view.ndc_offset, f->frame->camera.orthographic, f->frame->width, f->frame->height};
-        f->lights = clustered_cpu_add(&f->r->clustered_cpu, device, input, input->local_count ? f->r->device_scene.light_data.data + input->directional_count : NULL,
-                                      &f->view.world_to_view, &view, &params);
+        struct clustered_cpu_view view = {f->view.ndc_scale, f->view.ndc_offset, f->frame->camera.orthographic,
+                                          f->frame->width, f->frame->height};
+        f->lights =
+            clustered_cpu_add(&f->r->clustered_cpu, device, input,
+                              input->local_count ? f->r->device_scene.light_data.data + input->directional_count : NULL,
+                              &f->view.world_to_view, &view, &params);
         break;
     }
-    default: f->lights = light_list_all_add(f->graph, device, input); break;
+    default:
+        f->lights = light_list_all_add(f->graph, device, input);
+        break;
     }
     f->blend_lights = f->lights;
 }
 
 /* ---- shading ---- */
 
-struct clear_data { graph_buffer buffer; uint64_t size; };
+struct clear_data {
+    graph_buffer buffer;
+    uint64_t size;
+};
 
 static void execute_clear(const struct graph_context *context, const void *data) {
     const struct clear_data *d = data;
@@ -118,19 +129,26 @@ static void execute_clear(const struct graph_context *context, const void *data)
 static void add_counters(struct frame_state *f) {
     if (!f->frame->count_lights) return;
     struct clear_data clear = {graph_import_buffer(f->graph, "light counters", &f->r->counters), f->r->counters.size};
-    struct graph_pass *pass = graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
+    struct graph_pass *pass =
+        graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
     f->counters = clear.buffer;
 }
 
 static void add_shading(struct frame_state *f) {
     uint32_t samples = f->frame->msaa;
-    VkFormat format = f->frame->outputs & FNL_OUTPUT_RADIANCE ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+    VkFormat format =
+        f->frame->outputs & FNL_OUTPUT_RADIANCE ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
     f->radiance = create_image(f, "radiance", format, samples);
     graph_image depth = create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, samples);
     vec3 background = f->r->scene->background;
-    struct shade_input input = {.scene = &f->scene->geometry, .draws = &f->draws, .lights = &f->lights, .view = f->view_address,
-                                .width = f->frame->width, .height = f->frame->height, .counters = f->counters,
+    struct shade_input input = {.scene = &f->scene->geometry,
+                                .draws = &f->draws,
+                                .lights = &f->lights,
+                                .view = f->view_address,
+                                .width = f->frame->width,
+                                .height = f->frame->height,
+                                .counters = f->counters,
                                 .background = {background.x, background.y, background.z}};
     bool prepass = has_prepass(f->frame);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
@@ -153,7 +171,8 @@ static void add_shading(struct frame_state *f) {
 /* ---- the picture ---- */
 
 static bool needs_aov(const fnl_frame *frame) {
-    return frame->debug != FNL_DEBUG_NONE || (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
+    return frame->debug != FNL_DEBUG_NONE ||
+           (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
 static void add_picture(struct frame_state *f, const struct frame_target *target) {
@@ -174,12 +193,15 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     } else {
         graph_buffer overdraw = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
-            overdraw = overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
+            overdraw =
+                overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, overdraw, f->view_address, f->color, swap);
     }
 }
 
-struct copy_image_data { graph_image from, to; };
+struct copy_image_data {
+    graph_image from, to;
+};
 
 static void execute_copy_image(const struct graph_context *context, const void *data) {
     const struct copy_image_data *d = data;
@@ -187,17 +209,23 @@ static void execute_copy_image(const struct graph_context *context, const void *
 }
 
 static void add_target(struct frame_state *f, const struct frame_target *target) {
-    struct copy_image_data copy = {f->color, graph_import_image(f->graph, target->image, target->initial_layout, target->final_layout)};
-    struct graph_pass *pass = graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
+    struct copy_image_data copy = {
+        f->color, graph_import_image(f->graph, target->image, target->initial_layout, target->final_layout)};
+    struct graph_pass *pass =
+        graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
     graph_use_image(pass, copy.from, GRAPH_COPY_FROM);
     graph_use_image(pass, copy.to, GRAPH_COPY_TO);
 }
 
 /* ---- what the CPU reads ---- */
 
-static const char *const output_names[OUTPUT_COUNT] = {"read color", "read radiance", "read surface", "read normal", "read position"};
+static const char *const output_names[OUTPUT_COUNT] = {"read color", "read radiance", "read surface", "read normal",
+                                                       "read position"};
 
-struct read_image_data { graph_image image; graph_buffer buffer; };
+struct read_image_data {
+    graph_image image;
+    graph_buffer buffer;
+};
 
 static void execute_read_image(const struct graph_context *context, const void *data) {
     const struct read_image_data *d = data;
@@ -220,7 +248,8 @@ static void add_outputs(struct frame_state *f) {
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) {
         if (!(f->frame->outputs & 1u << i)) continue;
         struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i])};
-        struct graph_pass *pass = graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
+        struct graph_pass *pass =
+            graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
         graph_use_image(pass, data.image, GRAPH_COPY_FROM);
         graph_use_buffer(pass, data.buffer, GRAPH_COPY_TO);
         buffers[i] = data.buffer;
@@ -231,14 +260,21 @@ static void add_outputs(struct frame_state *f) {
         if (buffers[i].id) graph_use_buffer(host, buffers[i], GRAPH_READ_HOST);
 }
 
-struct count_copy { graph_buffer from, to; uint64_t from_offset, to_offset, size; };
-struct counts_data { struct count_copy copies[5]; uint32_t count; };
+struct count_copy {
+    graph_buffer from, to;
+    uint64_t from_offset, to_offset, size;
+};
+struct counts_data {
+    struct count_copy copies[5];
+    uint32_t count;
+};
 
 static void execute_counts(const struct graph_context *context, const void *data) {
     const struct counts_data *d = data;
     for (uint32_t i = 0; i < d->count; i++) {
         const struct count_copy *c = &d->copies[i];
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, c->from), c->from_offset, graph_get_buffer(context, c->to), c->to_offset, c->size);
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, c->from), c->from_offset,
+                        graph_get_buffer(context, c->to), c->to_offset, c->size);
     }
 }
 
@@ -247,17 +283,23 @@ static void add_counts(struct frame_state *f) {
     uint32_t slot = gpu_frame_slot(f->r->device);
     graph_buffer counts = graph_import_buffer(f->graph, "frame counts", &f->r->counts[slot]), draws = {0};
     struct counts_data data = {.count = 1};
-    data.copies[0] = (struct count_copy){f->draws.sums, counts, f->scene->geometry.item_count * 4ull, offsetof(struct frame_counts, visible_items), 4};
+    data.copies[0] = (struct count_copy){f->draws.sums, counts, f->scene->geometry.item_count * 4ull,
+                                         offsetof(struct frame_counts, visible_items), 4};
     if (f->lights.totals.id)
-        data.copies[data.count++] = (struct count_copy){f->lights.totals, counts, 0, offsetof(struct frame_counts, lights), sizeof(struct light_totals)};
+        data.copies[data.count++] = (struct count_copy){f->lights.totals, counts, 0, offsetof(struct frame_counts, lights),
+                                                        sizeof(struct light_totals)};
     if (f->blend_lights.totals.id && f->blend_lights.totals.id != f->lights.totals.id)
-        data.copies[data.count++] = (struct count_copy){f->blend_lights.totals, counts, 0, offsetof(struct frame_counts, blend_lights), sizeof(struct light_totals)};
-    if (f->exposure.id) data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
+        data.copies[data.count++] = (struct count_copy){
+            f->blend_lights.totals, counts, 0, offsetof(struct frame_counts, blend_lights), sizeof(struct light_totals)};
+    if (f->exposure.id)
+        data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {
         draws = graph_import_buffer(f->graph, "read draws", &f->r->draws);
-        data.copies[data.count++] = (struct count_copy){f->draws.draws, draws, 0, 0, MAX(f->scene->geometry.group_count, 1u) * sizeof(struct gpu_draw)};
+        data.copies[data.count++] = (struct count_copy){f->draws.draws, draws, 0, 0,
+                                                        MAX(f->scene->geometry.group_count, 1u) * sizeof(struct gpu_draw)};
     }
-    struct graph_pass *pass = graph_add_pass(f->graph, "read counts", GRAPH_QUEUE_GRAPHICS, execute_counts, &data, sizeof data);
+    struct graph_pass *pass =
+        graph_add_pass(f->graph, "read counts", GRAPH_QUEUE_GRAPHICS, execute_counts, &data, sizeof data);
     for (uint32_t i = 0; i < data.count; i++) graph_use_buffer(pass, data.copies[i].from, GRAPH_COPY_FROM);
     graph_use_buffer(pass, counts, GRAPH_COPY_TO);
     if (draws.id) graph_use_buffer(pass, draws, GRAPH_COPY_TO);
@@ -273,7 +315,8 @@ static void note_stats(struct frame_state *f) {
     fnl_renderer *r = f->r;
     const struct geometry_scene *scene = &f->scene->geometry;
     fnl_frame_stats *s = &r->stats;
-    *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count, .items = scene->item_count};
+    *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count,
+                           .items = scene->item_count};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
@@ -292,7 +335,8 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
     add_counters(&f);
     add_shading(&f);
-    if (needs_aov(frame)) f.aov = aov_add(r->graph, &f.scene->geometry, &f.draws, f.view_address, frame->width, frame->height);
+    if (needs_aov(frame))
+        f.aov = aov_add(r->graph, &f.scene->geometry, &f.draws, f.view_address, frame->width, frame->height);
     bool wants_color = target || (frame->outputs & FNL_OUTPUT_COLOR);
     if (wants_color) add_picture(&f, target);
     if (target) add_target(&f, target);

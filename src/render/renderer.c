@@ -33,9 +33,16 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
 }
 
 fnl_frame fnl_frame_default(void) {
-    return (fnl_frame){.width = 1280, .height = 720, .camera = fnl_camera_default(), .shading = FNL_SHADING_DEFERRED,
-                       .lists = FNL_LISTS_CLUSTERED, .msaa = 1, .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
-                       .exposure = FNL_EXPOSURE_AUTO, .outputs = FNL_OUTPUT_COLOR, .timers = true};
+    return (fnl_frame){.width = 1280,
+                       .height = 720,
+                       .camera = fnl_camera_default(),
+                       .shading = FNL_SHADING_DEFERRED,
+                       .lists = FNL_LISTS_CLUSTERED,
+                       .msaa = 1,
+                       .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
+                       .exposure = FNL_EXPOSURE_AUTO,
+                       .outputs = FNL_OUTPUT_COLOR,
+                       .timers = true};
 }
 
 /* ---- life ---- */
@@ -116,7 +123,8 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         return FNL_ERROR_UNSUPPORTED;
     }
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
-        log_error(host, "this device cannot render with %u samples (at most %u)", frame->msaa, gpu_info(r->device)->max_msaa);
+        log_error(host, "this device cannot render with %u samples (at most %u)", frame->msaa,
+                  gpu_info(r->device)->max_msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
     return FNL_OK;
@@ -130,7 +138,8 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
 
-static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target, const struct gpu_external_semaphores *external) {
+static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
+                             const struct gpu_external_semaphores *external) {
     TRY(device_scene_prepare(&r->device_scene));
     TRY(prepare_buffers(r, frame));
     TRY(gpu_frame_begin(r->device));
@@ -143,7 +152,10 @@ static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const stru
         gpu_frame_end(r->device, NULL, 0, NULL);
         return result;
     }
-    struct graph_execute_params execute = {.record_threads = frame->record_threads, .timers = frame->timers, .force_async_on_graphics = r->force_async, .external = external};
+    struct graph_execute_params execute = {.record_threads = frame->record_threads,
+                                           .timers = frame->timers,
+                                           .force_async_on_graphics = r->force_async,
+                                           .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
@@ -153,7 +165,8 @@ static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const stru
     return FNL_OK;
 }
 
-static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target, const struct gpu_external_semaphores *external) {
+static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
+                         const struct gpu_external_semaphores *external) {
     fnl_frame frame = given ? *given : fnl_frame_default();
     TRY(check_frame(r, &frame));
     fnl_result result = make_frame(r, &frame, target, external);
@@ -174,17 +187,26 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
     if (!r) return FNL_ERROR_INVALID;
     REQUIRE(&r->host, target != NULL);
     REQUIRE(&r->host, target->image != VK_NULL_HANDLE);
-    REQUIRE(&r->host, target->final_layout != VK_IMAGE_LAYOUT_UNDEFINED && target->final_layout != VK_IMAGE_LAYOUT_PREINITIALIZED);
+    REQUIRE(&r->host,
+            target->final_layout != VK_IMAGE_LAYOUT_UNDEFINED && target->final_layout != VK_IMAGE_LAYOUT_PREINITIALIZED);
     fnl_frame frame = given ? *given : fnl_frame_default();
     frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR; /* the picture goes into the target */
-    struct gpu_image_params params = {.name = "target", .format = target->format, .width = frame.width, .height = frame.height, .layers = 1,
-                                      .mips = 1, .samples = 1, .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB,
+    struct gpu_image_params params = {.name = "target",
+                                      .format = target->format,
+                                      .width = frame.width,
+                                      .height = frame.height,
+                                      .layers = 1,
+                                      .mips = 1,
+                                      .samples = 1,
+                                      .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SRGB,
+                                       VK_FORMAT_B8G8R8A8_UNORM,      VK_FORMAT_B8G8R8A8_SRGB,
                                        VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
     bool known = false;
     for (uint32_t i = 0; i < COUNT_OF(formats); i++) known = known || formats[i] == target->format;
     if (!known) {
-        log_error(&r->host, "the target image has format %d, which is none of those that fnl_vulkan_target lists", (int)target->format);
+        log_error(&r->host, "the target image has format %d, which is none of those that fnl_vulkan_target lists",
+                  (int)target->format);
         return FNL_ERROR_UNSUPPORTED;
     }
     struct gpu_image image;
@@ -209,7 +231,8 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
     void *pixels = host_allocate(&r->host, size);
     if (!pixels) return FNL_ERROR_MEMORY;
     memcpy(pixels, r->outputs[bit].mapped, size);
-    *out = (fnl_image){r->frame.width, r->frame.height, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    *out =
+        (fnl_image){r->frame.width, r->frame.height, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
     return FNL_OK;
 }
 

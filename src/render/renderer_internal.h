@@ -34,9 +34,9 @@ struct fnl_renderer {
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
     struct gpu_buffer outputs[OUTPUT_COUNT];
     struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];
-    struct gpu_buffer draws, counters; /* read back with count_lights */
+    struct gpu_buffer draws, counters;          /* read back with count_lights */
     uint64_t slot_frames[GPU_FRAMES_IN_FLIGHT]; /* frame whose counts a slot holds */
-    fnl_frame_stats stats; /* the parts that the CPU knows */
+    fnl_frame_stats stats;                      /* the parts that the CPU knows */
     struct light_totals known_totals;
     bool totals_known;
     ARRAY(fnl_pass_time) pass_times;
@@ -44,10 +44,12 @@ struct fnl_renderer {
 };
 
 /** Where a frame goes besides the readback buffers. */
-struct frame_target { const struct gpu_image *image; VkImageLayout initial_layout, final_layout; };
+struct frame_target {
+    const struct gpu_image *image;
+    VkImageLayout initial_layout, final_layout;
+};
 
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
-
 
 #endif

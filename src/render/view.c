@@ -5,7 +5,9 @@ bool camera_valid(const fnl_camera *c) {
     if (!vec3_finite(c->position) || !vec3_finite(c->target) || !vec3_finite(c->up)) return false;
     if (!(vec3_distance(c->position, c->target) > 0) || !isfinite(c->shift.x) || !isfinite(c->shift.y)) return false;
     if (!(c->near_distance > 0) || !isfinite(c->near_distance)) return false;
-    if (c->orthographic) return c->vertical_extent > 0 && isfinite(c->vertical_extent) && c->far_distance > c->near_distance && isfinite(c->far_distance);
+    if (c->orthographic)
+        return c->vertical_extent > 0 && isfinite(c->vertical_extent) && c->far_distance > c->near_distance &&
+               isfinite(c->far_distance);
     return c->vertical_fov > 0 && c->vertical_fov < PI;
 }
 
@@ -19,9 +21,12 @@ static vec4 clip_plane(const mat4 *m, int row, float sign) {
 }
 
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height) {
-    struct gpu_view v = {.world_to_view = mat4_look_at(camera->position, camera->target, camera->up), .eye = camera->position,
-                         .near_distance = camera->near_distance, .orthographic = camera->orthographic,
-                         .size = {width, height}, .inverse_size = {1 / (float)width, 1 / (float)height}};
+    struct gpu_view v = {.world_to_view = mat4_look_at(camera->position, camera->target, camera->up),
+                         .eye = camera->position,
+                         .near_distance = camera->near_distance,
+                         .orthographic = camera->orthographic,
+                         .size = {width, height},
+                         .inverse_size = {1 / (float)width, 1 / (float)height}};
     float aspect = (float)width / (float)height, near = camera->near_distance, far = camera->far_distance;
     float *p = v.view_to_clip.m;
     if (camera->orthographic) {

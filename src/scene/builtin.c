@@ -3,8 +3,10 @@
 
 #include <errno.h>
 
-#define LIGHTS(count) {"lights", 0, BUILTIN_LIGHTS_MAX, count}
-#define SEED {"seed", 0, UINT32_MAX, 1}
+#define LIGHTS(count)                                                                                                       \
+    { "lights", 0, BUILTIN_LIGHTS_MAX, count }
+#define SEED                                                                                                                \
+    { "seed", 0, UINT32_MAX, 1 }
 
 static const struct builtin_scene scenes[] = {
     {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},

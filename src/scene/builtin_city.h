@@ -16,8 +16,8 @@ enum {
     CITY_SHELLS = 3,
 };
 
-#define CITY_BAY 3.5f                           /* width of a window's or shop's piece of wall */
-#define CITY_BLOCK (CITY_BAY * CITY_BAYS)       /* facade to facade */
+#define CITY_BAY 3.5f                            /* width of a window's or shop's piece of wall */
+#define CITY_BLOCK (CITY_BAY * CITY_BAYS)        /* facade to facade */
 #define CITY_DEPTH (CITY_BAY * CITY_CORNER_BAYS) /* of a building */
 #define CITY_PAVEMENT 4.0f
 #define CITY_ROAD 12.0f

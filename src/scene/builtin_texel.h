@@ -8,8 +8,8 @@
 
 /** What a surface is at one point. */
 struct texel {
-    vec3 color;    /* linear albedo */
-    float height;  /* metres */
+    vec3 color;   /* linear albedo */
+    float height; /* metres */
     float roughness, metallic, occlusion, alpha;
     vec3 emission; /* linear, 0..1; the material's factor gives cd/m^2 */
 };
@@ -25,7 +25,9 @@ float noise_value(float u, float v, int columns, int rows, uint32_t seed);
 /** Sum of octaves, each of double frequency and half strength, 0..1. */
 float noise_fractal(float u, float v, int columns, int rows, int octaves, uint32_t seed);
 /** Distances in cells to the nearest and second nearest of one random point per cell; `id` is the nearest's own. */
-struct noise_cell { float first, second, id; };
+struct noise_cell {
+    float first, second, id;
+};
 struct noise_cell noise_cells(float u, float v, int columns, int rows, uint32_t seed);
 /** 0 below `low`, 1 above `high`, smooth between. */
 float smooth_step(float low, float high, float x);

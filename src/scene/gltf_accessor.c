@@ -8,11 +8,14 @@
 uint32_t gltf_component_size(enum gltf_component component) {
     switch (component) {
     case GLTF_BYTE:
-    case GLTF_UNSIGNED_BYTE: return 1;
+    case GLTF_UNSIGNED_BYTE:
+        return 1;
     case GLTF_SHORT:
-    case GLTF_UNSIGNED_SHORT: return 2;
+    case GLTF_UNSIGNED_SHORT:
+        return 2;
     case GLTF_UNSIGNED_INT:
-    case GLTF_FLOAT: return 4;
+    case GLTF_FLOAT:
+        return 4;
     }
     return 0;
 }
@@ -194,12 +197,23 @@ static float decode_float(const unsigned char *bytes, enum gltf_component compon
     uint32_t u32;
     float value;
     switch (component) {
-    case GLTF_BYTE: memcpy(&i8, bytes, 1); return normalized ? fmaxf((float)i8 / 127.0f, -1) : (float)i8;
-    case GLTF_UNSIGNED_BYTE: return normalized ? (float)*bytes / 255.0f : (float)*bytes;
-    case GLTF_SHORT: memcpy(&i16, bytes, 2); return normalized ? fmaxf((float)i16 / 32767.0f, -1) : (float)i16;
-    case GLTF_UNSIGNED_SHORT: memcpy(&u16, bytes, 2); return normalized ? (float)u16 / 65535.0f : (float)u16;
-    case GLTF_UNSIGNED_INT: memcpy(&u32, bytes, 4); return (float)u32;
-    case GLTF_FLOAT: memcpy(&value, bytes, 4); return value;
+    case GLTF_BYTE:
+        memcpy(&i8, bytes, 1);
+        return normalized ? fmaxf((float)i8 / 127.0f, -1) : (float)i8;
+    case GLTF_UNSIGNED_BYTE:
+        return normalized ? (float)*bytes / 255.0f : (float)*bytes;
+    case GLTF_SHORT:
+        memcpy(&i16, bytes, 2);
+        return normalized ? fmaxf((float)i16 / 32767.0f, -1) : (float)i16;
+    case GLTF_UNSIGNED_SHORT:
+        memcpy(&u16, bytes, 2);
+        return normalized ? (float)u16 / 65535.0f : (float)u16;
+    case GLTF_UNSIGNED_INT:
+        memcpy(&u32, bytes, 4);
+        return (float)u32;
+    case GLTF_FLOAT:
+        memcpy(&value, bytes, 4);
+        return value;
     }
     return 0;
 }
@@ -208,12 +222,18 @@ static uint32_t decode_uint(const unsigned char *bytes, enum gltf_component comp
     uint16_t u16;
     uint32_t u32;
     switch (component) {
-    case GLTF_UNSIGNED_BYTE: return *bytes;
-    case GLTF_UNSIGNED_SHORT: memcpy(&u16, bytes, 2); return u16;
-    case GLTF_UNSIGNED_INT: memcpy(&u32, bytes, 4); return u32;
+    case GLTF_UNSIGNED_BYTE:
+        return *bytes;
+    case GLTF_UNSIGNED_SHORT:
+        memcpy(&u16, bytes, 2);
+        return u16;
+    case GLTF_UNSIGNED_INT:
+        memcpy(&u32, bytes, 4);
+        return u32;
     case GLTF_BYTE:
     case GLTF_SHORT:
-    case GLTF_FLOAT: break;
+    case GLTF_FLOAT:
+        break;
     }
     return 0;
 }
@@ -224,8 +244,10 @@ static void decode_element(const struct gltf_accessor *accessor, const unsigned 
     uint32_t count = gltf_type_components(accessor->type);
     for (uint32_t i = 0; i < count; i++) {
         const unsigned char *component = bytes + component_offset(accessor, i);
-        if (uints) uints[i] = decode_uint(component, accessor->component);
-        else floats[i] = decode_float(component, accessor->component, accessor->normalized);
+        if (uints)
+            uints[i] = decode_uint(component, accessor->component);
+        else
+            floats[i] = decode_float(component, accessor->component, accessor->normalized);
     }
 }
 

@@ -32,12 +32,18 @@ static double reference(const unsigned char *bytes, uint32_t component, bool nor
     memcpy(&u32, bytes, 4);
     memcpy(&f, bytes, 4);
     switch (component) {
-    case 5120: return normalized ? fmax(i8 / 127.0, -1) : i8;
-    case 5121: return normalized ? *bytes / 255.0 : *bytes;
-    case 5122: return normalized ? fmax(i16 / 32767.0, -1) : i16;
-    case 5123: return normalized ? u16 / 65535.0 : u16;
-    case 5125: return u32;
-    default: return (double)f;
+    case 5120:
+        return normalized ? fmax(i8 / 127.0, -1) : i8;
+    case 5121:
+        return normalized ? *bytes / 255.0 : *bytes;
+    case 5122:
+        return normalized ? fmax(i16 / 32767.0, -1) : i16;
+    case 5123:
+        return normalized ? u16 / 65535.0 : u16;
+    case 5125:
+        return u32;
+    default:
+        return (double)f;
     }
 }
 

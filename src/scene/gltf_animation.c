@@ -39,8 +39,10 @@ static void load_sampler(struct gltf *g, json_t *object, const struct at *at, st
     sampler->output = gltf_index(g, object, at, "output", true, g->accessor_count);
     const char *interpolation = gltf_string(g, object, at, "interpolation", false);
     sampler->interpolation = SCENE_INTERPOLATION_LINEAR;
-    if (interpolation && strcmp(interpolation, "STEP") == 0) sampler->interpolation = SCENE_INTERPOLATION_STEP;
-    else if (interpolation && strcmp(interpolation, "CUBICSPLINE") == 0) sampler->interpolation = SCENE_INTERPOLATION_CUBIC;
+    if (interpolation && strcmp(interpolation, "STEP") == 0)
+        sampler->interpolation = SCENE_INTERPOLATION_STEP;
+    else if (interpolation && strcmp(interpolation, "CUBICSPLINE") == 0)
+        sampler->interpolation = SCENE_INTERPOLATION_CUBIC;
     else if (interpolation && strcmp(interpolation, "LINEAR") != 0)
         gltf_warn(g, AT_KEY(at, "interpolation"), "is unknown; it is taken as LINEAR");
     if (input == SCENE_NONE || sampler->output == SCENE_NONE) return;
@@ -105,7 +107,8 @@ static void warn_pointer(struct gltf *g, json_t *target, const struct at *at) {
     const char *pointer = gltf_string(g, extension, &place.extension, "pointer", true);
     if (pointer && *pointer && *pointer != '/')
         gltf_warn(g, AT_KEY(&place.extension, "pointer"), "'%.100s' is no JSON pointer; the channel is left out", pointer);
-    else if (pointer) gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
+    else if (pointer)
+        gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
 }
 
 static bool load_target(struct gltf *g, json_t *object, const struct at *at, struct scene_channel *channel) {

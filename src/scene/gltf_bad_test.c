@@ -291,7 +291,7 @@ static void test_memory_runs_out_anywhere(void **state) {
     size_t size;
     unsigned char *glb = test_glb(
         "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{"
-                  "\"type\":\"point\"}]}}," TRIANGLE_VIEWS
+        "\"type\":\"point\"}]}}," TRIANGLE_VIEWS
         ",\"images\":[{\"uri\":\"data:,\"}],\"textures\":[{\"source\":0}],\"samplers\":[{}],\"materials\":[{"
         "\"normalTexture\":{\"index\":0}}],"
         "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"

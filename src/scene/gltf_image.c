@@ -7,12 +7,16 @@
 
 static const char *kind_name(enum image_file_kind kind) {
     switch (kind) {
-    case IMAGE_FILE_PNG: return "png";
-    case IMAGE_FILE_JPEG: return "jpeg";
-    case IMAGE_FILE_WEBP: return "webp";
+    case IMAGE_FILE_PNG:
+        return "png";
+    case IMAGE_FILE_JPEG:
+        return "jpeg";
+    case IMAGE_FILE_WEBP:
+        return "webp";
     case IMAGE_FILE_HDR:
     case IMAGE_FILE_EXR:
-    case IMAGE_FILE_UNKNOWN: break;
+    case IMAGE_FILE_UNKNOWN:
+        break;
     }
     return NULL;
 }

@@ -39,13 +39,19 @@ static const uint32_t *read_indices(struct gltf *g, uint32_t index, const struct
 /** Number of indices that `count` vertices of a mode expand to. */
 static uint64_t expanded_count(enum mode mode, uint64_t count) {
     switch (mode) {
-    case POINTS: return count;
-    case LINES: return count / 2 * 2;
-    case LINE_LOOP: return count < 2 ? 0 : count * 2;
-    case LINE_STRIP: return count < 2 ? 0 : (count - 1) * 2;
-    case TRIANGLES: return count / 3 * 3;
+    case POINTS:
+        return count;
+    case LINES:
+        return count / 2 * 2;
+    case LINE_LOOP:
+        return count < 2 ? 0 : count * 2;
+    case LINE_STRIP:
+        return count < 2 ? 0 : (count - 1) * 2;
+    case TRIANGLES:
+        return count / 3 * 3;
     case TRIANGLE_STRIP:
-    case TRIANGLE_FAN: return count < 3 ? 0 : (count - 2) * 3;
+    case TRIANGLE_FAN:
+        return count < 3 ? 0 : (count - 2) * 3;
     }
     return 0;
 }
@@ -54,7 +60,9 @@ static void expand(enum mode mode, const uint32_t *in, uint32_t count, uint32_t 
     switch (mode) {
     case POINTS:
     case LINES:
-    case TRIANGLES: memcpy(out, in, sizeof *out * out_count); break;
+    case TRIANGLES:
+        memcpy(out, in, sizeof *out * out_count);
+        break;
     case LINE_LOOP:
     case LINE_STRIP:
         for (uint32_t i = 0; i < out_count / 2; i++) {

@@ -8,8 +8,10 @@
 static bool load_perspective(struct gltf *g, json_t *object, const struct at *at, fnl_camera *camera) {
     float far = 0, near = camera->near_distance;
     bool good = gltf_float(g, object, at, "yfov", true, 1e-4f, PI - 1e-4f, &camera->vertical_fov);
-    if (gltf_float(g, object, at, "znear", true, 1e-6f, FLT_MAX, &near)) camera->near_distance = near;
-    else good = false;
+    if (gltf_float(g, object, at, "znear", true, 1e-6f, FLT_MAX, &near))
+        camera->near_distance = near;
+    else
+        good = false;
     if (gltf_float(g, object, at, "zfar", false, 0, FLT_MAX, &far) && far <= near)
         gltf_warn(g, at, "zfar %g is not greater than znear %g; it is ignored", (double)far, (double)near);
     return good;
@@ -74,9 +76,12 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
     *light = fnl_light_params_default();
     const char *type = gltf_string(g, object, at, "type", true);
     if (!type) return;
-    if (strcmp(type, "directional") == 0) light->kind = FNL_LIGHT_DIRECTIONAL;
-    else if (strcmp(type, "point") == 0) light->kind = FNL_LIGHT_POINT;
-    else if (strcmp(type, "spot") == 0) light->kind = FNL_LIGHT_SPOT;
+    if (strcmp(type, "directional") == 0)
+        light->kind = FNL_LIGHT_DIRECTIONAL;
+    else if (strcmp(type, "point") == 0)
+        light->kind = FNL_LIGHT_POINT;
+    else if (strcmp(type, "spot") == 0)
+        light->kind = FNL_LIGHT_SPOT;
     else {
         gltf_warn(g, AT_KEY(at, "type"), "is unknown; the light is left out");
         return;
@@ -142,8 +147,10 @@ void gltf_place(struct gltf *g) {
     scene_update_transforms(g->scene);
     for (uint32_t i = 0; i < g->node_count && g->result == FNL_OK; i++) {
         struct scene_node *node = &g->scene->nodes.data[i];
-        if (node->camera != SCENE_NONE && g->in_scene[i]) place_camera(g, i, node);
-        else node->camera = SCENE_NONE;
+        if (node->camera != SCENE_NONE && g->in_scene[i])
+            place_camera(g, i, node);
+        else
+            node->camera = SCENE_NONE;
         uint32_t light = g->node_lights[i];
         if (light == SCENE_NONE || !node->active || !g->lights[light].valid) continue;
         if (scene_add_light(g->scene, &g->lights[light].params, i) == SCENE_NONE) gltf_fail_memory(g);

@@ -84,9 +84,12 @@ static void load_metallic_roughness(struct gltf *g, json_t *object, const struct
 
 static void load_alpha(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
     const char *mode = gltf_string(g, object, at, "alphaMode", false);
-    if (mode && strcmp(mode, "MASK") == 0) material->alpha_mode = FNL_ALPHA_MASK;
-    else if (mode && strcmp(mode, "BLEND") == 0) material->alpha_mode = FNL_ALPHA_BLEND;
-    else if (mode && strcmp(mode, "OPAQUE") != 0) gltf_warn(g, AT_KEY(at, "alphaMode"), "is unknown; it is taken as OPAQUE");
+    if (mode && strcmp(mode, "MASK") == 0)
+        material->alpha_mode = FNL_ALPHA_MASK;
+    else if (mode && strcmp(mode, "BLEND") == 0)
+        material->alpha_mode = FNL_ALPHA_BLEND;
+    else if (mode && strcmp(mode, "OPAQUE") != 0)
+        gltf_warn(g, AT_KEY(at, "alphaMode"), "is unknown; it is taken as OPAQUE");
     gltf_float(g, object, at, "alphaCutoff", false, 0, FLT_MAX, &material->alpha_cutoff);
 }
 

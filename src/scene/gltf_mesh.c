@@ -104,7 +104,9 @@ void gltf_load_meshes(struct gltf *g) {
     g->mesh_count = gltf_count(array);
     for (uint32_t i = 0; i < g->mesh_count && g->result == FNL_OK; i++) {
         json_t *object = gltf_element(g, array, at, i);
-        if (object) load_mesh(g, object, AT_INDEX(at, i));
-        else if (scene_add_mesh(g->scene, "", NULL, 0) == SCENE_NONE) gltf_fail_memory(g);
+        if (object)
+            load_mesh(g, object, AT_INDEX(at, i));
+        else if (scene_add_mesh(g->scene, "", NULL, 0) == SCENE_NONE)
+            gltf_fail_memory(g);
     }
 }

@@ -38,21 +38,32 @@ static const char *find_fault(enum mode mode, enum filter filter, uint64_t strid
 
 static int decode(enum mode mode, void *out, size_t count, size_t stride, const unsigned char *data, size_t size) {
     switch (mode) {
-    case MODE_ATTRIBUTES: return meshopt_decodeVertexBuffer(out, count, stride, data, size);
-    case MODE_TRIANGLES: return meshopt_decodeIndexBuffer(out, count, stride, data, size);
-    case MODE_INDICES: return meshopt_decodeIndexSequence(out, count, stride, data, size);
-    case MODE_NONE: break;
+    case MODE_ATTRIBUTES:
+        return meshopt_decodeVertexBuffer(out, count, stride, data, size);
+    case MODE_TRIANGLES:
+        return meshopt_decodeIndexBuffer(out, count, stride, data, size);
+    case MODE_INDICES:
+        return meshopt_decodeIndexSequence(out, count, stride, data, size);
+    case MODE_NONE:
+        break;
     }
     return -1;
 }
 
 static void apply_filter(enum filter filter, void *data, size_t count, size_t stride) {
     switch (filter) {
-    case FILTER_OCTAHEDRAL: meshopt_decodeFilterOct(data, count, stride); break;
-    case FILTER_QUATERNION: meshopt_decodeFilterQuat(data, count, stride); break;
-    case FILTER_EXPONENTIAL: meshopt_decodeFilterExp(data, count, stride); break;
+    case FILTER_OCTAHEDRAL:
+        meshopt_decodeFilterOct(data, count, stride);
+        break;
+    case FILTER_QUATERNION:
+        meshopt_decodeFilterQuat(data, count, stride);
+        break;
+    case FILTER_EXPONENTIAL:
+        meshopt_decodeFilterExp(data, count, stride);
+        break;
     case FILTER_NONE:
-    case FILTER_UNKNOWN: break;
+    case FILTER_UNKNOWN:
+        break;
     }
 }
 

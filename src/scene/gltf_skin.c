@@ -127,8 +127,10 @@ static void load_inverse_bind(struct gltf *g, json_t *object, const struct at *a
     for (uint32_t i = 0; i < count; i++) {
         bool finite = true;
         for (int k = 0; k < 16; k++) finite &= isfinite(values[i].m[k]) != 0;
-        if (finite) matrices[i] = values[i];
-        else broken++;
+        if (finite)
+            matrices[i] = values[i];
+        else
+            broken++;
     }
     if (broken) gltf_warn(g, here, "%u matrices have NaN or infinite values; identity matrices are used", broken);
 }

@@ -62,8 +62,12 @@ static void clamp_colors(struct gltf *g, const struct at *at, float *values, uin
 static void check_values(struct gltf *g, const struct at *at, enum gltf_use use, float *values, uint32_t count) {
     switch (use) {
     case GLTF_USE_POSITION:
-    case GLTF_USE_MORPH: replace_broken(g, at, values, count, 3, 0); break;
-    case GLTF_USE_UV: replace_broken(g, at, values, count, 2, 0); break;
+    case GLTF_USE_MORPH:
+        replace_broken(g, at, values, count, 3, 0);
+        break;
+    case GLTF_USE_UV:
+        replace_broken(g, at, values, count, 2, 0);
+        break;
     case GLTF_USE_NORMAL:
         replace_broken(g, at, values, count, 3, 0);
         make_unit(g, at, values, count, 3);
@@ -78,7 +82,8 @@ static void check_values(struct gltf *g, const struct at *at, enum gltf_use use,
         clamp_colors(g, at, values, count);
         break;
     case GLTF_USE_INDEX:
-    case GLTF_USE_COUNT: break;
+    case GLTF_USE_COUNT:
+        break;
     }
 }
 

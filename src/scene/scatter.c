@@ -45,8 +45,10 @@ static float scatter_radius(const struct box *bounds, uint32_t count) {
     if (wanted >= 1) return (float)diagonal;
     for (int i = 0; i < 40; i++) {
         double middle = (low + high) / 2;
-        if (near_chance(extent, middle) < wanted) low = middle;
-        else high = middle;
+        if (near_chance(extent, middle) < wanted)
+            low = middle;
+        else
+            high = middle;
     }
     return (float)high;
 }

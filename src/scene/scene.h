@@ -16,13 +16,13 @@
 
 /** A picture: encoded bytes that are decoded when they are first needed, or RGBA8 pixels. */
 struct scene_image {
-    const char *name;            /* for messages, such as "car.glb: /images/2" */
+    const char *name;             /* for messages, such as "car.glb: /images/2" */
     const unsigned char *encoded; /* borrowed from a mapped file or the scene's memory; NULL when pixels are given */
     size_t encoded_size;
-    const char *file_kind;       /* "png", "jpeg", "webp", or "generated" */
-    uint32_t width, height;      /* 0x0 for a missing or broken image, which renders as white */
-    uint8_t *pixels;             /* RGBA8, owned by the scene, or NULL */
-    bool color;                  /* used for colour: mips are averaged in linear light */
+    const char *file_kind;  /* "png", "jpeg", "webp", or "generated" */
+    uint32_t width, height; /* 0x0 for a missing or broken image, which renders as white */
+    uint8_t *pixels;        /* RGBA8, owned by the scene, or NULL */
+    bool color;             /* used for colour: mips are averaged in linear light */
 };
 
 enum scene_filter { SCENE_FILTER_NEAREST, SCENE_FILTER_LINEAR };
@@ -66,7 +66,11 @@ struct scene_material {
     struct scene_texture textures[SCENE_TEXTURE_SLOT_COUNT];
 };
 
-enum scene_topology { SCENE_TOPOLOGY_TRIANGLES, SCENE_TOPOLOGY_LINES, SCENE_TOPOLOGY_POINTS }; /* strips, fans and loops are expanded */
+enum scene_topology {
+    SCENE_TOPOLOGY_TRIANGLES,
+    SCENE_TOPOLOGY_LINES,
+    SCENE_TOPOLOGY_POINTS
+}; /* strips, fans and loops are expanded */
 
 /** Differences to the base vertices; NULL where the target leaves an attribute alone. */
 struct scene_morph_target {
@@ -102,8 +106,8 @@ struct scene_mesh {
 struct scene_node {
     const char *name;
     uint32_t parent, first_child, next_sibling; /* SCENE_NONE ends */
-    bool has_matrix;  /* local is given as matrix, not as TRS */
-    bool active;      /* part of the shown scene and visible */
+    bool has_matrix;                            /* local is given as matrix, not as TRS */
+    bool active;                                /* part of the shown scene and visible */
     bool removed;
     vec3 translation;
     quat rotation;
@@ -164,7 +168,7 @@ struct scene_extension {
 struct fnl_scene {
     fnl_host host;
     struct arena arena;
-    char *source; /* path or builtin:… for messages */
+    char *source;                  /* path or builtin:… for messages */
     ARRAY(struct file_view) files; /* stay mapped while images point into them */
 
     ARRAY(struct scene_image) images;
@@ -187,7 +191,7 @@ struct fnl_scene {
     uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
     uint64_t light_version;     /* lights, ambient */
     uint64_t transform_version; /* node transforms or morph weights */
-    ARRAY(uint32_t) moved;      /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
+    ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
 
     ARRAY(uint32_t) free_nodes, free_lights; /* the holes */
@@ -227,7 +231,8 @@ float light_effective_range(const fnl_light_params *light);
 /** Loads a .gltf or .glb file (gltf.c). */
 fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out);
 /** Loads from memory; `folder` resolves relative URIs (NULL: none are allowed). For the fuzzer and embedded files. */
-fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder, fnl_scene **out);
+fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder,
+                            fnl_scene **out);
 /** Makes "builtin:NAME?…" (builtin.c); the text after the colon is given. */
 fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out);
 

@@ -363,9 +363,15 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         if (scene->lights.data[i].removed) continue;
         switch (scene->lights.data[i].params.kind) {
-        case FNL_LIGHT_DIRECTIONAL: out->directional_count++; break;
-        case FNL_LIGHT_POINT: out->point_count++; break;
-        case FNL_LIGHT_SPOT: out->spot_count++; break;
+        case FNL_LIGHT_DIRECTIONAL:
+            out->directional_count++;
+            break;
+        case FNL_LIGHT_POINT:
+            out->point_count++;
+            break;
+        case FNL_LIGHT_SPOT:
+            out->spot_count++;
+            break;
         }
     }
     return FNL_OK;

@@ -7,7 +7,13 @@
 _Static_assert((uint32_t)FNL_DEBUG_OVERDRAW == GPU_DEBUG_OVERDRAW && FNL_DEBUG_COUNT == FNL_DEBUG_OVERDRAW + 1,
                "debug_shared.h has the values of fnl_debug_view");
 
-struct draw_data { const struct geometry_scene *scene; struct geometry_draws draws; VkDeviceAddress view; graph_buffer counters; struct gpu_graphics_params state; };
+struct draw_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+};
 
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
@@ -16,12 +22,14 @@ static void execute_draw(const struct graph_context *context, const void *data) 
 }
 
 static graph_image create_depth(struct graph *graph, const char *name, uint32_t width, uint32_t height) {
-    return graph_create_image(graph, &(struct graph_image_params){.name = name, .format = GEOMETRY_DEPTH_FORMAT, .width = width, .height = height});
+    return graph_create_image(graph, &(struct graph_image_params){
+                                         .name = name, .format = GEOMETRY_DEPTH_FORMAT, .width = width, .height = height});
 }
 
 struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height) {
-    struct graph_image_params params = {.name = "aov albedo", .format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = width, .height = height};
+    struct graph_image_params params = {
+        .name = "aov albedo", .format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = width, .height = height};
     struct aov_images images;
     images.albedo = graph_create_image(graph, &params);
     params.name = "aov normal";
@@ -29,10 +37,14 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
     params.name = "aov position";
     images.position = graph_create_image(graph, &params);
     struct draw_data data = {.scene = scene, .draws = *draws, .view = view};
-    data.state = (struct gpu_graphics_params){.fragment = &shader_aov_frag, .color_count = 3,
+    data.state = (struct gpu_graphics_params){.fragment = &shader_aov_frag,
+                                              .color_count = 3,
                                               .color_formats = {params.format, params.format, params.format},
-                                              .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = true,
-                                              .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL, .samples = 1};
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_write = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                              .samples = 1};
     struct graph_pass *pass = graph_add_pass(graph, "aov", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
     static const float zero[4];
@@ -43,7 +55,10 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
     return images;
 }
 
-struct clear_data { graph_buffer buffer; uint64_t size; };
+struct clear_data {
+    graph_buffer buffer;
+    uint64_t size;
+};
 
 static void execute_clear(const struct graph_context *context, const void *data) {
     const struct clear_data *d = data;
@@ -52,11 +67,14 @@ static void execute_clear(const struct graph_context *context, const void *data)
 
 graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height) {
-    struct clear_data clear = {graph_create_buffer(graph, "overdraw", (uint64_t)width * height * 4), (uint64_t)width * height * 4};
-    struct graph_pass *pass = graph_add_pass(graph, "overdraw clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
+    struct clear_data clear = {graph_create_buffer(graph, "overdraw", (uint64_t)width * height * 4),
+                               (uint64_t)width * height * 4};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "overdraw clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
     struct draw_data data = {.scene = scene, .draws = *draws, .view = view, .counters = clear.buffer};
-    data.state = (struct gpu_graphics_params){.fragment = &shader_overdraw_frag, .depth_format = GEOMETRY_DEPTH_FORMAT, .samples = 1};
+    data.state =
+        (struct gpu_graphics_params){.fragment = &shader_overdraw_frag, .depth_format = GEOMETRY_DEPTH_FORMAT, .samples = 1};
     pass = graph_add_pass(graph, "overdraw", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_use_buffer(pass, clear.buffer, GRAPH_READ_WRITE_FRAGMENT);
@@ -64,23 +82,36 @@ graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scen
     return clear.buffer;
 }
 
-struct view_data { uint32_t mode, kind, width, height; struct aov_images aov; graph_buffer overdraw; VkDeviceAddress view, lights; graph_image target; bool swap; };
+struct view_data {
+    uint32_t mode, kind, width, height;
+    struct aov_images aov;
+    graph_buffer overdraw;
+    VkDeviceAddress view, lights;
+    graph_image target;
+    bool swap;
+};
 
 static void execute_view(const struct graph_context *context, const void *data) {
     const struct view_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_debug_view_comp, .constant_count = 1, .constants = {d->kind}};
-    struct gpu_debug_push push = {.view = d->view, .lights = d->lights, .overdraw = d->overdraw.id ? graph_address(context, d->overdraw) : 0,
-                                  .albedo = graph_sampled(context, d->aov.albedo), .normal = graph_sampled(context, d->aov.normal),
-                                  .target = graph_storage(context, d->target), .swap = d->swap, .mode = d->mode};
+    struct gpu_debug_push push = {.view = d->view,
+                                  .lights = d->lights,
+                                  .overdraw = d->overdraw.id ? graph_address(context, d->overdraw) : 0,
+                                  .albedo = graph_sampled(context, d->aov.albedo),
+                                  .normal = graph_sampled(context, d->aov.normal),
+                                  .target = graph_storage(context, d->target),
+                                  .swap = d->swap,
+                                  .mode = d->mode};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
-void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer overdraw,
-                    VkDeviceAddress view, graph_image target, bool swap) {
+void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
+                    graph_buffer overdraw, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {mode, lights->kind, image.width, image.height, *aov, overdraw, view, lights->header, target, swap};
+    struct view_data data = {mode,     lights->kind, image.width,    image.height, *aov,
+                             overdraw, view,         lights->header, target,       swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);

@@ -8,7 +8,9 @@
 #include "passes/lights/light_list.h"
 
 /** RGBA32F images of the nearest opaque surface: base colour and roughness; normal and view depth; position and item id + 1. */
-struct aov_images { graph_image albedo, normal, position; };
+struct aov_images {
+    graph_image albedo, normal, position;
+};
 struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height);
 
@@ -17,7 +19,7 @@ graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scen
                           VkDeviceAddress view, uint32_t width, uint32_t height);
 
 /** Writes the view `mode` (GPU_DEBUG_…) to a storage image. `overdraw` is needed by GPU_DEBUG_OVERDRAW alone. */
-void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights, graph_buffer overdraw,
-                    VkDeviceAddress view, graph_image target, bool swap);
+void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
+                    graph_buffer overdraw, VkDeviceAddress view, graph_image target, bool swap);
 
 #endif

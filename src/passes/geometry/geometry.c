@@ -11,7 +11,8 @@ static bool bucket_is_sorted(const struct geometry_bucket *bucket) {
     return bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
-void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws, enum geometry_set set) {
+void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                  enum geometry_set set) {
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->visible, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->draws, GRAPH_INDIRECT);
@@ -21,9 +22,9 @@ void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, c
     }
 }
 
-void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene, const struct geometry_draws *draws,
-                   enum geometry_set set, const struct gpu_graphics_params *state, const struct gpu_shader *mask_fragment,
-                   struct gpu_geometry_push push) {
+void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
+                   const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
+                   const struct gpu_shader *mask_fragment, struct gpu_geometry_push push) {
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
     params.vertex = &shader_geometry_vert;
@@ -33,7 +34,9 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
         const struct geometry_bucket *bucket = &scene->buckets[i];
         if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
         params.topology = bucket->topology;
-        params.cull = bucket->double_sided ? VK_CULL_MODE_NONE : bucket->mirrored ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_BACK_BIT;
+        params.cull = bucket->double_sided ? VK_CULL_MODE_NONE
+                      : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
+                                           : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
         gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
@@ -48,7 +51,8 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
         push.visible = graph_address(context, draws->blend_visible);
         gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
-        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0, scene->blend_item_count);
+        gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0,
+                                  scene->blend_item_count);
     }
 }
 
@@ -59,18 +63,29 @@ uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_s
     return count;
 }
 
-struct prepass_data { const struct geometry_scene *scene; struct geometry_draws draws; VkDeviceAddress view; uint32_t samples; };
+struct prepass_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+    uint32_t samples;
+};
 
 static void execute_prepass(const struct graph_context *context, const void *data) {
     const struct prepass_data *d = data;
-    struct gpu_graphics_params state = {.depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = true,
-                                        .depth_compare = VK_COMPARE_OP_GREATER, .samples = d->samples};
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, &shader_depth_frag, (struct gpu_geometry_push){.view = d->view});
+    struct gpu_graphics_params state = {.depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_write = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER,
+                                        .samples = d->samples};
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, &shader_depth_frag,
+                  (struct gpu_geometry_push){.view = d->view});
 }
 
-void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
+void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                 VkDeviceAddress view, graph_image depth) {
     struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples};
-    struct graph_pass *pass = graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }

@@ -21,7 +21,8 @@ struct geometry_bucket {
 struct geometry_scene {
     VkDeviceAddress scene; /* struct gpu_scene */
     const struct gpu_buffer *indices;
-    graph_buffer vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
+    graph_buffer
+        vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
@@ -29,7 +30,7 @@ struct geometry_scene {
 
 /** Result of culling: which items are drawn, as indirect draws. */
 struct geometry_draws {
-    graph_buffer sums;    /* item_count + 1 prefix sums of visibility; the last is the number of visible items */
+    graph_buffer sums; /* item_count + 1 prefix sums of visibility; the last is the number of visible items */
     graph_buffer visible, draws;
     graph_buffer blend_visible, blend_draws; /* id 0 when nothing blends */
 };
@@ -46,20 +47,22 @@ enum geometry_set {
 };
 
 /** Declares the buffers that a drawing pass reads. */
-void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws, enum geometry_set set);
+void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                  enum geometry_set set);
 
 /**
  * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only.
  * Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
  */
-void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene, const struct geometry_draws *draws,
-                   enum geometry_set set, const struct gpu_graphics_params *state, const struct gpu_shader *mask_fragment,
-                   struct gpu_geometry_push push);
+void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
+                   const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
+                   const struct gpu_shader *mask_fragment, struct gpu_geometry_push push);
 /** Number of indirect draw calls that geometry_draw makes. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
 
 /** Depth of the opaque set, single- or multisampled; clears first. */
-void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
+void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                 VkDeviceAddress view, graph_image depth);
 
 /** The depth format of all passes and its reversed comparison. */
 #define GEOMETRY_DEPTH_FORMAT VK_FORMAT_D32_SFLOAT

@@ -4,7 +4,12 @@
 #include "passes/geometry/prefix_sum_shared.h"
 #include "shaders.h"
 
-struct sum_data { graph_buffer values, blocks; uint32_t count; enum graph_queue queue; const struct gpu_shader *shader; };
+struct sum_data {
+    graph_buffer values, blocks;
+    uint32_t count;
+    enum graph_queue queue;
+    const struct gpu_shader *shader;
+};
 
 static void execute_sum(const struct graph_context *context, const void *data) {
     const struct sum_data *d = data;
@@ -23,9 +28,13 @@ static void add_step(struct graph *graph, const char *name, struct sum_data data
     graph_use_buffer(pass, data.blocks, adds ? GRAPH_READ_COMPUTE : GRAPH_WRITE_COMPUTE);
 }
 
-static void add_level(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values, uint32_t count, int level) {
+static void add_level(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values,
+                      uint32_t count, int level) {
     uint32_t block_count = DIVIDE_UP(count, PREFIX_SUM_BLOCK);
-    struct sum_data data = {.values = values, .count = count, .queue = queue, .shader = &shader_prefix_sum_block_comp,
+    struct sum_data data = {.values = values,
+                            .count = count,
+                            .queue = queue,
+                            .shader = &shader_prefix_sum_block_comp,
                             .blocks = graph_create_buffer(graph, names->buffers[level], block_count * 4ull)};
     add_step(graph, names->block[level], data);
     if (block_count == 1) return;
@@ -34,6 +43,7 @@ static void add_level(struct graph *graph, const struct prefix_sum_names *names,
     add_step(graph, names->add[level], data);
 }
 
-void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values, uint32_t count) {
+void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values,
+                    uint32_t count) {
     add_level(graph, names, queue, values, count, 0);
 }

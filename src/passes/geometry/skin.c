@@ -6,8 +6,13 @@
 static void execute_skin(const struct graph_context *context, const void *data) {
     const struct skin_input *d = data;
     struct gpu_compute_params params = {.shader = &shader_skin_comp};
-    struct gpu_skin_push push = {.positions = d->positions, .attributes = d->attributes, .deforms = d->deforms,
-                                 .influences = d->influences, .morphs = d->morphs, .weights = d->weights, .matrices = d->matrices};
+    struct gpu_skin_push push = {.positions = d->positions,
+                                 .attributes = d->attributes,
+                                 .deforms = d->deforms,
+                                 .influences = d->influences,
+                                 .morphs = d->morphs,
+                                 .weights = d->weights,
+                                 .matrices = d->matrices};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     for (uint32_t i = 0; i < d->deform_count; i++) {
         push.deform = i;

@@ -10,7 +10,7 @@
 #include "passes/geometry/skin_shared.h"
 
 struct skin_input {
-    graph_buffer vertices;  /* imported; positions and attributes share its hazards */
+    graph_buffer vertices; /* imported; positions and attributes share its hazards */
     VkDeviceAddress positions, attributes, deforms, influences, morphs, weights, matrices;
     const uint32_t *vertex_counts; /* per deform; lives until the frame is executed */
     uint32_t deform_count;

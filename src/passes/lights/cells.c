@@ -17,21 +17,30 @@ struct step_data {
 
 static void execute_step(const struct graph_context *context, const void *data) {
     const struct step_data *d = data;
-    struct gpu_cells_push push = {
-        .view = d->input.view, .list = d->build.header_address, .cells = graph_address(context, d->bounds),
-        .light_count = d->input.local_count, .cell_count = d->cell_count, .chunk_size = d->chunk_size, .chunk_count = d->chunk_count,
-        .capacity = d->build.pool_capacity, .flags = d->build.flags, .depth = GPU_NO_DEPTH};
+    struct gpu_cells_push push = {.view = d->input.view,
+                                  .list = d->build.header_address,
+                                  .cells = graph_address(context, d->bounds),
+                                  .light_count = d->input.local_count,
+                                  .cell_count = d->cell_count,
+                                  .chunk_size = d->chunk_size,
+                                  .chunk_count = d->chunk_count,
+                                  .capacity = d->build.pool_capacity,
+                                  .flags = d->build.flags,
+                                  .depth = GPU_NO_DEPTH};
     if (d->step == STEP_BOUNDS) {
-        struct gpu_compute_params params = {.shader = d->build.bounds_shader, .constant_count = 2,
-                                            .constants = {GPU_LIST_ALL, d->build.bounds_samples}};
+        struct gpu_compute_params params = {
+            .shader = d->build.bounds_shader, .constant_count = 2, .constants = {GPU_LIST_ALL, d->build.bounds_samples}};
         if (d->build.depth.id) push.depth = graph_sampled(context, d->build.depth);
         gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
-        if (d->build.bounds_groups_y) gpu_dispatch(context->commands, d->build.bounds_groups_x, d->build.bounds_groups_y, 1);
-        else gpu_dispatch_linear(context->commands, d->build.bounds_groups_x);
+        if (d->build.bounds_groups_y)
+            gpu_dispatch(context->commands, d->build.bounds_groups_x, d->build.bounds_groups_y, 1);
+        else
+            gpu_dispatch_linear(context->commands, d->build.bounds_groups_x);
         return;
     }
-    struct gpu_compute_params params = {.shader = d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
+    struct gpu_compute_params params = {.shader =
+                                            d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
     push.visible_sums = graph_address(context, d->in_view.sums);
     push.bounds = graph_address(context, d->in_view.bounds);
     push.sums = graph_address(context, d->sums);
@@ -49,24 +58,32 @@ static void execute_step(const struct graph_context *context, const void *data) 
     gpu_dispatch(context->commands, DIVIDE_UP(d->cell_count + 1, 64u), d->chunk_count, 1);
 }
 
-struct totals_data { graph_buffer sums, overflow, lights, totals; uint64_t sums_offset, lights_offset; };
+struct totals_data {
+    graph_buffer sums, overflow, lights, totals;
+    uint64_t sums_offset, lights_offset;
+};
 
 static void execute_totals(const struct graph_context *context, const void *data) {
     const struct totals_data *d = data;
     const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals, offsetof(struct light_totals, in_view), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals, offsetof(struct light_totals, entries), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals, offsetof(struct light_totals, overflow_cells), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
+                    offsetof(struct light_totals, in_view), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
+                    offsetof(struct light_totals, entries), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
+                    offsetof(struct light_totals, overflow_cells), 4);
 }
 
-struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view, const struct cells_build *build) {
+struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
+                            const struct cells_build *build) {
     const struct cells_names *names = build->names;
     struct step_data data = {.input = *input, .in_view = *in_view, .build = *build};
     /* Without memory for the header the device already carries a sticky error; the grid only has to be valid. */
     data.cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
     /* Chunks keep a big device busy; there need not be more than a few million of them. */
     data.chunk_size = CELL_CHUNK;
-    for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, data.chunk_size)) > MAX_CHUNKS || (chunks > 1 && (uint64_t)data.cell_count * chunks > MAX_SUMS);)
+    for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, data.chunk_size)) > MAX_CHUNKS ||
+                          (chunks > 1 && (uint64_t)data.cell_count * chunks > MAX_SUMS);)
         data.chunk_size *= 2;
     data.chunk_count = MAX(DIVIDE_UP(input->local_count, data.chunk_size), 1u);
     uint32_t sum_count = data.cell_count * data.chunk_count + 1;
@@ -101,16 +118,23 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
 
-    struct totals_data totals = {.sums = data.sums, .overflow = data.overflow, .lights = in_view->sums,
+    struct totals_data totals = {.sums = data.sums,
+                                 .overflow = data.overflow,
+                                 .lights = in_view->sums,
                                  .totals = graph_create_buffer(graph, names->totals_buffer, sizeof(struct light_totals)),
-                                 .sums_offset = (sum_count - 1) * 4ull, .lights_offset = input->local_count * 4ull};
+                                 .sums_offset = (sum_count - 1) * 4ull,
+                                 .lights_offset = input->local_count * 4ull};
     pass = graph_add_pass(graph, names->totals, input->queue, execute_totals, &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
 
-    return (struct light_list){.lights = input->buffer, .header = build->header_address, .cells = data.cells, .ids = data.ids, .cell_count = data.cell_count,
+    return (struct light_list){.lights = input->buffer,
+                               .header = build->header_address,
+                               .cells = data.cells,
+                               .ids = data.ids,
+                               .cell_count = data.cell_count,
                                .byte_count = data.cell_count * sizeof(struct gpu_cell) + build->pool_capacity * 4ull,
                                .totals = totals.totals};
 }

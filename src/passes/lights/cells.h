@@ -13,23 +13,26 @@ struct cells_names {
     const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer;
     struct prefix_sum_names sum;
 };
-#define CELLS_NAMES(what)                                                                                               \
-    {what " bounds", what " count", what " fill", what " totals", what " cell bounds", what " sums", what " cells",     \
-     what " ids", what " overflow", what " list totals", PREFIX_SUM_NAMES(what)}
+#define CELLS_NAMES(what)                                                                                                   \
+    {                                                                                                                       \
+        what " bounds", what " count", what " fill", what " totals", what " cell bounds", what " sums", what " cells",      \
+            what " ids", what " overflow", what " list totals", PREFIX_SUM_NAMES(what)                                      \
+    }
 
 struct cells_build {
     const struct cells_names *names;
     const struct gpu_shader *bounds_shader;
-    uint32_t bounds_samples;  /* specialisation constant 1 of the bounds shader */
+    uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */
-    graph_image depth;        /* or id 0 */
-    uint32_t flags;           /* CELLS_… */
+    graph_image depth;                         /* or id 0 */
+    uint32_t flags;                            /* CELLS_… */
     uint32_t pool_capacity;
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
     VkDeviceAddress header_address;
 };
 
 /** Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). */
-struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view, const struct cells_build *build);
+struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
+                            const struct cells_build *build);
 
 #endif

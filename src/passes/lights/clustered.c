@@ -22,8 +22,11 @@ void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t heig
 struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                 const struct lights_in_view *in_view, const struct clustered_params *params) {
     static const struct cells_names names = CELLS_NAMES("clustered");
-    struct cells_build build = {.names = &names, .bounds_shader = &shader_clustered_bounds_comp, .bounds_samples = 1,
-                                .pool_capacity = params->pool_capacity, .bounds_groups_x = 1};
+    struct cells_build build = {.names = &names,
+                                .bounds_shader = &shader_clustered_bounds_comp,
+                                .bounds_samples = 1,
+                                .pool_capacity = params->pool_capacity,
+                                .bounds_groups_x = 1};
     build.header = light_list_header(device, input, &build.header_address);
     if (build.header) {
         clustered_grid(build.header, input->width, input->height, params);

@@ -10,10 +10,17 @@
 /** Fills in tile size, grid and slice mapping of a header. */
 void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t height, const struct clustered_params *params);
 
-struct clustered_cpu_sphere { vec3 center; float radius; }; /* view space; radius <= 0: reaches nothing */
+struct clustered_cpu_sphere {
+    vec3 center;
+    float radius;
+}; /* view space; radius <= 0: reaches nothing */
 
 /** The view as the CPU builder needs it: gpu_view's ndc_scale, ndc_offset and orthographic, and the picture's size. */
-struct clustered_cpu_view { vec2 ndc_scale, ndc_offset; bool orthographic; uint32_t width, height; };
+struct clustered_cpu_view {
+    vec2 ndc_scale, ndc_offset;
+    bool orthographic;
+    uint32_t width, height;
+};
 
 /**
  * Memory of the CPU builder, kept from frame to frame. After clustered_cpu_build `cells` and `ids` hold the lists, ascending, and
@@ -39,7 +46,7 @@ fnl_result clustered_cpu_build(struct clustered_cpu *builder, struct jobs *jobs,
 
 /** Builds on the CPU and uploads cells and ids with the frame. `lights` are the local lights' bounds in world space. */
 struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *device, const struct light_input *input,
-                                    const struct gpu_light *lights, const mat4 *world_to_view, const struct clustered_cpu_view *view,
-                                    const struct clustered_params *params);
+                                    const struct gpu_light *lights, const mat4 *world_to_view,
+                                    const struct clustered_cpu_view *view, const struct clustered_params *params);
 
 #endif

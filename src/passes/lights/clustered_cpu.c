@@ -4,7 +4,9 @@
 /* As in cells.glsl: tests are widened so that rounding never loses a light. */
 static const float SLACK = 1e-4f;
 
-void clustered_cpu_init(struct clustered_cpu *builder, const fnl_host *host) { *builder = (struct clustered_cpu){.host = host}; }
+void clustered_cpu_init(struct clustered_cpu *builder, const fnl_host *host) {
+    *builder = (struct clustered_cpu){.host = host};
+}
 
 void clustered_cpu_finish(struct clustered_cpu *builder) {
     array_free(builder->host, &builder->cells);
@@ -20,19 +22,24 @@ struct build {
 };
 
 /* Plane through the view rays of one tile edge; `axis` 0: x, 1: y. Distance is positive on the side of greater coordinates. */
-struct edge { float slope, scale, offset; };
+struct edge {
+    float slope, scale, offset;
+};
 
 static struct edge edge_at(const struct clustered_cpu_view *view, int axis, float pixel) {
     float size = axis == 0 ? (float)view->width : (float)view->height;
     float ndc = axis == 0 ? pixel / size * 2 - 1 : 1 - pixel / size * 2;
-    float scale = axis == 0 ? view->ndc_scale.x : view->ndc_scale.y, shift = axis == 0 ? view->ndc_offset.x : view->ndc_offset.y;
+    float scale = axis == 0 ? view->ndc_scale.x : view->ndc_scale.y,
+          shift = axis == 0 ? view->ndc_offset.x : view->ndc_offset.y;
     float at = ndc * scale + shift;
     if (view->orthographic) return (struct edge){0, 1, -at};
     return (struct edge){at, 1 / sqrtf(1 + at * at), 0};
 }
 
 /* Signed distance of a point with this coordinate and view depth from the plane coordinate = slope * depth. */
-static float edge_distance(struct edge e, float coordinate, float depth) { return (coordinate - e.slope * depth) * e.scale + e.offset; }
+static float edge_distance(struct edge e, float coordinate, float depth) {
+    return (coordinate - e.slope * depth) * e.scale + e.offset;
+}
 
 static float slice_start(const struct gpu_light_list *header, uint32_t slice) {
     return exp2f(((float)slice - header->slice_bias) / header->slice_scale);
@@ -139,8 +146,8 @@ static bool outside_view(const struct clustered_cpu_view *view, const struct clu
 }
 
 struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *device, const struct light_input *input,
-                                    const struct gpu_light *lights, const mat4 *world_to_view, const struct clustered_cpu_view *view,
-                                    const struct clustered_params *params) {
+                                    const struct gpu_light *lights, const mat4 *world_to_view,
+                                    const struct clustered_cpu_view *view, const struct clustered_params *params) {
     struct light_list list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
     if (!header) return list;
@@ -149,8 +156,10 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
     bool failed = !array_reserve(builder->host, &builder->spheres, input->local_count);
     for (uint32_t i = 0; i < input->local_count && !failed; i++) {
         struct clustered_cpu_sphere sphere = {mat4_point(world_to_view, lights[i].bound_center), lights[i].bound_radius};
-        if (!(sphere.radius > 0) || outside_view(view, &sphere)) sphere.radius = 0;
-        else builder->in_view++;
+        if (!(sphere.radius > 0) || outside_view(view, &sphere))
+            sphere.radius = 0;
+        else
+            builder->in_view++;
         builder->spheres.data[builder->spheres.count++] = sphere;
     }
     failed = failed || clustered_cpu_build(builder, gpu_jobs(device), header, view) != FNL_OK;
@@ -159,7 +168,8 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
         return list;
     }
     uint64_t cell_bytes = builder->cells.count * sizeof(struct gpu_cell);
-    struct gpu_slice cells = gpu_frame_allocate(device, cell_bytes), ids = gpu_frame_allocate(device, MAX(builder->ids.count, 1u) * 4ull);
+    struct gpu_slice cells = gpu_frame_allocate(device, cell_bytes),
+                     ids = gpu_frame_allocate(device, MAX(builder->ids.count, 1u) * 4ull);
     if (!cells.data || !ids.data) return list;
     memcpy(cells.data, builder->cells.data, cell_bytes);
     if (builder->ids.count) memcpy(ids.data, builder->ids.data, builder->ids.count * 4ull);

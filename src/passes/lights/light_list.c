@@ -15,28 +15,40 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_light_list));
     *out_address = slice.address;
     if (slice.data)
-        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){
-            .directional_count = input->directional_count, .local_count = input->local_count, .tile_size = 1, .tiles_x = 1,
-            .tiles_y = 1, .slices = 1, .lights = input->lights};
+        *(struct gpu_light_list *)slice.data = (struct gpu_light_list){.directional_count = input->directional_count,
+                                                                       .local_count = input->local_count,
+                                                                       .tile_size = 1,
+                                                                       .tiles_x = 1,
+                                                                       .tiles_y = 1,
+                                                                       .slices = 1,
+                                                                       .lights = input->lights};
     return slice.data;
 }
 
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
-    struct light_list list = {.kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count}};
+    struct light_list list = {
+        .kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count}};
     light_list_header(device, input, &list.header);
     return list;
 }
 
 /* ---- lights in view ---- */
 
-struct view_data { struct light_input input; struct lights_in_view in_view; VkDeviceAddress header; const struct gpu_shader *shader; };
+struct view_data {
+    struct light_input input;
+    struct lights_in_view in_view;
+    VkDeviceAddress header;
+    const struct gpu_shader *shader;
+};
 
 static void execute_lights(const struct graph_context *context, const void *data) {
     const struct view_data *d = data;
     bool gathers = d->shader == &shader_lights_gather_comp;
     struct gpu_compute_params params = {.shader = d->shader};
-    struct gpu_lights_push push = {.view = d->input.view, .list = d->header, .sums = graph_address(context, d->in_view.sums),
+    struct gpu_lights_push push = {.view = d->input.view,
+                                   .list = d->header,
+                                   .sums = graph_address(context, d->in_view.sums),
                                    .ids = gathers ? graph_address(context, d->in_view.ids) : 0,
                                    .bounds = gathers ? graph_address(context, d->in_view.bounds) : 0,
                                    .light_count = d->input.local_count};

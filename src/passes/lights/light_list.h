@@ -17,7 +17,7 @@ struct light_input {
     graph_buffer buffer;    /* the lights, for their hazards */
     VkDeviceAddress lights; /* struct gpu_light[directional_count + local_count] */
     uint32_t directional_count, local_count;
-    VkDeviceAddress view;   /* struct gpu_view */
+    VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
@@ -28,11 +28,13 @@ struct light_list {
     graph_buffer lights;     /* light_input.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
     uint32_t cell_count;
-    uint64_t byte_count;     /* of cells and pool */
+    uint64_t byte_count; /* of cells and pool */
     /* Where the counts of this frame are found: on the GPU in `totals` (struct light_totals), or already known. */
     graph_buffer totals;
     bool totals_known;
-    struct light_totals { uint32_t in_view, entries, overflow_cells; } known;
+    struct light_totals {
+        uint32_t in_view, entries, overflow_cells;
+    } known;
 };
 
 /** Declares that a pass iterates over the list in fragment or compute shaders. */
@@ -50,10 +52,10 @@ struct lights_in_view {
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 
 struct tiled_params {
-    uint32_t tile_size;       /* pixels, a multiple of 8; default 16 */
+    uint32_t tile_size;        /* pixels, a multiple of 8; default 16 */
     bool min_depth, max_depth; /* cull lights in front of the nearest / behind the farthest pixel (ES-43); default true */
-    uint32_t pool_capacity;   /* entries that the ids of all tiles may take; default 2^20 */
-    bool second;              /* another list of the same frame (transparent surfaces); default false */
+    uint32_t pool_capacity;    /* entries that the ids of all tiles may take; default 2^20 */
+    bool second;               /* another list of the same frame (transparent surfaces); default false */
 };
 struct tiled_params tiled_params_default(void);
 /**
@@ -64,9 +66,10 @@ struct light_list tiled_add(struct graph *graph, gpu_device *device, const struc
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);
 
 struct clustered_params {
-    uint32_t tile_size;     /* pixels; default 64 */
-    uint32_t slices;        /* 1 .. 1024; default 32 */
-    float near, far;        /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
+    uint32_t tile_size; /* pixels; default 64 */
+    uint32_t slices;    /* 1 .. 1024; default 32 */
+    float near,
+        far; /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
     uint32_t pool_capacity; /* default 2^20 */
 };
 struct clustered_params clustered_params_default(void);

@@ -9,8 +9,11 @@ struct tiled_params tiled_params_default(void) {
 struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
     static const struct cells_names names[2] = {CELLS_NAMES("tiled"), CELLS_NAMES("tiled blend")};
-    struct cells_build build = {.names = &names[params->second], .bounds_shader = &shader_tiled_bounds_comp, .depth = depth,
-                                .flags = (params->min_depth ? CELLS_MIN_DEPTH : 0) | (params->max_depth ? CELLS_MAX_DEPTH : 0),
+    struct cells_build build = {.names = &names[params->second],
+                                .bounds_shader = &shader_tiled_bounds_comp,
+                                .depth = depth,
+                                .flags =
+                                    (params->min_depth ? CELLS_MIN_DEPTH : 0) | (params->max_depth ? CELLS_MAX_DEPTH : 0),
                                 .pool_capacity = params->pool_capacity,
                                 .bounds_samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
     build.header = light_list_header(device, input, &build.header_address);

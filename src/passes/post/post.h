@@ -9,11 +9,11 @@
 graph_buffer exposure_add(struct graph *graph, graph_image radiance);
 
 struct tonemap_params {
-    uint32_t tonemap;       /* GPU_TONEMAP_… */
-    graph_buffer exposure;  /* of exposure_add; id 0: `factor` is used */
-    float factor;           /* radiance is multiplied by it */
-    bool linear;            /* no tone mapping nor encoding: for floating-point targets */
-    bool swap;              /* red and blue change places: for BGRA targets */
+    uint32_t tonemap;      /* GPU_TONEMAP_… */
+    graph_buffer exposure; /* of exposure_add; id 0: `factor` is used */
+    float factor;          /* radiance is multiplied by it */
+    bool linear;           /* no tone mapping nor encoding: for floating-point targets */
+    bool swap;             /* red and blue change places: for BGRA targets */
 };
 /** Writes the picture of `radiance` (single- or multisampled) to `target`, a storage image of the same size. */
 void tonemap_add(struct graph *graph, graph_image radiance, graph_image target, const struct tonemap_params *params);

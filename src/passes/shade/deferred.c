@@ -3,15 +3,23 @@
 #include "passes/shade/shade_shared.h"
 #include "shaders.h"
 
-struct gbuffer_data { const struct geometry_scene *scene; struct geometry_draws draws; VkDeviceAddress view; struct gpu_graphics_params state; };
+struct gbuffer_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+    struct gpu_graphics_params state;
+};
 
 static void execute_gbuffer(const struct graph_context *context, const void *data) {
     const struct gbuffer_data *d = data;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, (struct gpu_geometry_push){.view = d->view});
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL,
+                  (struct gpu_geometry_push){.view = d->view});
 }
 
-struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance, graph_image depth) {
-    struct graph_image_params params = {.name = "gbuffer color", .format = VK_FORMAT_R8G8B8A8_SRGB, .width = input->width, .height = input->height};
+struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
+                           graph_image depth) {
+    struct graph_image_params params = {
+        .name = "gbuffer color", .format = VK_FORMAT_R8G8B8A8_SRGB, .width = input->width, .height = input->height};
     struct gbuffer gbuffer;
     gbuffer.color = graph_create_image(graph, &params);
     params.name = "gbuffer normal";
@@ -22,40 +30,61 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
     gbuffer.dielectric = graph_create_image(graph, &params);
 
     struct gbuffer_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
-    data.state = (struct gpu_graphics_params){
-        .fragment = &shader_gbuffer_frag, .color_count = 4,
-        .color_formats = {graph_image_info(graph, radiance).format, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
-        .depth_format = GEOMETRY_DEPTH_FORMAT, .depth_test = true, .depth_write = !prepass,
-        .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL, .samples = 1};
+    data.state =
+        (struct gpu_graphics_params){.fragment = &shader_gbuffer_frag,
+                                     .color_count = 4,
+                                     .color_formats = {graph_image_info(graph, radiance).format, VK_FORMAT_R8G8B8A8_SRGB,
+                                                       VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
+                                     .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                     .depth_test = true,
+                                     .depth_write = !prepass,
+                                     .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                     .samples = 1};
     struct graph_pass *pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){input->background[0], input->background[1], input->background[2], 1});
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                (float[4]){input->background[0], input->background[1], input->background[2], 1});
     static const float zero[4];
     graph_color(pass, gbuffer.color, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, gbuffer.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     graph_color(pass, gbuffer.dielectric, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
-    if (prepass) graph_depth_read_only(pass, depth);
-    else graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    if (prepass)
+        graph_depth_read_only(pass, depth);
+    else
+        graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     return gbuffer;
 }
 
-struct deferred_data { struct gbuffer gbuffer; graph_image radiance, depth; VkDeviceAddress view, lights; graph_buffer counters; uint32_t kind, width, height; };
+struct deferred_data {
+    struct gbuffer gbuffer;
+    graph_image radiance, depth;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    uint32_t kind, width, height;
+};
 
 static void execute_deferred(const struct graph_context *context, const void *data) {
     const struct deferred_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_deferred_comp, .constant_count = 2, .constants = {d->kind, d->counters.id != 0}};
-    struct gpu_deferred_push push = {
-        .view = d->view, .lights = d->lights, .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-        .depth = graph_sampled(context, d->depth), .color = graph_sampled(context, d->gbuffer.color),
-        .normal = graph_sampled(context, d->gbuffer.normal), .dielectric = graph_sampled(context, d->gbuffer.dielectric),
-        .radiance = graph_storage(context, d->radiance)};
+    struct gpu_compute_params params = {
+        .shader = &shader_deferred_comp, .constant_count = 2, .constants = {d->kind, d->counters.id != 0}};
+    struct gpu_deferred_push push = {.view = d->view,
+                                     .lights = d->lights,
+                                     .counters = d->counters.id ? graph_address(context, d->counters) : 0,
+                                     .depth = graph_sampled(context, d->depth),
+                                     .color = graph_sampled(context, d->gbuffer.color),
+                                     .normal = graph_sampled(context, d->gbuffer.normal),
+                                     .dielectric = graph_sampled(context, d->gbuffer.dielectric),
+                                     .radiance = graph_storage(context, d->radiance)};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
-void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance, graph_image depth) {
-    struct deferred_data data = {*gbuffer, radiance, depth, input->view, input->lights->header, input->counters, input->lights->kind, input->width, input->height};
+void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance,
+                  graph_image depth) {
+    struct deferred_data data = {
+        *gbuffer,     radiance,     depth, input->view, input->lights->header, input->counters, input->lights->kind,
+        input->width, input->height};
     struct graph_pass *pass = graph_add_pass(graph, "deferred", GRAPH_QUEUE_GRAPHICS, execute_deferred, &data, sizeof data);
     graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, gbuffer->color, GRAPH_SAMPLE_COMPUTE);

@@ -12,7 +12,7 @@ struct shade_input {
     const struct light_list *lights;
     VkDeviceAddress view;
     uint32_t width, height;
-    graph_buffer counters;  /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
+    graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
     float background[3];
 };
 
@@ -21,15 +21,20 @@ struct shade_input {
  * fills depth itself, or with `prepass` tests for equality against a depth that is complete. The blended set is drawn over
  * what is there, premultiplied, without writing depth. Cost: all fragments that pass the depth test are shaded.
  */
-void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass, graph_image radiance, graph_image depth);
+void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass,
+                 graph_image radiance, graph_image depth);
 
 /**
  * Deferred shading of the opaque set: G-buffer (layout in shaders/gbuffer.glsl: 16 bytes a pixel beside depth and radiance), then
  * one compute thread per pixel. Single-sampled. `lights` may depend on the depth, so the two halves are apart. With `prepass` the depth
  * is complete and the G-buffer pass tests for equality (ES-4e): no hidden surface reads its textures; geometry is drawn twice.
  */
-struct gbuffer { graph_image color, normal, dielectric; };
-struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance, graph_image depth);
-void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance, graph_image depth);
+struct gbuffer {
+    graph_image color, normal, dielectric;
+};
+struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
+                           graph_image depth);
+void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance,
+                  graph_image depth);
 
 #endif
