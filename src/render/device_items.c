@@ -12,14 +12,14 @@ static struct gpu_instance device_instance(const mat4 *m) {
     return r;
 }
 
-static mat4 instance_matrix(const struct scene_node *node, uint32_t k) {
+mat4 device_instance_matrix(const struct scene_node *node, uint32_t k) {
     if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
     return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
 }
 
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out) {
     for (uint32_t k = 0; k < node->instance_count; k++) {
-        mat4 m = instance_matrix(node, k);
+        mat4 m = device_instance_matrix(node, k);
         out[k] = device_instance(&m);
     }
 }
@@ -44,7 +44,7 @@ static fnl_result upload_instances(struct device_scene *d) {
         for (uint32_t k = 0; k < node->instance_count;) {
             uint32_t part = MIN(node->instance_count - k, COUNT_OF(chunk));
             for (uint32_t i = 0; i < part; i++) {
-                mat4 m = instance_matrix(node, k + i);
+                mat4 m = device_instance_matrix(node, k + i);
                 chunk[i] = device_instance(&m);
             }
             TRY(gpu_upload_buffer(d->device, &d->instances, (uint64_t)(d->node_instances.data[n] + k) * sizeof *chunk, chunk,
@@ -99,7 +99,7 @@ static void walk_items(struct item_walk *w) {
             uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
             if (w->primitives[primitive].index_count == 0) continue;
             for (uint32_t k = 0; k < node->instance_count; k++) {
-                mat4 m = instance_matrix(node, k);
+                mat4 m = device_instance_matrix(node, k);
                 uint32_t key = primitive * 2 + (mat4_determinant3(&m) < 0);
                 if (!w->items) {
                     w->keys[key].count++;

@@ -155,7 +155,6 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
         size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);
     }
     d->transform_version = scene->transform_version;
-    d->bounds = scene_bounds(scene);
     if (count == 0) return FNL_OK;
     struct move_data move = {.d = d, .nodes = nodes.data, .node_count = count, .slice = gpu_frame_allocate(d->device, size)};
     if (!move.slice.data) return gpu_status(d->device);
@@ -163,6 +162,11 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
     for (uint32_t i = 0; i < count; i++) {
         const struct scene_node *node = &scene->nodes.data[move.nodes[i]];
         device_scene_node_instances(node, out);
+        for (uint32_t k = 0; k < node->instance_count; k++) {
+            mat4 matrix = device_instance_matrix(node, k);
+            struct box box = box_transform(&scene->meshes.data[node->mesh].bounds, &matrix);
+            if (!box_is_empty(&box)) box_add_box(&d->bounds, &box);
+        }
         out += node->instance_count;
     }
     struct graph_pass *pass =

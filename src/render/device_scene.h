@@ -32,7 +32,7 @@ struct device_scene {
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t item_count, group_count, blend_first_item, blend_item_count, matrix_count, weight_count;
 
-    struct box bounds; /* of the scene at the last transform_version */
+    struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
 
     struct gpu_buffer lights;
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
@@ -83,7 +83,8 @@ fnl_result device_geometry_upload(struct device_scene *d);
  */
 fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,
                                const uint32_t *node_primitives);
-/** The device form of a node's instances, at its present pose. */
+/** Object to world of one of a node's instances, at its present pose; and the device form of all of them. */
+mat4 device_instance_matrix(const struct scene_node *node, uint32_t k);
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
 
 #endif
