@@ -4,6 +4,7 @@
 
 #include "commands.h"
 
+#include <errno.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
@@ -70,8 +71,9 @@ static bool bad_value(const char *option, const char *value, const char *wanted)
 
 static bool parse_integer(const char *option, const char *text, long long low, long long high, long long *out) {
     char *end;
+    errno = 0;
     *out = strtoll(text, &end, 10);
-    if (*text && !*end && *out >= low && *out <= high) return true;
+    if (*text && !*end && errno == 0 && *out >= low && *out <= high) return true;
     char wanted[96];
     snprintf(wanted, sizeof wanted, "a whole number from %lld to %lld", low, high);
     return bad_value(option, text, wanted);
@@ -92,10 +94,14 @@ static bool parse_vector(const char *option, const char *text, fnl_vec3 *out) {
 }
 
 static bool parse_size(const char *text, fnl_frame *frame) {
-    int used = 0;
-    if (sscanf(text, "%ux%u%n", &frame->width, &frame->height, &used) == 2 && !text[used] && frame->width >= 1 &&
-        frame->height >= 1 && frame->width <= 16384 && frame->height <= 16384)
+    char *end, *second_end;
+    unsigned long width = strtoul(text, &end, 10), height = *end == 'x' ? strtoul(end + 1, &second_end, 10) : 0;
+    if (end != text && *end == 'x' && second_end != end + 1 && !*second_end && width >= 1 && width <= 16384 && height >= 1 &&
+        height <= 16384) {
+        frame->width = (uint32_t)width;
+        frame->height = (uint32_t)height;
         return true;
+    }
     return bad_value("size", text, "a size such as 1280x720, with sides from 1 to 16384");
 }
 
@@ -216,8 +222,8 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->frame.lists = (fnl_light_lists)index;
         return true;
     case O_MSAA:
-        if (!parse_integer("msaa", value, 1, 8, &integer) || (integer & (integer - 1)))
-            return bad_value("msaa", value, "one of 1 2 4 8");
+        if (!parse_integer("msaa", value, 1, 8, &integer)) return false;
+        if (integer & (integer - 1)) return bad_value("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
         return true;
     case O_GBUFFER_PREPASS:

@@ -103,7 +103,7 @@ static void choose_device(const struct render_options *o, fnl_device_params *par
     char *end;
     long index = strtol(o->device, &end, 10);
     if (*o->device && !*end)
-        params->index = (int32_t)index;
+        params->index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
     else
         params->name = o->device;
 }

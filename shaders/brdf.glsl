@@ -12,32 +12,46 @@ const float ALPHA_MIN = 1e-3;
 
 float alpha_of(float roughness) { return max(roughness * roughness, ALPHA_MIN); }
 
-// f(l, v) * cos; both directions unit and pointing away from the surface. Exactly zero for light from behind.
-vec3 brdf_cos(surface s, vec3 to_light, vec3 to_view) {
-    precise float n_l = dot(s.normal, to_light);
-    if (n_l <= 0.0) return vec3(0.0);
-    precise vec3 sum = to_light + to_view;
-    precise vec3 half_vector = sum * inversesqrt(max(dot(sum, sum), 1e-20));
-    precise float n_v = abs(dot(s.normal, to_view));
-    precise float n_h = clamp(dot(s.normal, half_vector), 0.0, 1.0);
-    precise float v_h = clamp(dot(to_view, half_vector), 0.0, 1.0);
+// What does not change from light to light.
+struct brdf_view {
+    vec3 to_view;      // unit, away from the surface
+    float alpha2;
+    float masking;     // |n.v| + sqrt(alpha2 + (1 - alpha2) (n.v)^2), times pi
+};
 
+brdf_view brdf_prepare(surface s, vec3 to_view) {
+    brdf_view b;
     precise float alpha = alpha_of(s.roughness);
     precise float alpha2 = alpha * alpha;
-    // n_h^2 (alpha2 - 1) + 1 loses all digits near n_h = 1; |n x h|^2 keeps them.
+    precise float n_v = abs(dot(s.normal, to_view));
+    b.to_view = to_view;
+    b.alpha2 = alpha2;
+    b.masking = PI * (n_v + sqrt(alpha2 + (1.0 - alpha2) * n_v * n_v));
+    return b;
+}
+
+// f(l, v) * cos; `to_light` is unit and points away from the surface. Exactly zero for light from behind.
+vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
+    precise float n_l = dot(s.normal, to_light);
+    if (!(n_l > 0.0)) return vec3(0.0); // NaN neither
+    precise vec3 sum = to_light + b.to_view;
+    precise vec3 half_vector = sum * inversesqrt(max(dot(sum, sum), 1e-20));
+    precise float n_h = dot(s.normal, half_vector);
+    precise float v_h = clamp(dot(b.to_view, half_vector), 0.0, 1.0);
+
+    // Distribution alpha2 / (pi d^2), d = n_h^2 (alpha2 - 1) + 1, which loses all digits near n_h = 1; |n x h|^2 keeps them. Visibility
+    // 1 / ((n_l + ...) (n_v + ...)).
     precise vec3 n_x_h = cross(s.normal, half_vector);
-    precise float d_denominator = n_h > 0.0 ? alpha2 * n_h * n_h + dot(n_x_h, n_x_h) : 1.0;
-    precise float distribution = n_h > 0.0 ? alpha2 / (PI * d_denominator * d_denominator) : 0.0;
-    precise float visibility = 1.0 / ((n_l + sqrt(alpha2 + (1.0 - alpha2) * n_l * n_l)) *
-                                      (n_v + sqrt(alpha2 + (1.0 - alpha2) * n_v * n_v)));
-    precise float specular = distribution * visibility;
+    precise float d = b.alpha2 * n_h * n_h + dot(n_x_h, n_x_h);
+    precise float shadowing = n_l + sqrt(b.alpha2 + (1.0 - b.alpha2) * n_l * n_l);
+    precise float specular = n_h > 0.0 ? b.alpha2 / (d * d * shadowing * b.masking) : 0.0;
 
     precise float m = 1.0 - v_h;
     precise float m2 = m * m;
     precise float m5 = m2 * m2 * m;
     precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * m5;
     precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * m5;
-    precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) / PI) + fresnel * specular;
+    precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * specular;
     precise vec3 metal = metal_fresnel * specular;
     precise vec3 result = (dielectric + (metal - dielectric) * s.metallic) * n_l;
     return result;
@@ -48,7 +62,7 @@ vec3 brdf_cos(surface s, vec3 to_light, vec3 to_view) {
 vec2 environment_brdf(float roughness, float n_v) {
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-    return vec2(-1.04, 1.04) * a + r.zw;
+    return max(vec2(-1.04, 1.04) * a + r.zw, vec2(0.0)); // the fit goes below zero for rough surfaces
 }
 
 #endif

@@ -68,13 +68,16 @@ surface material_surface(material_array materials, uint material) {
     s.dielectric_f0 = min(m.dielectric_f0 * sample_slot(materials, material, TEXTURE_SPECULAR_COLOR).rgb, vec3(1.0)) * s.dielectric_f90;
     s.base_color = base.rgb;
 
-    vec3 normal = normalize(in_normal);
+    // A normal that vanished (a flattened instance, opposite neighbours) leaves something that is unit all the same.
+    float length2 = dot(in_normal, in_normal);
+    vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
     if (m.textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
         vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
         mapped.xy *= m.normal_scale;
         vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
         vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
-        if (dot(bent, bent) > 1e-20) normal = normalize(bent);
+        float bent2 = dot(bent, bent);
+        if (bent2 > 1e-20 && bent2 < 1e30) normal = bent * inversesqrt(bent2);
     }
     s.normal = front_facing || (m.flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u ? normal : -normal;
 

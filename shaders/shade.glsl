@@ -17,11 +17,12 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
 // Outgoing radiance in cd/m^2. `counters` holds one uint per pixel; it is touched only where COUNT_LIGHTS is 1.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth) {
     vec3 to_view = to_viewer(v, s.position);
+    brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
 
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += lights.list.lights.at[i].color * brdf_cos(s, -lights.list.lights.at[i].direction, to_view);
+        sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].direction);
     }
 
     light_cursor cursor = lights_begin(lights, pixel, view_depth);
@@ -29,7 +30,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     FOR_EACH_LIGHT(lights, cursor, light) {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, light, s.position, to_light);
-        if (illuminance != vec3(0.0)) sum += illuminance * brdf_cos(s, to_light, to_view);
+        if (illuminance != vec3(0.0)) sum += illuminance * brdf_cos(s, b, to_light);
     }
 
     // Ambient: diffuse by the normal, specular by the mirror direction, both dimmed by occlusion.

@@ -304,16 +304,19 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
     if (request->builder == LIST_TILED) {
         if (request->depth) {
             double nearest = FAR_AWAY, farthest = 0;
+            bool sky = false;
             for (uint32_t y = y0; y < y1; y++)
                 for (uint32_t x = x0; x < x1; x++) {
                     float d = request->depth[(size_t)y * v->size.x + x];
+                    sky = sky || d <= 0;
                     if (d <= 0) continue;
                     nearest = fmin(nearest, view_depth_of(v, d));
                     farthest = fmax(farthest, view_depth_of(v, d));
                 }
             r.empty = farthest == 0 && request->tiled.min_depth;
             if (farthest > 0 && request->tiled.min_depth) near = nearest * (1 - slack);
-            if (farthest > 0 && request->tiled.max_depth) far = farthest * (1 + slack);
+            /* Glass before the sky may stand at any depth. */
+            if (farthest > 0 && request->tiled.max_depth && (request->tiled.min_depth || !sky)) far = farthest * (1 + slack);
         }
     } else {
         if (slice > 0) near = exp2(((double)slice - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 - slack);

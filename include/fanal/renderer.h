@@ -80,7 +80,7 @@ typedef struct fnl_frame {
         msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
     fnl_tonemap tonemap;     /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure;   /**< default FNL_EXPOSURE_AUTO */
-    float ev;                /**< EV100 for FNL_EXPOSURE_EV; default 0 */
+    float ev;                /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
     fnl_debug_view debug;    /**< default none */
     uint32_t outputs;        /**< fnl_output bits; default FNL_OUTPUT_COLOR */
     bool count_lights;       /**< count light evaluations exactly (slower); they then appear in the stats; default false */
@@ -118,10 +118,10 @@ typedef struct fnl_frame_stats {
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */
     uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
-    uint64_t triangles_visible;
-    double cpu_milliseconds; /**< recording and submitting */
-    double gpu_milliseconds; /**< sum of all passes; 0 without timers */
-    float ev;                /**< exposure used, EV100 */
+    uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
+    double cpu_milliseconds;       /**< recording and submitting */
+    double gpu_milliseconds;       /**< sum of all passes; 0 without timers */
+    float ev;                      /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     uint32_t pass_count;
     const fnl_pass_time *passes; /**< in order, owned by the renderer, valid until the next call on it */

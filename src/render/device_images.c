@@ -45,6 +45,7 @@ static fnl_result upload_batch(struct decode *decode, uint32_t count, struct job
     jobs_parallel_for(jobs, count, decode_one, decode);
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < count; i++) {
+        if (decode->results[i] == FNL_ERROR_MEMORY && result == FNL_OK) result = FNL_ERROR_MEMORY;
         if (decode->results[i] == FNL_OK && result == FNL_OK)
             result = upload_one(decode->d, decode->indices[i], decode->pixels[i].width, decode->pixels[i].height,
                                 decode->pixels[i].pixels);

@@ -2,7 +2,7 @@
 #include "fanal/vulkan.h"
 #include "render/renderer_internal.h"
 
-enum { SIDE_MAX = 16384, POOL_START = 1 << 18 };
+enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 /* ---- names and defaults ---- */
 
@@ -114,7 +114,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
-    REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || isfinite(frame->ev));
+    REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
@@ -130,10 +130,12 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-/* After an overflow the pool takes what the frame needed and a quarter more. */
+/* After an overflow the pool takes what the frame needed and a quarter more, but never so much that the device could run out: cells
+ * beyond that go on using all lights. */
 static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     uint64_t needed = MAX(counts->lights.entries, counts->blend_lights.entries);
-    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, (uint64_t)UINT32_MAX / 4);
+    uint64_t limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
+    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }

@@ -41,5 +41,6 @@ void main() {
     out_tangent = vec4(unit(transform_direction(instance, tangent.xyz)), tangent.w * mirror);
     out_uv = vec4(a.uv0, a.uv1);
     out_color = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
-    out_ids = uvec3(push.scene.scene.primitives.at[item.primitive].material, item_index, mirror < 0.0 ? 1u : 0u);
+    gpu_primitive primitive = push.scene.scene.primitives.at[item.primitive];
+    out_ids = uvec3(primitive.material, item_index, mirror < 0.0 ? primitive.is_surface : 0u);
 }

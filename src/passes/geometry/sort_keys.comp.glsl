@@ -20,7 +20,7 @@ void main() {
         vec3 center = transform_point(push.scene.scene.instances.at[item.instance], push.scene.scene.primitives.at[item.primitive].center);
         float depth = -(push.view.view.world_to_view * vec4(center, 1.0)).z;
         // The bits of a non-negative float ascend with it.
-        key = 0x7fffffffu - floatBitsToUint(max(depth, 0.0));
+        key = 0x7fffffffu - (depth > 0.0 ? floatBitsToUint(depth) : 0u);
     }
     push.keys_out.at[index * 2u] = key;
     push.keys_out.at[index * 2u + 1u] = item_index;

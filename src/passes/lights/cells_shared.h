@@ -9,6 +9,12 @@
 /* Fewest lights that one thread tests against one cell. */
 #define CELL_CHUNK 256u
 
+/*
+ * Far from the world's origin the way to view space rounds: bounding radii grow by this part of the distances of light and viewer
+ * from the origin (a few units in the last place of a float).
+ */
+#define BOUND_ROUNDING 5e-7
+
 /* A light in view space, as the cell tests want it. */
 struct gpu_bound {
     vec3 center;
@@ -54,6 +60,6 @@ struct gpu_cells_push {
 };
 #define GPU_NO_DEPTH 0xffffffffu
 #define CELLS_MIN_DEPTH 1u         /* flags: lights nearer than the nearest pixel of the tile are left out */
-#define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest, and all lights of tiles that are all sky */
+#define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest; with both flags, all lights of tiles that are all sky; without the first one, sky has no farthest */
 
 #endif

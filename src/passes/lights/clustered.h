@@ -31,6 +31,8 @@ struct clustered_cpu {
     ARRAY(struct gpu_cell) cells;
     ARRAY(uint32_t) ids;
     ARRAY(struct clustered_cpu_sphere) spheres;
+    uint32_t capacity; /* entries that may be stored; cells beyond use all lights; 2^26 */
+    uint32_t overflow_cells;
     uint64_t entry_count;
     uint32_t in_view;
 };

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/lights/clustered.h"
 
+#include "passes/lights/cells_shared.h"
+
 /* As in cells.glsl: tests are widened so that rounding never loses a light. */
 static const float SLACK = 1e-4f;
 
 void clustered_cpu_init(struct clustered_cpu *builder, const fnl_host *host) {
-    *builder = (struct clustered_cpu){.host = host};
+    *builder = (struct clustered_cpu){.host = host, .capacity = 1u << 26};
 }
 
 void clustered_cpu_finish(struct clustered_cpu *builder) {
@@ -53,6 +55,7 @@ static float shrink(float radius, float distance) {
 
 static void visit_cell(struct build *b, uint32_t cell, uint32_t light) {
     struct gpu_cell *c = &b->builder->cells.data[cell];
+    if (c->count == GPU_CELL_ALL) return;
     if (b->fill) b->builder->ids.data[c->offset + c->count] = light;
     c->count++;
 }
@@ -123,12 +126,16 @@ fnl_result clustered_cpu_build(struct clustered_cpu *builder, struct jobs *jobs,
     struct build build = {.builder = builder, .header = header, .view = view};
     jobs_parallel_for(jobs, header->slices, visit_slice, &build);
     uint64_t total = 0;
+    builder->entry_count = builder->overflow_cells = 0;
     for (uint32_t i = 0; i < cell_count; i++) {
-        builder->cells.data[i].offset = (uint32_t)total;
-        total += builder->cells.data[i].count;
-        builder->cells.data[i].count = 0;
+        struct gpu_cell *cell = &builder->cells.data[i];
+        builder->entry_count += cell->count;
+        bool fits = total + cell->count <= builder->capacity;
+        cell->offset = (uint32_t)total;
+        total += fits ? cell->count : 0;
+        cell->count = fits ? 0 : GPU_CELL_ALL;
+        builder->overflow_cells += !fits;
     }
-    builder->entry_count = total;
     if (!array_reserve(builder->host, &builder->ids, total)) return FNL_ERROR_MEMORY;
     builder->ids.count = (uint32_t)total;
     build.fill = true;
@@ -153,9 +160,12 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
     if (!header) return list;
     clustered_grid(header, input->width, input->height, params);
     builder->spheres.count = builder->in_view = 0;
+    /* The translation of world_to_view is as long as the viewer is far from the origin. */
+    float eye_distance = vec3_length((vec3){world_to_view->m[12], world_to_view->m[13], world_to_view->m[14]});
     bool failed = !array_reserve(builder->host, &builder->spheres, input->local_count);
     for (uint32_t i = 0; i < input->local_count && !failed; i++) {
         struct clustered_cpu_sphere sphere = {mat4_point(world_to_view, lights[i].bound_center), lights[i].bound_radius};
+        if (sphere.radius > 0) sphere.radius += (float)BOUND_ROUNDING * (vec3_length(lights[i].bound_center) + eye_distance);
         if (!(sphere.radius > 0) || outside_view(view, &sphere))
             sphere.radius = 0;
         else
@@ -177,6 +187,8 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
     header->ids = ids.address;
     list.cell_count = builder->cells.count;
     list.byte_count = cell_bytes + builder->ids.count * 4ull;
-    list.known = (struct light_totals){.in_view = builder->in_view, .entries = (uint32_t)builder->entry_count};
+    list.known = (struct light_totals){.in_view = builder->in_view,
+                                       .entries = (uint32_t)MIN(builder->entry_count, (uint64_t)UINT32_MAX),
+                                       .overflow_cells = builder->overflow_cells};
     return list;
 }

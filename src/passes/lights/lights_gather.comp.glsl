@@ -16,5 +16,5 @@ void main() {
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
     push.ids.at[slot] = index;
     push.bounds.at[slot].center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
-    push.bounds.at[slot].radius = light.bound_radius;
+    push.bounds.at[slot].radius = light.bound_radius + float(BOUND_ROUNDING) * (length(light.bound_center) + length(push.view.view.eye));
 }

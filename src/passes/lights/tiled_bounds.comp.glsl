@@ -11,7 +11,7 @@ layout(local_size_x = 8, local_size_y = 8) in; // one group a tile
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 // Depth is reversed and not negative, so its bits order like the numbers: the greatest bits are the nearest.
-shared uint nearest, farthest;
+shared uint nearest, farthest, sky_seen;
 
 const float FAR_AWAY = 1e9;
 
@@ -19,6 +19,7 @@ void main() {
     if (gl_LocalInvocationIndex == 0u) {
         nearest = 0u;
         farthest = 0xffffffffu;
+        sky_seen = 0u;
     }
     barrier();
     uint tile_size = push.list.list.tile_size;
@@ -30,7 +31,10 @@ void main() {
                 for (uint s = 0u; s < SAMPLES; s++) {
                     float depth = SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], ivec2(x, y), int(s)).r
                                                : texelFetch(textures[push.depth], ivec2(x, y), 0).r;
-                    if (depth <= 0.0) continue; // sky
+                    if (depth <= 0.0) { // sky
+                        sky_seen = 1u;
+                        continue;
+                    }
                     near_bits = max(near_bits, floatBitsToUint(depth));
                     far_bits = min(far_bits, floatBitsToUint(depth));
                 }
@@ -46,6 +50,8 @@ void main() {
     float near = 0.0, far = FAR_AWAY;
     if (has_depth && !sky && (push.flags & CELLS_MIN_DEPTH) != 0u) near = view_depth_of(push.view, uintBitsToFloat(nearest)) * (1.0 - CELL_SLACK);
     if (has_depth && !sky && (push.flags & CELLS_MAX_DEPTH) != 0u) far = view_depth_of(push.view, uintBitsToFloat(farthest)) * (1.0 + CELL_SLACK);
+    // Where nothing bounds the near side, transparent surfaces look lights up; before sky they may stand at any depth.
+    if (sky_seen == 1u && (push.flags & CELLS_MIN_DEPTH) == 0u) far = FAR_AWAY;
     vec2 a = ndc_of_pixel(push.view, vec2(first)), b = ndc_of_pixel(push.view, vec2(end));
     gpu_cell_bounds bounds = cell_bounds(push.view, vec2(a.x, b.y), vec2(b.x, a.y), near, far);
     if (sky && (push.flags & CELLS_MIN_DEPTH) != 0u) {

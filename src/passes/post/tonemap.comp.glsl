@@ -64,7 +64,7 @@ void main() {
     for (uint i = 0u; i < SAMPLES; i++) {
         vec4 c = SAMPLES > 1u ? texelFetch(textures_multisampled[push.radiance], pixel, int(i))
                               : texelFetch(textures[push.radiance], pixel, 0);
-        c.rgb *= factor;
+        c.rgb = min(c.rgb * factor, vec3(1e15)); // stays finite in what follows
         if (push.encode == 1u) c.rgb = clamp(tone_map(c.rgb), 0.0, 1.0);
         sum += c;
     }
