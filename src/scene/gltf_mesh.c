@@ -24,6 +24,27 @@ static bool spend_on_completion(struct gltf *g, const struct at *at, const struc
                       primitive->normals ? (uint64_t)primitive->vertex_count * 48 : primitive->index_count * vertex_size);
 }
 
+/* Tangents follow the coordinates of the normal texture (glTF 2.0, 3.7.2.1): mesh_complete takes the first set, so it is shown them there. */
+static fnl_result complete(struct gltf *g, struct scene_primitive *primitive) {
+    bool second = false;
+    if (primitive->material != SCENE_NONE) {
+        const struct scene_texture *normal = &g->scene->materials.data[primitive->material].textures[SCENE_TEXTURE_NORMAL];
+        second = normal->image != SCENE_NONE && normal->uv_set == 1 && primitive->uv[1];
+    }
+    const vec2 *first_set = primitive->uv[0];
+    if (second) {
+        primitive->uv[0] = primitive->uv[1];
+        primitive->uv[1] = first_set;
+    }
+    fnl_result result = mesh_complete(&g->scene->arena, primitive);
+    if (second) {
+        const vec2 *completed = primitive->uv[0];
+        primitive->uv[0] = primitive->uv[1];
+        primitive->uv[1] = completed;
+    }
+    return result;
+}
+
 static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, struct scene_primitive *out,
                            struct gltf_primitive_joints *joints) {
     *out = (struct scene_primitive){.material = gltf_index(g, object, at, "material", false, g->material_count)};
@@ -43,7 +64,7 @@ static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, 
     if (!gltf_load_vertices(g, object, at, &attributes, &selection, out)) return false;
     gltf_load_joints(g, attributes_at, &attributes, &selection, out, joints);
     if (g->result != FNL_OK || !spend_on_completion(g, at, out)) return false;
-    fnl_result result = mesh_complete(&g->scene->arena, out);
+    fnl_result result = complete(g, out);
     if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
     if (result == FNL_OK) warn_unread_uv(g, at, out);
     return result == FNL_OK;

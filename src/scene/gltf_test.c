@@ -92,6 +92,44 @@ static void test_unused_vertices_are_dropped(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Set 0 runs along x, set 1 along y; the normal texture reads set 1, and so must the tangents. */
+static void test_tangents_follow_the_normal_texture(void **state) {
+    UNUSED(state);
+    static const struct {
+        vec3 positions[3], normals[3];
+        vec2 uv0[3], uv1[3];
+    } binary = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+                {{0, 0}, {1, 0}, {0, 1}},
+                {{0, 0}, {0, 1}, {1, 0}}};
+    for (int set = 0; set < 2; set++) {
+        char json[2048];
+        snprintf(json, sizeof json,
+                 "{" ASSET ",\"buffers\":[{\"byteLength\":120}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+                 "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":72,\"byteLength\":24},"
+                 "{\"buffer\":0,\"byteOffset\":96,\"byteLength\":24}],"
+                 "\"images\":[{\"uri\":\"data:image/png;base64,"
+                 "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQACfsD/fteaysAAAAASUVORK5CYII=\"}],"
+                 "\"textures\":[{\"source\":0}],\"materials\":[{\"normalTexture\":{\"index\":0,\"texCoord\":%d}}],"
+                 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
+                 "{\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},"
+                 "{\"bufferView\":2,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3},"
+                 "{\"bufferView\":3,\"componentType\":5126,\"type\":\"VEC2\",\"count\":3}],"
+                 "\"meshes\":[{\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
+                 "\"TEXCOORD_0\":2,\"TEXCOORD_1\":3}}]}]}",
+                 set);
+        fnl_scene *scene = load_clean(json, &binary, sizeof binary);
+        const struct scene_primitive *primitive = &scene->primitives.data[0];
+        vec4 tangent = primitive->tangents[0];
+        assert_true((set ? tangent.y : tangent.x) > 0.999f);
+        for (uint32_t i = 0; i < 3; i++) { /* the sets themselves stay where they were */
+            const vec3 p = primitive->positions[i];
+            assert_true(primitive->uv[0][i].x == p.x && primitive->uv[1][i].x == p.y);
+        }
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* ---- materials ---- */
 
 static void test_materials_and_textures(void **state) {
@@ -402,6 +440,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_modes_expand_to_plain_primitives),
         cmocka_unit_test(test_unused_vertices_are_dropped),
+        cmocka_unit_test(test_tangents_follow_the_normal_texture),
         cmocka_unit_test(test_materials_and_textures),
         cmocka_unit_test(test_scenes_visibility_and_instancing),
         cmocka_unit_test(test_skin_morph_and_animation),
