@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Every library that Fanal links, found in one place; also read by the package configuration of a static libfanal.a.
-# FANAL_PACKAGES are pkg-config's names: each becomes the target PkgConfig::NAME. volk is a header that the gpu layer
-# compiles itself; the Vulkan loader is opened at run time.
+# FANAL_PACKAGES are pkg-config's names: each becomes the target PkgConfig::NAME. Of Vulkan only
+# the headers are used; the loader is opened at run time.
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 find_dependency(OpenEXR CONFIG)

@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
     gcc g++ cmake ninja-build pkg-config glslang-tools spirv-tools                  # to build
-    libvulkan-dev libvulkan-volk-dev libjansson-dev libzstd-dev libmeshoptimizer-dev # what it is made of
+    libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev # what it is made of
     libspng-dev libjpeg-dev libwebp-dev libopenexr-dev
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
     libcmocka-dev vulkan-validationlayers                                            # to test
