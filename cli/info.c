@@ -14,7 +14,7 @@
 
 enum { EXIT_GOOD = 0, EXIT_ERROR = 2 };
 
-static const char *const light_kinds[] = {"directional", "point", "spot"};
+static const char *const light_kinds[] = {"directional", "point", "spot", "capsule", "wedge", "box"};
 
 static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
@@ -69,8 +69,13 @@ static void print_counts(const fnl_scene_info *info) {
     print_count("meshes", info->mesh_count, note);
     print_count("materials", info->material_count, "");
     print_count("images", info->image_count, "");
-    snprintf(note, sizeof note, "(%u directional, %u point, %u spot)", info->directional_count, info->point_count,
-             info->spot_count);
+    const uint32_t kinds[] = {info->directional_count, info->point_count, info->spot_count,
+                              info->capsule_count,     info->wedge_count, info->box_count};
+    int used = 0;
+    for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
+        if (i <= FNL_LIGHT_SPOT || kinds[i])
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i], light_kinds[i]);
+    snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
     print_count("cameras", info->camera_count, "");
     print_count("animations", info->animation_count, "");
@@ -119,12 +124,15 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
     for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
-        bool directional = light.kind == FNL_LIGHT_DIRECTIONAL;
+        bool directional = light.kind == FNL_LIGHT_DIRECTIONAL, box = light.kind == FNL_LIGHT_BOX;
         printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", light_kinds[light.kind], (double)light.intensity,
-               directional ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
+               directional || box ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
         if (!directional) {
             printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
-            if (isinf(light.range))
+            if (box)
+                printf("  size %.4g x %.4g x %.4g m", (double)light.box_size.x, (double)light.box_size.y,
+                       (double)light.box_size.z);
+            else if (isinf(light.range))
                 printf("  range derived");
             else
                 printf("  range %.4g m", (double)light.range);
@@ -132,6 +140,10 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         if (light.kind == FNL_LIGHT_SPOT)
             printf("  cone %.1f to %.1f degrees", (double)light.inner_cone_angle * 180 / 3.14159265358979,
                    (double)light.outer_cone_angle * 180 / 3.14159265358979);
+        if (light.kind == FNL_LIGHT_CAPSULE) printf("  length %.4g m", (double)light.length);
+        if (light.kind == FNL_LIGHT_WEDGE)
+            printf("  half angles %.1f, %.1f degrees", (double)light.wedge_angles[0] * 180 / 3.14159265358979,
+                   (double)light.wedge_angles[1] * 180 / 3.14159265358979);
         putchar('\n');
     }
     print_rest(count);
@@ -209,12 +221,21 @@ static json_t *json_light(const fnl_light_params *light) {
                   (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));
-        json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
+        if (light->kind != FNL_LIGHT_BOX) json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
     }
     if (light->kind != FNL_LIGHT_POINT) json_object_set_new(object, "direction", json_vec3(light->direction));
     if (light->kind == FNL_LIGHT_SPOT) {
         json_object_set_new(object, "inner_cone_angle", json_real((double)light->inner_cone_angle));
         json_object_set_new(object, "outer_cone_angle", json_real((double)light->outer_cone_angle));
+    }
+    if (light->kind == FNL_LIGHT_CAPSULE) json_object_set_new(object, "length", json_real((double)light->length));
+    if (light->kind == FNL_LIGHT_WEDGE)
+        json_object_set_new(object, "wedge_angles",
+                            json_pack("[f,f]", (double)light->wedge_angles[0], (double)light->wedge_angles[1]));
+    if (light->kind == FNL_LIGHT_BOX) json_object_set_new(object, "box_size", json_vec3(light->box_size));
+    if (light->kind == FNL_LIGHT_WEDGE || light->kind == FNL_LIGHT_BOX) {
+        json_object_set_new(object, "up", json_vec3(light->up));
+        json_object_set_new(object, "inner_fraction", json_real((double)light->inner_fraction));
     }
     return object;
 }

@@ -3,7 +3,7 @@
  * Scenes: loaded from glTF, made by built-in generators, or put together by calls. A scene lives in host memory and
  * needs no device; one scene may be rendered by several renderers. Calls on one scene are not thread-safe.
  *
- * Units are glTF's: metres, radians, candela (point and spot), lux (directional). Right-handed, +Y up.
+ * Units are glTF's: metres, radians, candela (lights that spread), lux (directional and box). Right-handed, +Y up.
  */
 #ifndef FANAL_SCENE_H
 #define FANAL_SCENE_H
@@ -96,27 +96,53 @@ FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id i
 
 /* ---- lights ---- */
 
-typedef enum fnl_light_kind { FNL_LIGHT_DIRECTIONAL = 0, FNL_LIGHT_POINT, FNL_LIGHT_SPOT } fnl_light_kind;
+typedef enum fnl_light_kind {
+    FNL_LIGHT_DIRECTIONAL = 0, /**< parallel light everywhere */
+    FNL_LIGHT_POINT,           /**< from a point to all sides, up to a range */
+    FNL_LIGHT_SPOT,            /**< from a point into a round cone */
+    FNL_LIGHT_CAPSULE,         /**< a tube: each point is lit from the nearest point of a segment */
+    FNL_LIGHT_WEDGE,           /**< from a point into a pyramid of rectangular cross-section */
+    FNL_LIGHT_BOX,             /**< parallel light that fills an oriented box and nothing else */
+    FNL_LIGHT_KIND_COUNT
+} fnl_light_kind;
 
 typedef struct fnl_light_params {
     fnl_light_kind kind; /**< default point */
-    fnl_vec3 position;   /**< metres; not for directional lights */
-    fnl_vec3 direction;  /**< where the light shines to, normalised by the call; not for point lights; default 0, 0, -1 */
+    fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules and boxes; not for directional lights */
+    fnl_vec3 direction;  /**< where the light shines to; capsules: along the segment; normalised by the call; not for point lights;
+                              default 0, 0, -1 */
     float color[3];      /**< linear RGB, >= 0; default 1 */
-    float intensity;     /**< candela, or lux for directional lights, >= 0; default 1 */
+    float intensity;     /**< candela, or lux for directional lights and boxes, >= 0; default 1 */
     /**
-     * Distance from which on the light gives exactly nothing, metres, > 0; INFINITY (the default) derives it from the
-     * intensity: where the unwindowed illuminance falls to 0.05 lux. Not for directional lights.
+     * Distance from the position (capsules: from the segment) from which on the light gives exactly nothing, metres, > 0;
+     * INFINITY (the default) derives it from the intensity (fnl_light_range). Not for directional lights and boxes.
      */
     float range;
     float inner_cone_angle; /**< half angle of full intensity, radians, 0 .. outer; default 0 */
     float outer_cone_angle; /**< half angle from which on there is no light, radians, up to pi/2; default pi/4 */
+    /**
+     * Wedges and boxes: the way their height points, made a unit vector at right angles to the direction by the call; where it is
+     * parallel to that, another is chosen. The width points along direction x up. Default 0, 1, 0.
+     */
+    fnl_vec3 up;
+    float length;          /**< capsules: of the segment, half of it to each side of the position, metres, >= 0; default 1 */
+    float wedge_angles[2]; /**< wedges: half angles across the width and the height, radians, 0 .. 1.5; default pi/4, pi/6 */
+    fnl_vec3 box_size;     /**< boxes: width, height and depth (along the direction), metres, > 0; default 1 */
+    float inner_fraction;  /**< wedges and boxes: part of the way from axis to edge that has full intensity, beyond it fades to
+                                nothing at the edge, 0 .. 1; default 0.7 */
 } fnl_light_params;
 
 FNL_API fnl_light_params fnl_light_params_default(void);
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
 FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
+
+/**
+ * Bounds a light by the convex hull of `count` (4 .. 64) world-space points: it gives exactly nothing outside of it, nor outside of
+ * its own volume. The hull stays where it is when the light moves. NULL and 0 remove it. Points in one plane, on one line or in one
+ * place are an error (logged) and change nothing. Directional lights have no bound: theirs is not heeded.
+ */
+FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count);
 
 /**
  * Scatters `count` seeded point and spot lights (three to one) through the scene's bounds. Their radius follows from
@@ -171,7 +197,7 @@ typedef struct fnl_scene_info {
     uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
     uint64_t instance_count;
     uint32_t light_count; /**< placed lights */
-    uint32_t directional_count, point_count, spot_count;
+    uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count;
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
 } fnl_scene_info;

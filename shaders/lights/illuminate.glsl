@@ -1,29 +1,109 @@
 // SPDX-License-Identifier: MIT
-// What a light gives to a point: KHR_lights_punctual to the letter. Lights are read piece by piece: most that a list names are out of
-// range of the very point, and then their position and range are all that is fetched.
+// What a light gives to a point: KHR_lights_punctual to the letter, and the same falloff for the shapes that it lacks. Lights are read
+// piece by piece: most that a list names are out of range of the very point, and then their position and range are all that is fetched.
+//
+// One function, light_strength(), decides whether a light's volume holds a point and how strongly; lists that ask for themselves call
+// light_reaches() and get the answer that shading gets, to the bit.
 #ifndef LIGHTS_ILLUMINATE_GLSL
 #define LIGHTS_ILLUMINATE_GLSL
 
 #include "lights/iterate.glsl"
 
-// Illuminance at right angles to the ray, in lux, with colour; `to_light` is unit. Exactly zero from the range on and outside of the
-// cone. `light` is the index of a point or spot light.
-vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light) {
+// Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
+float light_edge(float part, float scale) {
+    precise float rest = clamp((1.0 - part) * scale, 0.0, 1.0);
+    return rest;
+}
+
+// Capsules, wedges and boxes. `ray` leads from the point to the light's position.
+float light_shape_strength(light_list_block l, uint light, uint kind, precise vec3 ray, out vec3 to_light) {
+    precise float strength = 0.0;
+    vec3 direction = l.list.lights.at[light].direction;
+    vec3 size = l.list.lights.at[light].size;
+    to_light = -direction;
+    if (kind == GPU_LIGHT_CAPSULE) {
+        precise float along = clamp(-dot(ray, direction), -size.x, size.x);
+        precise vec3 nearest = ray + direction * along;
+        precise float distance2 = max(dot(nearest, nearest), 1e-8);
+        precise float ratio2 = distance2 / (size.y * size.y);
+        if (ratio2 >= 1.0) return 0.0;
+        to_light = nearest * inversesqrt(distance2);
+        strength = (1.0 - ratio2 * ratio2) / distance2;
+        return strength;
+    }
+    vec3 side = l.list.lights.at[light].side;
+    precise vec3 up = cross(side, direction);
+    precise vec3 at = vec3(-dot(ray, side), -dot(ray, up), -dot(ray, direction));
+    float scale = l.list.lights.at[light].spot_scale;
+    if (kind == GPU_LIGHT_WEDGE) {
+        if (at.z <= 0.0) return 0.0;
+        precise vec2 limit = max(size.xy * at.z, vec2(1e-20));
+        precise float edge = light_edge(abs(at.x) / limit.x, scale) * light_edge(abs(at.y) / limit.y, scale);
+        float range = l.list.lights.at[light].range;
+        precise float distance2 = max(dot(ray, ray), 1e-8);
+        precise float ratio2 = distance2 / (range * range);
+        to_light = ray * inversesqrt(distance2);
+        strength = (1.0 - ratio2 * ratio2) / distance2 * (edge * edge);
+        return strength;
+    }
+    precise vec3 part = abs(at) / size;
+    precise float edge = light_edge(part.x, scale) * light_edge(part.y, scale) * light_edge(part.z, scale);
+    strength = edge * edge;
+    return strength;
+}
+
+// Whether the light's hull holds a point; `ray` leads from the point to the light's position.
+bool light_hull_holds(light_list_block l, uint light, uint count, precise vec3 ray) {
+    plane_array planes = plane_array(l.list.lights);
+    uint first = l.list.lights.at[light].hull_first;
+    for (uint i = 0u; i < count; i++) {
+        precise float from_light = -dot(planes.at[first + i].xyz, ray);
+        if (from_light >= planes.at[first + i].w) return false;
+    }
+    return true;
+}
+
+// Illuminance at right angles to the ray that a light of colour 1 gives, in lux; `to_light` is unit. Exactly zero where the light's
+// volume does not hold the position. `light` is an index into the light array, not of a directional light.
+float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_light) {
     precise vec3 ray = l.list.lights.at[light].position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);
     float range = l.list.lights.at[light].range;
     precise float ratio2 = distance2 / (range * range);
     to_light = vec3(0.0);
-    if (ratio2 >= 1.0) return vec3(0.0);
-    precise float inverse_distance = inversesqrt(distance2);
-    to_light = ray * inverse_distance;
-    precise float attenuation = (1.0 - ratio2 * ratio2) / distance2;
-    if (l.list.lights.at[light].kind == GPU_LIGHT_SPOT) {
-        precise float angular = clamp(dot(l.list.lights.at[light].direction, -to_light) * l.list.lights.at[light].spot_scale + l.list.lights.at[light].spot_offset, 0.0, 1.0);
-        attenuation *= angular * angular;
+    if (ratio2 >= 1.0) return 0.0;
+    uint kind = l.list.lights.at[light].kind;
+    precise float attenuation;
+    if (kind <= GPU_LIGHT_SPOT) {
+        precise float inverse_distance = inversesqrt(distance2);
+        to_light = ray * inverse_distance;
+        attenuation = (1.0 - ratio2 * ratio2) / distance2;
+        if (kind == GPU_LIGHT_SPOT) {
+            precise float angular = clamp(dot(l.list.lights.at[light].direction, -to_light) * l.list.lights.at[light].spot_scale +
+                                              l.list.lights.at[light].spot_offset, 0.0, 1.0);
+            attenuation *= angular * angular;
+        }
+    } else {
+        attenuation = light_shape_strength(l, light, kind, ray, to_light);
     }
-    precise vec3 result = l.list.lights.at[light].color * attenuation;
+    uint hull_count = l.list.lights.at[light].hull_count;
+    if (hull_count != 0u && !light_hull_holds(l, light, hull_count, ray)) return 0.0;
+    return attenuation;
+}
+
+// The same with the light's colour.
+vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light) {
+    precise float strength = light_strength(l, light, position, to_light);
+    if (strength == 0.0) return vec3(0.0);
+    precise vec3 result = l.list.lights.at[light].color * strength;
     return result;
+}
+
+// Whether the light's volume holds the position: true wherever illuminate() is not zero. Broken positions are held by all lights.
+bool light_reaches(light_list_block l, uint light, vec3 position) {
+    vec3 to_light;
+    float strength = light_strength(l, light, position, to_light);
+    return !(strength <= 0.0) && l.list.lights.at[light].bound_radius > 0.0;
 }
 
 #endif

@@ -8,24 +8,55 @@
 #define GPU_LIGHT_DIRECTIONAL 0u /* the values of fnl_light_kind */
 #define GPU_LIGHT_POINT 1u
 #define GPU_LIGHT_SPOT 2u
+#define GPU_LIGHT_CAPSULE 3u
+#define GPU_LIGHT_WEDGE 4u
+#define GPU_LIGHT_BOX 5u
+
+/* What an entry of the light array is. Lists carry whatever has a bound; shading visits lights only. */
+#define GPU_ENTITY_LIGHT 0u
+#define GPU_ENTITY_PROBE 1u
+#define GPU_ENTITY_DECAL 2u
 
 /* Directional lights come first in the light array; all others follow and are what lists index. */
 struct gpu_light {
-    vec3 position;       /* world space */
-    float range;         /* metres; exactly no light from here on */
+    vec3 position;       /* world space: centre, apex, or middle of a capsule or box */
+    float range;         /* metres from the position; exactly no light from here on */
     vec3 color;          /* colour times intensity: cd, or lux */
     uint kind;
+    uint hull_count;     /* planes that bound it besides its shape; 0: none */
     vec3 direction;      /* unit, where it shines to */
-    float spot_scale;    /* angular ramp of KHR_lights_punctual: sat(cos * scale + offset)^2 */
+    float spot_scale;    /* angular ramp of KHR_lights_punctual: sat(cos * scale + offset)^2; wedge and box: sat((1 - part) * scale)^2 of the
+                            part of the way from axis to edge */
     float spot_offset;
     vec3 bound_center;   /* world-space sphere that holds everything that is lit */
-    float bound_radius;
+    float bound_radius;  /* 0: nothing is lit */
+    vec3 side;           /* unit, at right angles to the direction: across a wedge or box; not of point lights */
+    vec3 size;           /* capsule: half length, range from the segment; wedge: tangents of the half angles across and up;
+                            box: half sizes across, up and along */
+    uint hull_first;     /* index of its first plane, in units of 16 bytes from the start of the light array */
+    uint entity;         /* GPU_ENTITY_… */
 };
+
+/* Planes of hulls lie behind the lights in the same buffer: xyz is unit and points outward, w the distance of the plane from the light's
+   position; inside is dot(xyz, p - position) < w. */
+#ifdef GL_core_profile
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer plane_array { vec4 at[]; };
+#endif
 
 /* How a pixel finds its lights; a specialisation constant of every shader that iterates. */
 #define GPU_LIST_ALL 0u     /* every light, every pixel: the oracle */
 #define GPU_LIST_TILES 1u   /* cells of the screen */
 #define GPU_LIST_CLUSTERS 2u /* cells of the screen times slices of depth */
+#define GPU_LIST_HALVES 3u  /* tiles with two depth ranges each */
+#define GPU_LIST_RANGES 4u  /* tiles whose entries carry a depth range */
+#define GPU_LIST_TREE 5u    /* tiles with a tree over depth ranges */
+#define GPU_LIST_FINE 6u    /* tiles with masks per pixel quad */
+#define GPU_LIST_SPARSE 7u  /* occupied clusters only, found through a table */
+#define GPU_LIST_LINKS 8u   /* clusters with linked lists */
+#define GPU_LIST_BINS 9u    /* bit masks of tiles, cut by ranges of depth bins */
+#define GPU_LIST_WORLD 10u  /* a grid in world space */
+#define GPU_LIST_ITEMS 11u  /* a cell for each draw item */
+#define GPU_LIST_ONE 12u    /* one light, for a pass per light */
 
 /* count of a cell whose list did not fit into the pool: all lights are used instead. */
 #define GPU_CELL_ALL 0xffffffffu

@@ -36,6 +36,7 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
     array_free(&d->host, &d->light_data);
+    array_free(&d->host, &d->plane_data);
 }
 
 void device_scene_forget(struct device_scene *d) { d->structure_version = d->light_version = UINT64_MAX; }
@@ -80,7 +81,7 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         TRY(prepare_structure(d));
     }
     /* The lights' buffer only grows; its contents are sent inside the frame. */
-    uint64_t needed = MAX(d->scene->lights.count, 1u) * sizeof(struct gpu_light);
+    uint64_t needed = device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
     if (d->lights.size < needed) {
         gpu_buffer_destroy(d->device, &d->lights);
         TRY(gpu_buffer_create(d->device, "lights", needed, GPU_MEMORY_DEVICE, &d->lights));
@@ -105,11 +106,14 @@ static void execute_copy(const struct graph_context *context, const void *data) 
 static fnl_result add_lights(struct device_scene *d, struct graph *graph, graph_buffer lights) {
     if (d->light_version == d->scene->light_version) return FNL_OK;
     TRY(device_lights_gather(d->scene, d));
-    struct copy_data copy = {.target = d->lights, .size = d->light_data.count * sizeof(struct gpu_light)};
+    uint64_t light_size = d->light_data.count * sizeof(struct gpu_light), plane_size = d->plane_data.count * sizeof(vec4);
+    uint64_t planes = device_lights_planes_offset(d->light_data.count);
+    struct copy_data copy = {.target = d->lights, .size = plane_size ? planes + plane_size : light_size};
     if (copy.size) {
         copy.slice = gpu_frame_allocate(d->device, copy.size);
         if (!copy.slice.data) return gpu_status(d->device);
-        memcpy(copy.slice.data, d->light_data.data, copy.size);
+        memcpy(copy.slice.data, d->light_data.data, light_size);
+        if (plane_size) memcpy((char *)copy.slice.data + planes, d->plane_data.data, plane_size);
         struct graph_pass *pass =
             graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
         graph_use_buffer(pass, lights, GRAPH_COPY_TO);

@@ -36,6 +36,7 @@ struct device_scene {
 
     struct gpu_buffer lights;
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
+    ARRAY(vec4) plane_data;             /* of the lights' hulls; behind the lights in their buffer */
     uint32_t directional_count;
 };
 
@@ -67,6 +68,8 @@ static inline bool device_node_draws(const struct scene_node *node) {
 /** The light array of a scene, directional ones first (device_lights.c). */
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
+/** Where the planes of hulls begin in a buffer of so many lights, bytes. */
+uint64_t device_lights_planes_offset(uint32_t light_count);
 
 /** Decodes on all threads and uploads the images that materials use (device_images.c). */
 fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);

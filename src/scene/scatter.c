@@ -1,19 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
-/** Illuminance in lux at which an unlimited light is cut off. */
-#define RANGE_ILLUMINANCE 0.05f
 /** Lights of the scatter that hold a point of the bounds, on average. */
 #define SCATTER_OVERLAP 8.0
 /** Illuminance in lux that a scattered light would give at its range without the window. */
 #define SCATTER_ILLUMINANCE 4.0f
-
-float light_effective_range(const fnl_light_params *light) {
-    if (light->kind == FNL_LIGHT_DIRECTIONAL) return INFINITY;
-    if (isfinite(light->range)) return light->range;
-    float brightest = fmaxf(light->color[0], fmaxf(light->color[1], light->color[2]));
-    return sqrtf(light->intensity * brightest / RANGE_ILLUMINANCE);
-}
 
 /**
  * The chance that two random points of a box are nearer than `radius`: the integral over the ball of the box's

@@ -46,6 +46,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->nodes);
     array_free(&host, &scene->skins);
     array_free(&host, &scene->animations);
+    for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->extensions);
@@ -161,6 +162,7 @@ static void pose_light(const fnl_scene *scene, struct scene_light *light) {
     light->params.position = vec3_make(m[12], m[13], m[14]);
     vec3 direction = vec3_normalize(vec3_make(-m[8], -m[9], -m[10]));
     light->params.direction = vec3_dot(direction, direction) > 0 ? direction : vec3_make(0, 0, -1);
+    light->params.up = light_up(light->params.direction, vec3_make(m[4], m[5], m[6]));
 }
 
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {

@@ -147,8 +147,19 @@ struct scene_animation {
     float duration; /* last key of all channels */
 };
 
+/* Convex bound of a light, in world space (light_hull.c). */
+#define LIGHT_HULL_POINTS_MAX 64u
+#define LIGHT_HULL_PLANES_MAX (2 * LIGHT_HULL_POINTS_MAX - 4)
+struct light_hull {
+    uint32_t plane_count;
+    double planes[LIGHT_HULL_PLANES_MAX][4]; /* outside is dot(xyz, p) + w > 0; xyz is unit */
+    vec3 center;                             /* a sphere that holds it */
+    float radius;
+};
+
 struct scene_light {
-    fnl_light_params params; /* position and direction in world space */
+    fnl_light_params params; /* position, direction and up in world space; the latter two unit and at right angles */
+    struct light_hull *hull; /* or NULL */
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     bool removed;
@@ -186,6 +197,7 @@ struct fnl_scene {
 
     vec3 ambient_sky, ambient_ground, background;
     uint32_t next_generation;
+    uint32_t hull_plane_count; /* of all lights */
 
     /* A renderer remembers the versions it has seen. */
     uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
@@ -225,6 +237,13 @@ void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
 struct box scene_bounds(const fnl_scene *scene);
 /** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range). */
 float light_effective_range(const fnl_light_params *light);
+/** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */
+vec3 light_up(vec3 direction, vec3 up);
+
+/** The hull of 4 .. 64 finite points; FNL_ERROR_INVALID (logged) when they have no volume. Freed by light_hull_free. */
+fnl_result light_hull_create(const fnl_host *host, const vec3 *points, uint32_t count, struct light_hull **out);
+/** Takes a light's hull away, if it has one. */
+void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
 /* ---- the parts ---- */
 

@@ -244,25 +244,42 @@ fnl_light_params fnl_light_params_default(void) {
         .range = INFINITY,
         .inner_cone_angle = 0,
         .outer_cone_angle = PI / 4,
+        .up = {0, 1, 0},
+        .length = 1,
+        .wedge_angles = {PI / 4, PI / 6},
+        .box_size = {1, 1, 1},
+        .inner_fraction = 0.7f,
     };
 }
 
-/** Checks a light's parameters and normalises its direction. */
+/** Checks a light's parameters and makes direction and up unit vectors at right angles. */
 static fnl_result check_light(const fnl_host *host, const fnl_light_params *params, fnl_light_params *out) {
     REQUIRE(host, params != NULL);
-    REQUIRE(host, params->kind >= FNL_LIGHT_DIRECTIONAL && params->kind <= FNL_LIGHT_SPOT);
+    REQUIRE(host, params->kind >= FNL_LIGHT_DIRECTIONAL && params->kind < FNL_LIGHT_KIND_COUNT);
     REQUIRE(host, vec3_finite(params->position));
     REQUIRE(host, vec3_finite(params->direction));
     REQUIRE(host, params->kind == FNL_LIGHT_POINT || vec3_length(params->direction) > 0);
     REQUIRE(host, all_in_range(params->color, 3, 0, FLT_MAX));
     REQUIRE(host, params->intensity >= 0 && isfinite(params->intensity));
-    REQUIRE(host, params->kind == FNL_LIGHT_DIRECTIONAL || params->range > 0);
+    REQUIRE(host, params->kind == FNL_LIGHT_DIRECTIONAL || params->kind == FNL_LIGHT_BOX || params->range > 0);
     if (params->kind == FNL_LIGHT_SPOT) {
         REQUIRE(host, params->outer_cone_angle > 0 && params->outer_cone_angle <= PI / 2 + 1e-6f);
         REQUIRE(host, params->inner_cone_angle >= 0 && params->inner_cone_angle <= params->outer_cone_angle);
     }
+    if (params->kind == FNL_LIGHT_CAPSULE) REQUIRE(host, params->length >= 0 && isfinite(params->length));
+    if (params->kind == FNL_LIGHT_WEDGE) {
+        REQUIRE(host, params->wedge_angles[0] > 0 && params->wedge_angles[0] <= 1.5f);
+        REQUIRE(host, params->wedge_angles[1] > 0 && params->wedge_angles[1] <= 1.5f);
+    }
+    if (params->kind == FNL_LIGHT_BOX)
+        REQUIRE(host, all_in_range(&params->box_size.x, 3, FLT_MIN, 1e18f)); /* the square of the diagonal stays finite */
+    if (params->kind == FNL_LIGHT_WEDGE || params->kind == FNL_LIGHT_BOX) {
+        REQUIRE(host, vec3_finite(params->up));
+        REQUIRE(host, params->inner_fraction >= 0 && params->inner_fraction <= 1);
+    }
     *out = *params;
     out->direction = vec3_normalize(params->direction);
+    out->up = light_up(out->direction, params->up);
     return FNL_OK;
 }
 
@@ -298,7 +315,29 @@ fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
     if (!scene) return FNL_ERROR_INVALID;
     REQUIRE(&scene->host, light_alive(scene, light));
     if (!array_push(&scene->host, &scene->free_lights, light.index)) return FNL_ERROR_MEMORY;
+    light_hull_free(scene, &scene->lights.data[light.index]);
     scene->lights.data[light.index].removed = true;
+    scene->light_version++;
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, light_alive(scene, light));
+    REQUIRE(&scene->host, (points != NULL) == (count > 0));
+    struct scene_light *target = &scene->lights.data[light.index];
+    if (!points) {
+        light_hull_free(scene, target);
+        scene->light_version++;
+        return FNL_OK;
+    }
+    REQUIRE(&scene->host, count >= 4 && count <= LIGHT_HULL_POINTS_MAX);
+    REQUIRE(&scene->host, all_finite(&points->x, count * 3ull));
+    struct light_hull *hull;
+    TRY(light_hull_create(&scene->host, points, count, &hull));
+    light_hull_free(scene, target);
+    target->hull = hull;
+    scene->hull_plane_count += hull->plane_count;
     scene->light_version++;
     return FNL_OK;
 }
@@ -371,6 +410,17 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
             break;
         case FNL_LIGHT_SPOT:
             out->spot_count++;
+            break;
+        case FNL_LIGHT_CAPSULE:
+            out->capsule_count++;
+            break;
+        case FNL_LIGHT_WEDGE:
+            out->wedge_count++;
+            break;
+        case FNL_LIGHT_BOX:
+            out->box_count++;
+            break;
+        case FNL_LIGHT_KIND_COUNT:
             break;
         }
     }
