@@ -2,6 +2,7 @@
 /* fanal render: loads a scene, renders it, writes pictures and numbers. */
 #include "render.h"
 
+#include "arguments.h"
 #include "commands.h"
 
 #include <errno.h>
@@ -41,6 +42,7 @@ static void print_help(void) {
          "Method\n"
          "  --shading KIND             forward forward-prepass deferred (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               all tiled clustered clustered-cpu (clustered)\n"
+         "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
          "\n"
@@ -64,61 +66,6 @@ static void print_help(void) {
 
 /* ---- reading arguments ---- */
 
-static bool bad_value(const char *option, const char *value, const char *wanted) {
-    fprintf(stderr, "fanal: error: --%s: '%s' is not %s\n", option, value, wanted);
-    return false;
-}
-
-static bool parse_integer(const char *option, const char *text, long long low, long long high, long long *out) {
-    char *end;
-    errno = 0;
-    *out = strtoll(text, &end, 10);
-    if (*text && !*end && errno == 0 && *out >= low && *out <= high) return true;
-    char wanted[96];
-    snprintf(wanted, sizeof wanted, "a whole number from %lld to %lld", low, high);
-    return bad_value(option, text, wanted);
-}
-
-static bool parse_number(const char *option, const char *text, double *out) {
-    char *end;
-    *out = strtod(text, &end);
-    return (*text && !*end && isfinite(*out)) || bad_value(option, text, "a number");
-}
-
-static bool parse_vector(const char *option, const char *text, fnl_vec3 *out) {
-    int used = 0;
-    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) &&
-        isfinite(out->y) && isfinite(out->z))
-        return true;
-    return bad_value(option, text, "three numbers such as 1,2.5,-3");
-}
-
-static bool parse_size(const char *text, fnl_frame *frame) {
-    char *end, *second_end;
-    unsigned long width = strtoul(text, &end, 10), height = *end == 'x' ? strtoul(end + 1, &second_end, 10) : 0;
-    if (end != text && *end == 'x' && second_end != end + 1 && !*second_end && width >= 1 && width <= 16384 && height >= 1 &&
-        height <= 16384) {
-        frame->width = (uint32_t)width;
-        frame->height = (uint32_t)height;
-        return true;
-    }
-    return bad_value("size", text, "a size such as 1280x720, with sides from 1 to 16384");
-}
-
-/* Index of `text` among the names that `name_of` gives for 0, 1, 2 … until NULL. */
-static bool parse_name(const char *option, const char *text, const char *(*name_of)(int), int *out) {
-    char wanted[256] = "one of";
-    for (int i = 0; name_of(i); i++) {
-        if (strcmp(text, name_of(i)) == 0) {
-            *out = i;
-            return true;
-        }
-        size_t length = strlen(wanted);
-        snprintf(wanted + length, sizeof wanted - length, " %s", name_of(i));
-    }
-    return bad_value(option, text, wanted);
-}
-
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
@@ -130,11 +77,11 @@ static const char *aov_name(int i) {
 
 static bool parse_aov(const char *text, uint32_t *aovs) {
     char copy[128];
-    if (strlen(text) >= sizeof copy) return bad_value("aov", text, "a list such as depth,normal");
+    if (strlen(text) >= sizeof copy) return argument_bad("aov", text, "a list such as depth,normal");
     strcpy(copy, text);
     for (char *part = strtok(copy, ","); part; part = strtok(NULL, ",")) {
         int index;
-        if (!parse_name("aov", part, aov_name, &index)) return false;
+        if (!argument_name("aov", part, aov_name, &index)) return false;
         *aovs |= 1u << index;
     }
     return true;
@@ -145,15 +92,15 @@ static bool parse_exposure(const char *text, fnl_frame *frame) {
     frame->exposure = strcmp(text, "auto") == 0   ? FNL_EXPOSURE_AUTO
                       : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE
                                                   : FNL_EXPOSURE_EV;
-    if (frame->exposure == FNL_EXPOSURE_EV && !parse_number("exposure", text, &ev)) return false;
+    if (frame->exposure == FNL_EXPOSURE_EV && !argument_number("exposure", text, &ev)) return false;
     frame->ev = (float)ev;
     return true;
 }
 
 static bool add_output(struct render_options *o, const char *path) {
     if (!render_has_extension(path, "png") && !render_has_extension(path, "exr"))
-        return bad_value("output", path, "a file that ends in .png or .exr");
-    if (o->output_count == RENDER_MAX_OUTPUTS) return bad_value("output", path, "among the first 16 outputs");
+        return argument_bad("output", path, "a file that ends in .png or .exr");
+    if (o->output_count == RENDER_MAX_OUTPUTS) return argument_bad("output", path, "among the first 16 outputs");
     o->outputs[o->output_count++] = path;
     return true;
 }
@@ -167,6 +114,7 @@ enum {
     O_FOV,
     O_SHADING,
     O_LISTS,
+    O_LIST_OPTION,
     O_MSAA,
     O_GBUFFER_PREPASS,
     O_LIGHTS,
@@ -197,65 +145,67 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->quiet = true;
         return true;
     case O_SIZE:
-        return parse_size(value, &o->frame);
+        return argument_size("size", value, &o->frame.width, &o->frame.height);
     case O_CAMERA:
         o->camera = value;
         return true;
     case O_EYE:
         o->has_eye = true;
-        return parse_vector("eye", value, &o->eye);
+        return argument_vector("eye", value, &o->eye);
     case O_LOOK_AT:
         o->has_look_at = true;
-        return parse_vector("look-at", value, &o->look_at);
+        return argument_vector("look-at", value, &o->look_at);
     case O_FOV:
-        if (!parse_number("fov", value, &number)) return false;
-        if (!(number > 0 && number < 180)) return bad_value("fov", value, "an angle between 0 and 180 degrees");
+        if (!argument_number("fov", value, &number)) return false;
+        if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
         o->fov = (float)(number * 3.14159265358979323846 / 180);
         return true;
     case O_SHADING:
         o->has_shading = true;
-        if (!parse_name("shading", value, shading_name, &index)) return false;
+        if (!argument_name("shading", value, shading_name, &index)) return false;
         o->frame.shading = (fnl_shading)index;
         return true;
     case O_LISTS:
-        if (!parse_name("lists", value, lists_name, &index)) return false;
+        if (!argument_name("lists", value, lists_name, &index)) return false;
         o->frame.lists = (fnl_light_lists)index;
         return true;
+    case O_LIST_OPTION:
+        return argument_list_options("list-option", value, &o->frame.list_options);
     case O_MSAA:
-        if (!parse_integer("msaa", value, 1, 8, &integer)) return false;
-        if (integer & (integer - 1)) return bad_value("msaa", value, "one of 1 2 4 8");
+        if (!argument_integer("msaa", value, 1, 8, &integer)) return false;
+        if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
         return true;
     case O_LIGHTS:
-        if (!parse_integer("lights", value, 0, 1 << 24, &integer)) return false;
+        if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
         o->light_count = (uint32_t)integer;
         return true;
     case O_LIGHT_SEED:
-        if (!parse_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
+        if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
         o->light_seed = (uint64_t)integer;
         return true;
     case O_EXPOSURE:
         return parse_exposure(value, &o->frame);
     case O_TONEMAP:
-        if (!parse_name("tonemap", value, tonemap_name, &index)) return false;
+        if (!argument_name("tonemap", value, tonemap_name, &index)) return false;
         o->frame.tonemap = (fnl_tonemap)index;
         return true;
     case O_BACKGROUND:
         o->has_background = true;
-        return parse_vector("background", value, &o->background);
+        return argument_vector("background", value, &o->background);
     case O_AMBIENT:
         o->has_ambient = true;
-        return parse_vector("ambient", value, &o->ambient);
+        return argument_vector("ambient", value, &o->ambient);
     case O_TIME:
-        return parse_number("time", value, &o->time);
+        return argument_number("time", value, &o->time);
     case O_ANIMATION:
         o->animation = value;
         return true;
     case O_FRAMES:
-        if (!parse_integer("frames", value, 1, 1000000, &integer)) return false;
+        if (!argument_integer("frames", value, 1, 1000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;
         return true;
     case O_DEVICE:
@@ -265,7 +215,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->validate = true;
         return true;
     case O_DEBUG:
-        if (!parse_name("debug", value, debug_name, &index)) return false;
+        if (!argument_name("debug", value, debug_name, &index)) return false;
         o->frame.debug = (fnl_debug_view)index;
         return true;
     case O_AOV:
@@ -291,6 +241,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"fov", required_argument, NULL, O_FOV},
                                              {"shading", required_argument, NULL, O_SHADING},
                                              {"lists", required_argument, NULL, O_LISTS},
+                                             {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"lights", required_argument, NULL, O_LIGHTS},

@@ -7,15 +7,16 @@
 #include "brdf.glsl"
 #include "lights/illuminate.glsl"
 
-// Counts of light evaluations, one per pixel, are written where this is 1.
+// Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface.
 layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
 
 vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
-// Outgoing radiance in cd/m^2. `counters` holds one uint per pixel; it is touched only where COUNT_LIGHTS is 1.
-vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth) {
+// Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
+// or LIGHT_NO_ITEM.
+vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
     vec3 to_view = to_viewer(v, s.position);
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
@@ -25,12 +26,20 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].direction);
     }
 
-    light_cursor cursor = lights_begin(lights, pixel, view_depth);
-    if (COUNT_LIGHTS == 1u) atomicAdd(counters.at[pixel.y * v.view.size.x + pixel.x], lights_count(cursor));
+    light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, item));
+    uint visited = 0u, useful = 0u;
     FOR_EACH_LIGHT(lights, cursor, light) {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, light, s.position, to_light);
-        if (illuminance != vec3(0.0)) sum += illuminance * brdf_cos(s, b, to_light);
+        if (COUNT_LIGHTS == 1u) visited++;
+        if (illuminance != vec3(0.0)) {
+            sum += illuminance * brdf_cos(s, b, to_light);
+            if (COUNT_LIGHTS == 1u) useful++;
+        }
+    }
+    if (COUNT_LIGHTS == 1u) {
+        atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
+        atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
 
     // Ambient: diffuse by the normal, specular by the mirror direction, both dimmed by occlusion.

@@ -18,6 +18,8 @@ typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
     FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
+    FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
+                                       transparent surfaces; no MSAA */
     FNL_SHADING_COUNT
 } fnl_shading;
 
@@ -27,8 +29,55 @@ typedef enum fnl_light_lists {
     FNL_LISTS_TILED,         /**< 16 x 16 pixel tiles with depth bounds, built on the GPU */
     FNL_LISTS_CLUSTERED,     /**< 64 x 64 pixel tiles times exponential depth slices, built on the GPU */
     FNL_LISTS_CLUSTERED_CPU, /**< the same clusters, built by threads on the CPU */
+    FNL_LISTS_MESH,          /**< a list for each drawn primitive; forward orders only */
+    FNL_LISTS_BATCHES, /**< the same, drawn in batches of like light counts by shaders of fixed loops; forward orders only */
+    FNL_LISTS_MULTIPASS, /**< one pass over the geometry per light, added up; forward-prepass only */
+    FNL_LISTS_GRID2D,    /**< a world-space grid seen from above */
+    FNL_LISTS_WORLD,     /**< world-space clusters, kept while the camera moves */
+    FNL_LISTS_HALFZ,     /**< tiles split in two at the middle of their depth range */
+    FNL_LISTS_25D,       /**< tiles with masks of occupied depth cells */
+    FNL_LISTS_ENHANCED,  /**< tiles whose entries carry a depth range that each pixel tests */
+    FNL_LISTS_TREE,      /**< tiles with a tree over the depth ranges of their lights, built on the CPU */
+    FNL_LISTS_BACKFACE,  /**< tiles that drop lights behind all of their normals */
+    FNL_LISTS_FINE,      /**< tiles that keep only lights whose volume holds a pixel */
+    FNL_LISTS_SPARSE,    /**< occupied clusters only, with tight bounds */
+    FNL_LISTS_BVH,       /**< clusters filled from a tree over the lights that is rebuilt in every frame */
+    FNL_LISTS_RASTER,    /**< clusters filled by conservative rasterisation of light meshes */
+    FNL_LISTS_ZBIN,      /**< bit masks of tiles, cut by bins of depth */
     FNL_LISTS_COUNT
 } fnl_light_lists;
+
+/** What a tile's bounds are, besides its depth range. */
+typedef enum fnl_tile_bounds {
+    FNL_TILE_BOUNDS_PLANES = 0, /**< four side planes */
+    FNL_TILE_BOUNDS_BOX,        /**< planes, then a box round the tile */
+    FNL_TILE_BOUNDS_PROJECTED,  /**< the light's bounding rectangle on the screen against the tile's pixels */
+    FNL_TILE_BOUNDS_COUNT
+} fnl_tile_bounds;
+
+/** How depth is cut into the slices of clusters. */
+typedef enum fnl_slices {
+    FNL_SLICES_EXPONENTIAL = 0, /**< each slice is as many times deeper as the last */
+    FNL_SLICES_LINEAR,          /**< equal depths */
+    FNL_SLICES_COUNT
+} fnl_slices;
+
+/** Settings of the light lists; each names the lists that heed it. None changes the picture. */
+typedef struct fnl_list_options {
+    uint32_t tile_size;          /**< pixels, 8, 16, 32 or 64; default 16. Lists of tiles */
+    fnl_tile_bounds tile_bounds; /**< default FNL_TILE_BOUNDS_BOX. tiled, halfz, 2.5d */
+    bool min_depth,
+        max_depth;   /**< lights before the nearest, beyond the farthest pixel of a tile are left out; default true. tiled */
+    bool cone_tests; /**< spots are tested as cones, not as spheres; default true. tiled, halfz, 2.5d, clustered, bvh */
+    uint32_t cluster_size;   /**< pixels, 8 .. 256; default 64. Lists of clusters */
+    uint32_t slices;         /**< 1 .. 1024; default 32. Lists of clusters */
+    fnl_slices distribution; /**< default exponential. Lists of clusters */
+    float cluster_near; /**< view depth in metres where the first slice ends, > 0; INFINITY (default): chosen by the scene */
+    float
+        cluster_far; /**< view depth where the last slice begins, > cluster_near; INFINITY (default): chosen by the scene */
+} fnl_list_options;
+
+FNL_API fnl_list_options fnl_list_options_default(void);
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -59,8 +108,13 @@ typedef enum fnl_debug_view {
 /** Names as the command line takes them, such as "forward-prepass"; NULL for a value out of range. */
 FNL_API const char *fnl_shading_name(fnl_shading shading);
 FNL_API const char *fnl_light_lists_name(fnl_light_lists lists);
+FNL_API const char *fnl_tile_bounds_name(fnl_tile_bounds bounds);
+FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
+
+/** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
+FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
 
 /** What a frame keeps for fnl_renderer_read; bits. */
 typedef enum fnl_output {
@@ -76,6 +130,7 @@ typedef struct fnl_frame {
     fnl_camera camera;      /**< default fnl_camera_default() */
     fnl_shading shading;    /**< default FNL_SHADING_DEFERRED */
     fnl_light_lists lists;  /**< default FNL_LISTS_CLUSTERED */
+    fnl_list_options list_options;
     uint32_t
         msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
     fnl_tonemap tonemap;     /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
@@ -110,10 +165,12 @@ typedef struct fnl_frame_stats {
     uint32_t lights_total,
         lights_in_view; /**< in_view counts those whose bounds touch the view; for `all` lists it is the total */
     uint64_t list_bytes, list_entries;
+    uint64_t list_used_bytes;       /**< the part of list_bytes that this frame's lights and cells fill */
     uint32_t cells, overflow_cells; /**< cells that used all lights because the pool was too small in this frame */
     uint32_t lights_dropped;        /**< always 0: that is the contract */
-    bool evaluations_counted;       /**< the next three are only known with fnl_frame.count_lights */
+    bool evaluations_counted;       /**< the next four are only known with fnl_frame.count_lights */
     uint64_t evaluations;           /**< lights visited by shaded fragments, directional lights left out */
+    uint64_t evaluations_useful; /**< those that reach the fragment's surface point: the least that any list could visit */
     double mean_per_pixel;
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The one loop over the lights of a pixel. Shading never knows which list it got:
 //
-//     light_cursor cursor = lights_begin(list, pixel, view_depth);
+//     light_cursor cursor = lights_begin(list, point);
 //     FOR_EACH_LIGHT(list, cursor, light) { sum += ...list.list.lights.at[light]...; }
 //
 // The kind of list is the specialisation constant LIST_KIND. Every kind gives the lights in ascending order, so the sums are
@@ -22,6 +22,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer lig
 
 layout(constant_id = 0) const uint LIST_KIND = GPU_LIST_ALL;
 
+// Who asks for lights: what a kind of list may find its cell by.
+struct light_point {
+    uvec2 pixel;
+    float view_depth;
+    vec3 position; // world space
+    vec3 normal;   // world space; in deferred shading exactly the G-buffer's
+    uint item;     // draw item; LIGHT_NO_ITEM in deferred shading
+};
+const uint LIGHT_NO_ITEM = 0xffffffffu;
+
 struct light_cursor {
     uint next, end; // positions
     bool direct;    // a position is a light, not an index into ids
@@ -32,30 +42,40 @@ uint slice_of(light_list_block l, float view_depth) {
     return uint(clamp(slice, 0.0, float(l.list.slices - 1u)));
 }
 
-uint cell_of(light_list_block l, uvec2 pixel, float view_depth) {
-    uvec2 tile = min(pixel / l.list.tile_size, uvec2(l.list.tiles_x, l.list.tiles_y) - 1u);
-    uint slice = LIST_KIND == GPU_LIST_CLUSTERS ? slice_of(l, view_depth) : 0u;
+uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_size, uvec2(l.list.tiles_x, l.list.tiles_y) - 1u); }
+
+uint cell_of(light_list_block l, light_point p) {
+    uvec2 tile = tile_of(l, p.pixel);
+    uint slice = LIST_KIND == GPU_LIST_CLUSTERS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;
 }
 
-light_cursor lights_begin(light_list_block l, uvec2 pixel, float view_depth) {
-    if (LIST_KIND == GPU_LIST_ALL) return light_cursor(0u, l.list.local_count, true);
-    gpu_cell cell = l.list.cells.at[cell_of(l, pixel, view_depth)];
-    if (cell.count == GPU_CELL_ALL) return light_cursor(0u, l.list.local_count, true);
+light_cursor lights_begin(light_list_block l, light_point p) {
+    light_cursor c = light_cursor(0u, l.list.local_count, true);
+    if (LIST_KIND == GPU_LIST_ALL) return c;
+    gpu_cell cell = l.list.cells.at[cell_of(l, p)];
+    if (cell.count == GPU_CELL_ALL) return c;
     return light_cursor(cell.offset, cell.offset + cell.count, false);
 }
 
-// How many lights the loop will visit.
-uint lights_count(light_cursor cursor) { return cursor.end - cursor.next; }
-
-// Index into list.lights of the light under the cursor.
-uint lights_get(light_list_block l, light_cursor cursor) {
-    uint id = cursor.next;
-    if (!cursor.direct) id = l.list.ids.at[id];
-    return l.list.directional_count + id;
+// Moves on; false at the end. `light` is an index into list.lights.
+bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
+    light = 0u;
+    if (c.next >= c.end) return false;
+    uint id = c.next++;
+    if (!c.direct) id = l.list.ids.at[id];
+    light = l.list.directional_count + id;
+    return true;
 }
 
-#define FOR_EACH_LIGHT(list, cursor, light)                                                                             \
-    for (uint light; cursor.next < cursor.end && (light = lights_get(list, cursor), true); cursor.next++)
+#define FOR_EACH_LIGHT(list, cursor, light) for (uint light; lights_next(list, cursor, light);)
+
+// How many lights the loop visits for a point.
+uint lights_count(light_list_block l, light_point p) {
+    light_cursor c = lights_begin(l, p);
+    uint count = 0u;
+    FOR_EACH_LIGHT(l, c, light) count++;
+    return count;
+}
 
 #endif

@@ -14,7 +14,7 @@ struct frame_state {
     struct gpu_view view;
     VkDeviceAddress view_address;
     struct geometry_draws draws;
-    graph_image radiance, depth;
+    graph_image radiance;
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure;
     struct aov_images aov;
@@ -55,63 +55,23 @@ static fnl_result add_view(struct frame_state *f) {
 
 /* ---- light lists ---- */
 
-/* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
-static struct clustered_params cluster_params(const struct frame_state *f) {
-    struct clustered_params params = clustered_params_default();
-    struct box bounds = f->r->device_scene.bounds;
-    float far = 1;
-    if (!box_is_empty(&bounds))
-        for (int i = 0; i < 8; i++) {
-            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
-                           i & 4 ? bounds.high.z : bounds.low.z};
-            far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
-        }
-    params.far = fminf(far, 1e6f);
-    params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
-    params.pool_capacity = f->r->pool_capacity;
-    return params;
-}
-
-static void add_lists(struct frame_state *f) {
-    struct light_input *input = &f->scene->lights;
-    /* Clusters need no depth and are built beside the drawing; tiles would only wait for it. */
-    input->queue = f->frame->lists == FNL_LISTS_CLUSTERED ? GRAPH_QUEUE_ASYNC : GRAPH_QUEUE_GRAPHICS;
-    gpu_device *device = f->r->device;
-    switch (f->frame->lists) {
-    case FNL_LISTS_TILED: {
-        struct lights_in_view in_view = lights_in_view_add(f->graph, device, input);
-        struct tiled_params params = tiled_params_default();
-        params.pool_capacity = f->r->pool_capacity;
-        f->lights = tiled_add(f->graph, device, input, &in_view, f->depth, &params);
-        f->blend_lights = f->lights;
-        if (f->depth.id && has_blend(f)) { /* glass stands in front of what the depth shows (ES-44) */
-            params.min_depth = false;
-            params.second = true;
-            f->blend_lights = tiled_add(f->graph, device, input, &in_view, f->depth, &params);
-        }
-        return;
-    }
-    case FNL_LISTS_CLUSTERED: {
-        struct lights_in_view in_view = lights_in_view_add(f->graph, device, input);
-        struct clustered_params params = cluster_params(f);
-        f->lights = clustered_add(f->graph, device, input, &in_view, &params);
-        break;
-    }
-    case FNL_LISTS_CLUSTERED_CPU: {
-        struct clustered_params params = cluster_params(f);
-        struct clustered_cpu_view view = {f->view.ndc_scale, f->view.ndc_offset, f->frame->camera.orthographic,
-                                          f->frame->width, f->frame->height};
-        f->lights =
-            clustered_cpu_add(&f->r->clustered_cpu, device, input,
-                              input->local_count ? f->r->device_scene.light_data.data + input->directional_count : NULL,
-                              &f->view.world_to_view, &view, &params);
-        break;
-    }
-    default:
-        f->lights = light_list_all_add(f->graph, device, input);
-        break;
-    }
-    f->blend_lights = f->lights;
+static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
+    struct lists_context context = {.graph = f->graph,
+                                    .device = f->r->device,
+                                    .frame = f->frame,
+                                    .view = &f->view,
+                                    .device_scene = &f->r->device_scene,
+                                    .scene = &f->scene->geometry,
+                                    .draws = &f->draws,
+                                    .input = &f->scene->lights,
+                                    .state = &f->r->lists,
+                                    .depth = depth,
+                                    .normals = normals,
+                                    .has_blend = has_blend(f),
+                                    .pool_capacity = f->r->pool_capacity};
+    lists_add(&context);
+    f->lights = context.lights;
+    f->blend_lights = context.blend_lights;
 }
 
 /* ---- shading ---- */
@@ -154,12 +114,10 @@ static void add_shading(struct frame_state *f) {
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
     if (is_deferred(f->frame)) {
         struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
-        f->depth = depth;
-        add_lists(f);
+        add_lists(f, depth, gbuffer.normal);
         deferred_add(f->graph, &input, &gbuffer, f->radiance, depth);
     } else {
-        if (prepass) f->depth = depth; /* a single pass has no depth to bound its tiles with */
-        add_lists(f);
+        add_lists(f, prepass ? depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
         forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
     }
     if (has_blend(f)) {
@@ -323,6 +281,9 @@ static void note_stats(struct frame_state *f) {
     s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (has_prepass(f->frame) ? 2 : 1) +
                geometry_draw_count(scene, GEOMETRY_BLEND);
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
+    r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
+    r->entry_bytes = f->lights.entry_bytes;
+    r->blend_entry_bytes = f->blend_lights.entry_bytes;
     r->totals_known = f->lights.totals_known;
     r->known_totals = f->lights.known;
 }

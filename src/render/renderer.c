@@ -9,15 +9,29 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
 
 const char *fnl_light_lists_name(fnl_light_lists lists) {
-    static const char *const names[] = {"all", "tiled", "clustered", "clustered-cpu"};
+    static const char *const names[] = {"all",    "tiled",  "clustered", "clustered-cpu", "mesh",     "batches", "multipass",
+                                        "grid2d", "world",  "halfz",     "2.5d",          "enhanced", "tree",    "backface",
+                                        "fine",   "sparse", "bvh",       "raster",        "zbin"};
     _Static_assert(COUNT_OF(names) == FNL_LISTS_COUNT, "each has a name");
     return NAME_OF(names, lists);
+}
+
+const char *fnl_tile_bounds_name(fnl_tile_bounds bounds) {
+    static const char *const names[] = {"planes", "box", "projected"};
+    _Static_assert(COUNT_OF(names) == FNL_TILE_BOUNDS_COUNT, "each has a name");
+    return NAME_OF(names, bounds);
+}
+
+const char *fnl_slices_name(fnl_slices slices) {
+    static const char *const names[] = {"exponential", "linear"};
+    _Static_assert(COUNT_OF(names) == FNL_SLICES_COUNT, "each has a name");
+    return NAME_OF(names, slices);
 }
 
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
@@ -32,12 +46,25 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
     return NAME_OF(names, view);
 }
 
+fnl_list_options fnl_list_options_default(void) {
+    return (fnl_list_options){.tile_size = 16,
+                              .tile_bounds = FNL_TILE_BOUNDS_BOX,
+                              .min_depth = true,
+                              .max_depth = true,
+                              .cone_tests = true,
+                              .cluster_size = 64,
+                              .slices = 32,
+                              .cluster_near = INFINITY,
+                              .cluster_far = INFINITY};
+}
+
 fnl_frame fnl_frame_default(void) {
     return (fnl_frame){.width = 1280,
                        .height = 720,
                        .camera = fnl_camera_default(),
                        .shading = FNL_SHADING_DEFERRED,
                        .lists = FNL_LISTS_CLUSTERED,
+                       .list_options = fnl_list_options_default(),
                        .msaa = 1,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,
@@ -58,7 +85,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->scene = scene;
     r->pool_capacity = POOL_START;
     device_scene_init(&r->device_scene, device, scene);
-    clustered_cpu_init(&r->clustered_cpu, &r->host);
+    lists_init(&r->lists, &r->host);
     fnl_result result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
         result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
@@ -73,7 +100,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     gpu_wait_idle(r->device);
     graph_destroy(&r->graph);
     device_scene_finish(&r->device_scene);
-    clustered_cpu_finish(&r->clustered_cpu);
+    lists_finish(&r->lists, r->device);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
     gpu_buffer_destroy(r->device, &r->draws);
@@ -100,9 +127,9 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i) TRY(keep_buffer(r, &r->outputs[i], "output", pixels * output_pixel_size(i)));
     if (!frame->count_lights) return FNL_OK;
-    /* Exactly one counter per pixel: the whole buffer is summed. */
-    if (r->counters.size != pixels * 4) gpu_buffer_destroy(r->device, &r->counters);
-    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 4));
+    /* Exactly two counters per pixel: the whole buffer is summed. */
+    if (r->counters.size != pixels * 8) gpu_buffer_destroy(r->device, &r->counters);
+    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 8));
     return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
 }
 
@@ -112,13 +139,19 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, camera_valid(&frame->camera));
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
+    TRY(lists_check(host, &frame->list_options));
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
-    if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1) {
+    if (!fnl_lists_supported(frame->shading, frame->lists)) {
+        log_error(host, "%s lists do not go with %s shading", fnl_light_lists_name(frame->lists),
+                  fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->shading >= FNL_SHADING_DEFERRED && frame->msaa > 1) {
         log_error(host, "deferred shading has no MSAA; use a forward order or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
@@ -242,8 +275,9 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     const uint32_t *counters = r->counters.mapped;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
     for (uint64_t i = 0; i < pixels; i++) {
-        s->evaluations += counters[i];
-        s->max_per_pixel = MAX(s->max_per_pixel, counters[i]);
+        s->evaluations += counters[2 * i];
+        s->evaluations_useful += counters[2 * i + 1];
+        s->max_per_pixel = MAX(s->max_per_pixel, counters[2 * i]);
     }
     s->mean_per_pixel = (double)s->evaluations / (double)pixels;
     s->evaluations_counted = true;
@@ -269,6 +303,8 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->lights_in_view = lights.in_view + r->device_scene.directional_count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
     out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
+    out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +
+                           counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, out);

@@ -4,8 +4,8 @@
 
 #include "fanal/renderer.h"
 #include "passes/debug/debug.h"
-#include "passes/lights/clustered.h"
 #include "render/device_scene.h"
+#include "render/lists.h"
 #include "render/view.h"
 
 /** What the GPU writes for the CPU in each frame. */
@@ -24,9 +24,9 @@ struct fnl_renderer {
     struct graph *graph;
     struct device_scene device_scene;
     struct device_scene_frame scene_frame; /* of the frame being made */
-    struct clustered_cpu clustered_cpu;
+    struct lists_state lists; /* what builders keep from frame to frame */
+    uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
     bool force_async;       /* tests: passes for the compute queue go through it even where it is the graphics queue */
-    uint32_t pool_capacity; /* entries of the id pool; grows after an overflow */
 
     /* The last frame, and where its results are. */
     fnl_frame frame;
@@ -39,6 +39,8 @@ struct fnl_renderer {
     fnl_frame_stats stats;                      /* the parts that the CPU knows */
     struct light_totals known_totals;
     bool totals_known;
+    uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
+    uint32_t entry_bytes, blend_entry_bytes;
     ARRAY(fnl_pass_time) pass_times;
     double cpu_milliseconds;
 };

@@ -99,6 +99,7 @@ static void execute_view(const struct graph_context *context, const void *data) 
                                   .overdraw = d->overdraw.id ? graph_address(context, d->overdraw) : 0,
                                   .albedo = graph_sampled(context, d->aov.albedo),
                                   .normal = graph_sampled(context, d->aov.normal),
+                                  .position = graph_sampled(context, d->aov.position),
                                   .target = graph_storage(context, d->target),
                                   .swap = d->swap,
                                   .mode = d->mode};
@@ -115,6 +116,7 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(pass, aov->position, GRAPH_SAMPLE_COMPUTE);
     if (overdraw.id) graph_use_buffer(pass, overdraw, GRAPH_READ_COMPUTE);
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
     graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);

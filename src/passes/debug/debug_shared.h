@@ -21,6 +21,7 @@ struct gpu_debug_push {
     ADDRESS(uint_array) overdraw; /* fragments per pixel, for GPU_DEBUG_OVERDRAW */
     uint albedo;                  /* sampled: base colour, roughness */
     uint normal;                  /* sampled: normal, view depth */
+    uint position;                /* sampled: world position, draw item + 1 */
     uint target;                  /* storage */
     uint swap;                    /* 1: red and blue change places */
     uint mode;

@@ -46,11 +46,6 @@ bool legend(ivec2 pixel, out vec3 color) {
     return true;
 }
 
-uint pixel_light_count(uvec2 pixel, float view_depth) {
-    light_cursor cursor = lights_begin(push.lights, pixel, view_depth);
-    return lights_count(cursor);
-}
-
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
@@ -66,7 +61,9 @@ void main() {
     if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)])) *
                                             float(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)] != 0u);
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
-        uint count = sky && LIST_KIND != GPU_LIST_TILES ? 0u : pixel_light_count(uvec2(pixel), sky ? 1.0 : normal.w);
+        vec4 position = texelFetch(textures[push.position], pixel, 0);
+        light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
+        uint count = sky && LIST_KIND != GPU_LIST_TILES ? 0u : lights_count(push.lights, point);
         vec3 map = count == 0u ? vec3(0.0) : heat(count_level(count));
         color = mode == GPU_DEBUG_LIGHT_COUNT ? mix(vec3(grey), map, 0.8) : vec3(grey) * 0.5;
         if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {

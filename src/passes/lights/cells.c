@@ -136,5 +136,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .ids = data.ids,
                                .cell_count = data.cell_count,
                                .byte_count = data.cell_count * sizeof(struct gpu_cell) + build->pool_capacity * 4ull,
+                               .fixed_bytes = data.cell_count * sizeof(struct gpu_cell),
+                               .entry_bytes = 4,
                                .totals = totals.totals};
 }

@@ -187,6 +187,8 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
     header->ids = ids.address;
     list.cell_count = builder->cells.count;
     list.byte_count = cell_bytes + builder->ids.count * 4ull;
+    list.fixed_bytes = cell_bytes;
+    list.entry_bytes = 4;
     list.known = (struct light_totals){.in_view = builder->in_view,
                                        .entries = (uint32_t)MIN(builder->entry_count, (uint64_t)UINT32_MAX),
                                        .overflow_cells = builder->overflow_cells};

@@ -28,7 +28,9 @@ struct light_list {
     graph_buffer lights;     /* light_input.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
     uint32_t cell_count;
-    uint64_t byte_count; /* of cells and pool */
+    uint64_t byte_count;  /* of cells and pool */
+    uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
+    uint32_t entry_bytes; /* what an entry of the pool takes */
     /* Where the counts of this frame are found: on the GPU in `totals` (struct light_totals), or already known. */
     graph_buffer totals;
     bool totals_known;

@@ -24,6 +24,6 @@ void main() {
     vec3 position = (push.view.view.view_to_world * vec4(view_position, 1.0)).xyz;
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
     surface s = gbuffer_unpack(g, position, emissive);
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth);
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
 }

@@ -15,7 +15,7 @@ void main() {
     if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane.
     float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(gl_FragCoord.xy), view_depth);
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(gl_FragCoord.xy), view_depth, in_ids.y);
     // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).
     out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
 }

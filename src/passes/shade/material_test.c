@@ -71,9 +71,9 @@ static void test_cutout_holes(void **state) {
     fnl_light_id id;
     assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
     fnl_renderer *renderer = test_renderer(scene);
-    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT + 1; shading++) {
-        frame.shading = shading < FNL_SHADING_COUNT ? (fnl_shading)shading : FNL_SHADING_DEFERRED;
-        frame.gbuffer_prepass = shading == FNL_SHADING_COUNT;
+    for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 2; shading++) {
+        frame.shading = shading < FNL_SHADING_DEFERRED + 1 ? (fnl_shading)shading : FNL_SHADING_DEFERRED;
+        frame.gbuffer_prepass = shading == FNL_SHADING_DEFERRED + 1;
         test_render_frame(renderer, &frame);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), position = test_read(renderer, FNL_OUTPUT_POSITION);
         for (uint32_t y = 0; y < 64; y++)
@@ -145,7 +145,7 @@ static void test_blend_order(void **state) {
     place_square(scene, &wall, (vec3){0, 0, 0});
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
     fnl_renderer *renderer = test_renderer(scene);
-    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++) {
+    for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
         frame.shading = (fnl_shading)shading;
         test_render_frame(renderer, &frame);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
@@ -434,7 +434,7 @@ static void test_occlusion_dims_only_ambient(void **state) {
 
 static void test_unlit_and_emission(void **state) {
     UNUSED(state);
-    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++) {
+    for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
         fnl_scene *scene = test_scene();
         add_front_light(scene);
         assert_int_equal(fnl_scene_set_ambient(scene, (vec3){1, 1, 1}, (vec3){1, 1, 1}), FNL_OK);
@@ -476,7 +476,7 @@ static void test_points_and_lines(void **state) {
     UNUSED(state);
     static const vec3 positions[] = {{-0.984375f, -0.484375f, 0}, {0.984375f, -0.484375f, 0}, {0.515625f, 0.515625f, 0}};
     static const uint32_t line[] = {0, 1}, point[] = {2};
-    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++)
+    for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++)
         for (int blend = 0; blend < 2; blend++) {
             fnl_scene *scene = test_scene();
             struct scene_material material = test_unlit(0.25f, 1, 0.5f);

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+#include "arguments.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool argument_bad(const char *option, const char *value, const char *wanted) {
+    fprintf(stderr, "fanal: error: --%s: '%s' is not %s\n", option, value, wanted);
+    return false;
+}
+
+bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out) {
+    char *end;
+    errno = 0;
+    *out = strtoll(text, &end, 10);
+    if (*text && !*end && errno == 0 && *out >= low && *out <= high) return true;
+    char wanted[96];
+    snprintf(wanted, sizeof wanted, "a whole number from %lld to %lld", low, high);
+    return argument_bad(option, text, wanted);
+}
+
+bool argument_number(const char *option, const char *text, double *out) {
+    char *end;
+    *out = strtod(text, &end);
+    return (*text && !*end && isfinite(*out)) || argument_bad(option, text, "a number");
+}
+
+bool argument_vector(const char *option, const char *text, fnl_vec3 *out) {
+    int used = 0;
+    if (sscanf(text, "%f,%f,%f%n", &out->x, &out->y, &out->z, &used) == 3 && !text[used] && isfinite(out->x) &&
+        isfinite(out->y) && isfinite(out->z))
+        return true;
+    return argument_bad(option, text, "three numbers such as 1,2.5,-3");
+}
+
+bool argument_size(const char *option, const char *text, uint32_t *out_width, uint32_t *out_height) {
+    char *end, *second_end;
+    unsigned long width = strtoul(text, &end, 10), height = *end == 'x' ? strtoul(end + 1, &second_end, 10) : 0;
+    if (end != text && *end == 'x' && second_end != end + 1 && !*second_end && width >= 1 && width <= 16384 && height >= 1 &&
+        height <= 16384) {
+        *out_width = (uint32_t)width;
+        *out_height = (uint32_t)height;
+        return true;
+    }
+    return argument_bad(option, text, "a size such as 1280x720, with sides from 1 to 16384");
+}
+
+bool argument_name(const char *option, const char *text, const char *(*name_of)(int), int *out) {
+    char wanted[512] = "one of";
+    for (int i = 0; name_of(i); i++) {
+        if (strcmp(text, name_of(i)) == 0) {
+            *out = i;
+            return true;
+        }
+        size_t length = strlen(wanted);
+        snprintf(wanted + length, sizeof wanted - length, " %s", name_of(i));
+    }
+    return argument_bad(option, text, wanted);
+}
+
+/* ---- settings of the light lists ---- */
+
+static const char *tile_bounds_name(int i) { return fnl_tile_bounds_name((fnl_tile_bounds)i); }
+static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
+
+enum setting_kind { SETTING_INTEGER, SETTING_NUMBER, SETTING_SWITCH, SETTING_NAME };
+
+static const struct setting {
+    const char *key, *help;
+    size_t offset;
+    enum setting_kind kind;
+    long long low, high;           /* of integers */
+    const char *(*name_of)(int i); /* of names */
+} settings[] = {
+#define FIELD(field) offsetof(fnl_list_options, field)
+    {"tile-size", "8, 16, 32 or 64 pixels (16)", FIELD(tile_size), SETTING_INTEGER, 8, 64, NULL},
+    {"tile-bounds", "planes, box or projected (box)", FIELD(tile_bounds), SETTING_NAME, 0, 0, tile_bounds_name},
+    {"min-depth", "on or off: leave out lights before the nearest pixel of a tile (on)", FIELD(min_depth), SETTING_SWITCH, 0,
+     0, NULL},
+    {"max-depth", "on or off: leave out lights beyond the farthest pixel of a tile (on)", FIELD(max_depth), SETTING_SWITCH,
+     0, 0, NULL},
+    {"cone-tests", "on or off: test spots as cones (on)", FIELD(cone_tests), SETTING_SWITCH, 0, 0, NULL},
+    {"cluster-size", "8 .. 256 pixels (64)", FIELD(cluster_size), SETTING_INTEGER, 8, 256, NULL},
+    {"slices", "1 .. 1024 (32)", FIELD(slices), SETTING_INTEGER, 1, 1024, NULL},
+    {"distribution", "exponential or linear slices (exponential)", FIELD(distribution), SETTING_NAME, 0, 0, slices_name},
+    {"cluster-near", "metres to the end of the first slice (by the scene)", FIELD(cluster_near), SETTING_NUMBER, 0, 0, NULL},
+    {"cluster-far", "metres to the start of the last slice (by the scene)", FIELD(cluster_far), SETTING_NUMBER, 0, 0, NULL},
+#undef FIELD
+};
+enum { SETTING_COUNT = sizeof settings / sizeof settings[0] };
+
+static bool set(const struct setting *s, const char *value, fnl_list_options *out) {
+    void *field = (char *)out + s->offset;
+    long long integer;
+    double number;
+    int index;
+    switch (s->kind) {
+    case SETTING_INTEGER:
+        if (!argument_integer(s->key, value, s->low, s->high, &integer)) return false;
+        if (s->offset == offsetof(fnl_list_options, tile_size) && (integer & (integer - 1)))
+            return argument_bad(s->key, value, "one of 8 16 32 64");
+        *(uint32_t *)field = (uint32_t)integer;
+        return true;
+    case SETTING_NUMBER:
+        if (!argument_number(s->key, value, &number)) return false;
+        if (!(number > 0)) return argument_bad(s->key, value, "a number above 0");
+        *(float *)field = (float)number;
+        return true;
+    case SETTING_SWITCH:
+        if (strcmp(value, "on") != 0 && strcmp(value, "off") != 0) return argument_bad(s->key, value, "on or off");
+        *(bool *)field = strcmp(value, "on") == 0;
+        return true;
+    default:
+        if (!argument_name(s->key, value, s->name_of, &index)) return false;
+        memcpy(field, &index, sizeof index); /* enums have the size of int */
+        return true;
+    }
+}
+
+static void argument_list_options_help(void) {
+    puts("Settings of the light lists, KEY=VALUE, several with commas between; the picture is the same with all of them:");
+    for (int i = 0; i < SETTING_COUNT; i++) printf("  %-14s %s\n", settings[i].key, settings[i].help);
+}
+
+bool argument_list_options(const char *option, const char *text, fnl_list_options *out) {
+    if (strcmp(text, "help") == 0) {
+        argument_list_options_help();
+        exit(0);
+    }
+    char copy[512];
+    if (strlen(text) >= sizeof copy) return argument_bad(option, text, "shorter than 512 characters");
+    strcpy(copy, text);
+    for (char *part = strtok(copy, ","); part; part = strtok(NULL, ",")) {
+        char *value = strchr(part, '=');
+        if (!value) return argument_bad(option, part, "KEY=VALUE");
+        *value++ = 0;
+        const struct setting *found = NULL;
+        for (int i = 0; i < SETTING_COUNT; i++)
+            if (strcmp(part, settings[i].key) == 0) found = &settings[i];
+        if (!found) return argument_bad(option, part, "a setting of the lists; '--list-option help' prints them");
+        if (!set(found, value, out)) return false;
+    }
+    if (out->cluster_near >= out->cluster_far && !isinf(out->cluster_near)) {
+        fprintf(stderr, "fanal: error: --%s: cluster-near must be less than cluster-far\n", option);
+        return false;
+    }
+    return true;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/** Reading values of options. On a bad value all print one line that names the option and what it takes, and return false. */
+#ifndef FNL_CLI_ARGUMENTS_H
+#define FNL_CLI_ARGUMENTS_H
+
+#include "fanal/fanal.h"
+
+/** Prints "--option: 'value' is not wanted"; returns false. */
+bool argument_bad(const char *option, const char *value, const char *wanted);
+bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out);
+bool argument_number(const char *option, const char *text, double *out);
+/** Three numbers: "1,2.5,-3". */
+bool argument_vector(const char *option, const char *text, fnl_vec3 *out);
+/** "1280x720". */
+bool argument_size(const char *option, const char *text, uint32_t *out_width, uint32_t *out_height);
+/** Index of `text` among the names that `name_of` gives for 0, 1, 2 … until NULL. */
+bool argument_name(const char *option, const char *text, const char *(*name_of)(int), int *out);
+/** "KEY=VALUE,KEY=VALUE…" of the light lists; "help" prints all keys and ends the program. */
+bool argument_list_options(const char *option, const char *text, fnl_list_options *out);
+
+#endif

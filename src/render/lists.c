@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/lists.h"
+
+/* ---- life ---- */
+
+void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu_init(&state->clustered_cpu, host); }
+
+void lists_finish(struct lists_state *state, gpu_device *device) {
+    UNUSED(device);
+    clustered_cpu_finish(&state->clustered_cpu);
+}
+
+fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
+    REQUIRE(host, o->tile_size == 8 || o->tile_size == 16 || o->tile_size == 32 || o->tile_size == 64);
+    REQUIRE(host, (uint32_t)o->tile_bounds < FNL_TILE_BOUNDS_COUNT);
+    REQUIRE(host, o->cluster_size >= 8 && o->cluster_size <= 256);
+    REQUIRE(host, o->slices >= 1 && o->slices <= 1024);
+    REQUIRE(host, (uint32_t)o->distribution < FNL_SLICES_COUNT);
+    REQUIRE(host, o->cluster_near > 0 && o->cluster_far > 0); /* no NaN */
+    REQUIRE(host, isinf(o->cluster_near) || isinf(o->cluster_far) || o->cluster_near < o->cluster_far);
+    return FNL_OK;
+}
+
+/* ---- the builders ---- */
+
+static struct lights_in_view in_view(struct lists_context *c) { return lights_in_view_add(c->graph, c->device, c->input); }
+
+static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c->graph, c->device, c->input); }
+
+static struct tiled_params tiled_params(const struct lists_context *c) {
+    struct tiled_params params = tiled_params_default();
+    params.tile_size = c->frame->list_options.tile_size;
+    params.min_depth = c->frame->list_options.min_depth;
+    params.max_depth = c->frame->list_options.max_depth;
+    params.pool_capacity = c->pool_capacity;
+    return params;
+}
+
+static void add_tiled(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct tiled_params params = tiled_params(c);
+    c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
+    if (c->depth.id && c->has_blend) { /* glass stands in front of what the depth shows (ES-44) */
+        params.min_depth = false;
+        params.second = true;
+        c->blend_lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
+    }
+}
+
+/* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
+static struct clustered_params cluster_params(const struct lists_context *c) {
+    const fnl_list_options *options = &c->frame->list_options;
+    struct clustered_params params = clustered_params_default();
+    params.tile_size = options->cluster_size;
+    params.slices = options->slices;
+    struct box bounds = c->device_scene->bounds;
+    float far = 1;
+    if (!box_is_empty(&bounds))
+        for (int i = 0; i < 8; i++) {
+            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
+                           i & 4 ? bounds.high.z : bounds.low.z};
+            far = fmaxf(far, -mat4_point(&c->view->world_to_view, corner).z);
+        }
+    params.far = isinf(options->cluster_far) ? fminf(far, 1e6f) : options->cluster_far;
+    params.near =
+        isinf(options->cluster_near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->cluster_near;
+    params.near = fminf(params.near, params.far * 0.5f);
+    params.pool_capacity = c->pool_capacity;
+    return params;
+}
+
+static void add_clustered(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct clustered_params params = cluster_params(c);
+    c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
+}
+
+static void add_clustered_cpu(struct lists_context *c) {
+    const struct light_input *input = c->input;
+    struct clustered_params params = cluster_params(c);
+    struct clustered_cpu_view view = {c->view->ndc_scale, c->view->ndc_offset, c->frame->camera.orthographic,
+                                      c->frame->width, c->frame->height};
+    c->lights = clustered_cpu_add(&c->state->clustered_cpu, c->device, input,
+                                  input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL,
+                                  &c->view->world_to_view, &view, &params);
+}
+
+/* ---- the table ---- */
+
+enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
+
+static const struct builder {
+    void (*add)(struct lists_context *context);
+    enum graph_queue queue; /* async for those that need nothing of the frame: they are built beside the drawing */
+    uint32_t limits;
+} builders[FNL_LISTS_COUNT] = {
+    [FNL_LISTS_ALL] = {add_all, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_TILED] = {add_tiled, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_CLUSTERED] = {add_clustered, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, 0},
+    /* Each kind takes its row here. */
+    [FNL_LISTS_MESH] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
+    [FNL_LISTS_BATCHES] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
+    [FNL_LISTS_MULTIPASS] = {NULL, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
+    [FNL_LISTS_GRID2D] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_WORLD] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_HALFZ] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_25D] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_ENHANCED] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_TREE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_FINE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_SPARSE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_BVH] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_ZBIN] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+};
+
+bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
+    if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT || !builders[lists].add) return false;
+    if (shading == FNL_SHADING_DEFERRED_VOLUMES) return false;
+    if (builders[lists].limits & FORWARD_ONLY)
+        return shading == FNL_SHADING_FORWARD || shading == FNL_SHADING_FORWARD_PREPASS;
+    if (builders[lists].limits & PREPASS_ONLY) return shading == FNL_SHADING_FORWARD_PREPASS;
+    return true;
+}
+
+void lists_add(struct lists_context *c) {
+    const struct builder *builder = &builders[c->frame->lists];
+    c->input->queue = builder->queue;
+    c->blend_lights = (struct light_list){0};
+    builder->add(c);
+    if (!c->blend_lights.header) c->blend_lights = c->lights;
+}

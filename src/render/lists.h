@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/** Which builder makes the light lists of a frame, and with what. One row per kind of lists in lists.c. */
+#ifndef FNL_RENDER_LISTS_H
+#define FNL_RENDER_LISTS_H
+
+#include "fanal/renderer.h"
+#include "passes/geometry/geometry.h"
+#include "passes/lights/clustered.h"
+#include "passes/lights/light_list.h"
+#include "render/device_scene.h"
+#include "view_shared.h"
+
+/** What builders keep from frame to frame. */
+struct lists_state {
+    struct clustered_cpu clustered_cpu;
+};
+void lists_init(struct lists_state *state, const fnl_host *host);
+/** The device is idle. */
+void lists_finish(struct lists_state *state, gpu_device *device);
+
+/** Fails with a log line unless the options are in range. */
+fnl_result lists_check(const fnl_host *host, const fnl_list_options *options);
+
+struct lists_context {
+    struct graph *graph;
+    gpu_device *device;
+    const fnl_frame *frame;
+    const struct gpu_view *view;
+    const struct device_scene *device_scene;
+    struct geometry_scene *scene;
+    const struct geometry_draws *draws;
+    struct light_input *input;
+    struct lists_state *state;
+    graph_image depth;   /* of everything opaque; id 0: not known before shading */
+    graph_image normals; /* of the G-buffer; id 0: none */
+    bool has_blend;
+    uint32_t pool_capacity;
+    struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
+};
+void lists_add(struct lists_context *context);
+
+#endif
