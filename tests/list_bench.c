@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/list_bench.h"
 
+#include "tests/light_reference.h"
+
 /* ---- reading back ---- */
 
 struct readback_data {
@@ -401,13 +403,12 @@ void reference_check(const struct list_request *request, const struct list_copy 
 }
 
 bool light_reaches(const fnl_light_params *light, const double point[3]) {
-    double d[3] = {point[0] - (double)light->position.x, point[1] - (double)light->position.y,
-                   point[2] - (double)light->position.z};
-    double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    if (light->kind == FNL_LIGHT_DIRECTIONAL || distance >= (double)light_effective_range(light)) return false;
-    if (light->kind == FNL_LIGHT_POINT || distance == 0) return true;
-    double along = d[0] * (double)light->direction.x + d[1] * (double)light->direction.y + d[2] * (double)light->direction.z;
-    return along > distance * cos((double)light->outer_cone_angle);
+    const double at[3] = {light->position.x, light->position.y, light->position.z};
+    double to_light[3];
+    if (light->kind == FNL_LIGHT_DIRECTIONAL) return false;
+    /* At its very position a light has no direction, but it is there. */
+    if (light->kind <= FNL_LIGHT_SPOT && at[0] == point[0] && at[1] == point[1] && at[2] == point[2]) return true;
+    return light_reference(light, point, to_light) > 0;
 }
 
 /* ---- made-up views, lights and depths ---- */

@@ -86,7 +86,7 @@ void list_random_lights(const struct gpu_view *view, struct random_state *random
 /** Slanted surfaces with jumps, and sky; reversed. To be freed. */
 float *list_random_depth(const struct gpu_view *view, struct random_state *random);
 
-/** Whether a world-space point is lit by the light: nearer than its range, and in the cone of a spot. */
+/** Whether the volume of a light of any shape (without a hull) holds a world-space point. */
 bool light_reaches(const fnl_light_params *light, const double point[3]);
 void view_to_world(const struct gpu_view *view, const double from[3], double out[3]);
 /** View-space position of a point on the screen (pixels from the top left) at a view depth. */

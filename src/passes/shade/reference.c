@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/reference.h"
 
+#include "tests/light_reference.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -60,29 +62,11 @@ static void brdf_cos(const struct reference_surface *s, const double l[3], const
     }
 }
 
-/* Lux at right angles to the ray (KHR_lights_punctual); an infinite range is where 0.05 lux are left (fanal/scene.h). */
+/* Lux at right angles to the ray, with colour. */
 static bool illuminate(const fnl_light_params *light, const double position[3], double l[3], double out[3]) {
-    double color[3], direction[3] = {light->direction.x, light->direction.y, light->direction.z},
-                     length = sqrt(dot3(direction, direction));
-    for (int i = 0; i < 3; i++) color[i] = (double)light->color[i] * light->intensity;
-    double factor = 1;
-    if (light->kind == FNL_LIGHT_DIRECTIONAL) {
-        for (int i = 0; i < 3; i++) l[i] = -direction[i] / length;
-    } else {
-        double ray[3] = {light->position.x - position[0], light->position.y - position[1], light->position.z - position[2]};
-        double distance = sqrt(dot3(ray, ray)), range = isinf(light->range) ? sqrt(max3(color) / 0.05) : light->range;
-        if (distance == 0) return false;
-        for (int i = 0; i < 3; i++) l[i] = ray[i] / distance;
-        factor = fmax(fmin(1 - pow(distance / range, 4), 1), 0) / (distance * distance);
-    }
-    if (light->kind == FNL_LIGHT_SPOT) {
-        double scale = 1 / fmax(0.001, cos(light->inner_cone_angle) - cos(light->outer_cone_angle));
-        double offset = -cos(light->outer_cone_angle) * scale;
-        double ramp = clamp01(-dot3(direction, l) / length * scale + offset);
-        factor *= ramp * ramp;
-    }
-    for (int i = 0; i < 3; i++) out[i] = color[i] * factor;
-    return factor > 0;
+    double strength = light_reference(light, position, l);
+    for (int i = 0; i < 3; i++) out[i] = strength * light->color[i] * light->intensity;
+    return strength > 0;
 }
 
 /* Ambient light blends from ground to sky by height. The specular part takes it from the mirror direction, through the fit

@@ -120,19 +120,26 @@ static void add_spheres(fnl_scene *scene, struct scene_material materials[MATERI
 }
 
 static void add_mixed_lights(fnl_scene *scene, fnl_light_params lights[LIGHTS]) {
+    static const fnl_light_kind kinds[] = {FNL_LIGHT_SPOT, FNL_LIGHT_POINT, FNL_LIGHT_CAPSULE, FNL_LIGHT_WEDGE, FNL_LIGHT_BOX};
     struct random_state random = {20};
     for (uint32_t i = 0; i < LIGHTS; i++) {
         fnl_light_params *l = &lights[i];
         *l = fnl_light_params_default();
-        l->kind = i % 10 == 0 ? FNL_LIGHT_DIRECTIONAL : i % 2 ? FNL_LIGHT_POINT : FNL_LIGHT_SPOT;
+        l->kind = i % 10 == 0 ? FNL_LIGHT_DIRECTIONAL : kinds[i % COUNT_OF(kinds)];
         l->position = (vec3){random_range(&random, -5, 5), random_range(&random, 0, 3), random_range(&random, -5, 3)};
         l->direction = vec3_normalize(
             (vec3){random_range(&random, -1, 1), random_range(&random, -1.5f, -0.2f), random_range(&random, -1, 1)});
         for (int c = 0; c < 3; c++) l->color[c] = random_range(&random, 0.2f, 1);
         l->intensity = l->kind == FNL_LIGHT_DIRECTIONAL ? 0.5f : random_range(&random, 1, 8);
+        if (l->kind == FNL_LIGHT_BOX) l->intensity *= 0.2f;
         l->range = i % 3 == 0 ? INFINITY : random_range(&random, 1.5f, 6);
         l->outer_cone_angle = random_range(&random, 0.3f, PI / 2);
         l->inner_cone_angle = i % 4 == 0 ? l->outer_cone_angle : random_range(&random, 0, l->outer_cone_angle);
+        l->up = (vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)};
+        l->length = i % 3 == 0 ? 0 : random_range(&random, 0.1f, 4);
+        for (int k = 0; k < 2; k++) l->wedge_angles[k] = random_range(&random, 0.2f, 1.4f);
+        l->box_size = (vec3){random_range(&random, 0.5f, 4), random_range(&random, 0.5f, 4), random_range(&random, 1, 9)};
+        l->inner_fraction = random_range(&random, 0, 0.95f);
         fnl_light_id id;
         assert_int_equal(fnl_scene_add_light(scene, l, &id), FNL_OK);
     }
@@ -160,11 +167,12 @@ static void test_mixed_lights(void **state) {
         test_render_frame(renderer, &frame);
         uint32_t covered;
         double error = compare_with_reference(renderer, &frame.camera, &setup, 1e-4, &covered);
-        print_message("50 mixed lights, %s: largest relative error %.2g over %u pixels\n", fnl_light_lists_name(frame.lists),
+        print_message("50 mixed lights of six kinds, %s: largest relative error %.2g over %u pixels\n", fnl_light_lists_name(frame.lists),
                       error, covered);
         assert_true(covered > 4000 && error < TOLERANCE);
     }
     /* Orthographic and off-axis views see along other directions. */
+    frame.lists = FNL_LISTS_CLUSTERED;
     frame.camera.orthographic = true;
     frame.camera.vertical_extent = 6;
     frame.camera.shift = (vec2){0.1f, -0.2f};
@@ -519,7 +527,7 @@ static void test_automatic_exposure(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        {"ES-1: 50 mixed lights match the reference, with every list", test_mixed_lights, NULL, NULL, NULL},
+        {"ES-1: 50 mixed lights of all shapes match the reference, with every list", test_mixed_lights, NULL, NULL, NULL},
         cmocka_unit_test(test_materials_in_closed_form),
         cmocka_unit_test(test_light_limits),
         cmocka_unit_test(test_directional_light),

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// A convex solid with eight corners round each light: a box whose far four corners may be spread wider than the near four, down to a
+// pyramid whose near four meet in the apex (M. Mikkelsen, "Fine Pruned Tiled Light Lists", GPU Pro 7, 2.1). Its twin on the CPU is
+// src/passes/lights/light_proxy.c; a test compares them.
+#ifndef LIGHTS_PROXY_GLSL
+#define LIGHTS_PROXY_GLSL
+
+#include "lights/iterate.glsl"
+
+// Half widths near and far across one axis of a pyramid with this tangent, cut by a sphere round its apex. From 60 degrees on a prism
+// as wide as the sphere's part is smaller.
+vec2 light_proxy_spread(float range, float tangent) {
+    float cosine = inversesqrt(1.0 + tangent * tangent);
+    return cosine > 0.5 ? vec2(0.0, range * tangent) : vec2(range * cosine * tangent);
+}
+
+// Corners in world space. Bit 0 of the index: across (side), bit 1: up, bit 2: along the direction, far when set. They hold all that
+// the light lights, not only what its hull leaves of it.
+void light_corners(gpu_light light, out vec3 corners[8]) {
+    vec3 side = vec3(1.0, 0.0, 0.0), up = vec3(0.0, 1.0, 0.0), along = vec3(0.0, 0.0, 1.0), center = light.position;
+    vec2 x = vec2(light.range), y = vec2(light.range), z = vec2(-light.range, light.range); // near and far
+    if (light.kind != GPU_LIGHT_POINT) {
+        side = light.side;
+        along = light.direction;
+        up = cross(side, along);
+    }
+    if (light.kind == GPU_LIGHT_SPOT) {
+        // Rounding of the ramp may light a hair more than the cone.
+        float cosine = -light.spot_offset / light.spot_scale - 4e-7, sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+        x = cosine > 0.5 ? vec2(0.0, light.range * sine / cosine) : vec2(light.range * sine);
+        y = x;
+        z = vec2(min(0.0, light.range * cosine), light.range);
+    } else if (light.kind == GPU_LIGHT_CAPSULE) {
+        x = y = vec2(light.size.y);
+        z = vec2(-light.size.x - light.size.y, light.size.x + light.size.y);
+    } else if (light.kind == GPU_LIGHT_WEDGE) {
+        x = light_proxy_spread(light.range, light.size.x);
+        y = light_proxy_spread(light.range, light.size.y);
+        z = vec2(0.0, light.range);
+    } else if (light.kind == GPU_LIGHT_BOX) {
+        x = vec2(light.size.x);
+        y = vec2(light.size.y);
+        z = vec2(-light.size.z, light.size.z);
+    }
+    if (light.hull_count != 0u && 8.0 * light.bound_radius * light.bound_radius * light.bound_radius <
+                                      (z.y - z.x) * (x.x + x.y) * (y.x + y.y)) {
+        center = light.bound_center;
+        x = y = vec2(light.bound_radius);
+        z = vec2(-light.bound_radius, light.bound_radius);
+    }
+    float slack = 1e-5 * light.range + 1e-6 * length(center);
+    z += vec2(-slack, slack);
+    x = x * (1.0 + 1e-5) + slack;
+    y = y * (1.0 + 1e-5) + slack;
+    for (uint i = 0u; i < 8u; i++) {
+        bool far = (i & 4u) != 0u;
+        vec2 half_size = far ? vec2(x.y, y.y) : vec2(x.x, y.x);
+        corners[i] = center + side * ((i & 1u) != 0u ? half_size.x : -half_size.x) + up * ((i & 2u) != 0u ? half_size.y : -half_size.y) +
+                     along * (far ? z.y : z.x);
+    }
+}
+
+#endif
