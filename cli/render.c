@@ -36,12 +36,18 @@ static void print_help(void) {
          "Scene\n"
          "  --lights N                 scatters N point and spot lights through the scene\n"
          "  --light-seed S             where they fall (1)\n"
+         "  --light-shapes LIST        which: point,spot,capsule,wedge,box, each with =SHARE or not (point=3,spot=1)\n"
+         "  --light-scale X            their radius times X (1)\n"
+         "  --range-roughness R        lights without a range reach as far as highlights of roughness R do (1)\n"
          "  --time SECONDS             pose of the animation (0)\n"
          "  --animation NAME|INDEX     which animation (0)\n"
          "\n"
          "Method\n"
-         "  --shading KIND             forward forward-prepass deferred (deferred; with MSAA forward-prepass)\n"
-         "  --lists KIND               all tiled clustered clustered-cpu (clustered)\n"
+         "  --shading KIND             forward forward-prepass deferred deferred-volumes auto\n"
+         "                             (deferred; with MSAA forward-prepass)\n"
+         "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
+         "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
+         "                             enhanced tree backface fine sparse bvh raster zbin\n"
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
@@ -119,6 +125,9 @@ enum {
     O_GBUFFER_PREPASS,
     O_LIGHTS,
     O_LIGHT_SEED,
+    O_LIGHT_SHAPES,
+    O_LIGHT_SCALE,
+    O_RANGE_ROUGHNESS,
     O_EXPOSURE,
     O_TONEMAP,
     O_BACKGROUND,
@@ -181,11 +190,24 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
-        o->light_count = (uint32_t)integer;
+        o->scatter.count = (uint32_t)integer;
         return true;
     case O_LIGHT_SEED:
         if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
-        o->light_seed = (uint64_t)integer;
+        o->scatter.seed = (uint64_t)integer;
+        return true;
+    case O_LIGHT_SHAPES:
+        return argument_light_shapes("light-shapes", value, &o->scatter);
+    case O_LIGHT_SCALE:
+        if (!argument_number("light-scale", value, &number)) return false;
+        if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
+        o->scatter.radius_scale = (float)number;
+        return true;
+    case O_RANGE_ROUGHNESS:
+        if (!argument_number("range-roughness", value, &number)) return false;
+        if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
+        o->has_range_roughness = true;
+        o->range_roughness = (float)number;
         return true;
     case O_EXPOSURE:
         return parse_exposure(value, &o->frame);
@@ -246,6 +268,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
+                                             {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
+                                             {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
+                                             {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},
                                              {"tonemap", required_argument, NULL, O_TONEMAP},
                                              {"background", required_argument, NULL, O_BACKGROUND},
@@ -276,7 +301,7 @@ static bool check_options(struct render_options *o) {
 }
 
 int command_render(int argc, char **argv) {
-    struct render_options o = {.frame = fnl_frame_default(), .light_seed = 1, .frame_count = 1};
+    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1};
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {

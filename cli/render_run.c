@@ -88,7 +88,8 @@ static bool load_scene(const struct render_options *o, const fnl_host *host, fnl
     if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
     if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
-    if (o->light_count && fnl_scene_scatter_lights(*scene, o->light_count, o->light_seed) != FNL_OK) return false;
+    if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
+    if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
     if (!add_default_light(o, *scene)) return false;
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
@@ -194,10 +195,27 @@ static bool note_frame(struct render_report *report, uint32_t index, const fnl_f
     return true;
 }
 
+/* Lets auto decide before anything is timed; a single frame takes what is remembered or likely. */
+static bool settle_choice(const struct render_options *o, fnl_renderer *renderer, fnl_frame *frame) {
+    enum { MOST_FRAMES = 100 };
+    if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) return true;
+    fnl_frame_stats stats = {.choosing = true};
+    fnl_frame trial = *frame;
+    trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
+    for (uint32_t i = 0; o->frame_count > 1 && stats.choosing && i < MOST_FRAMES; i++) {
+        show_progress(o, "choosing", i, 60);
+        if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
+            return false;
+    }
+    frame->pin_choice = true;
+    return true;
+}
+
 /* One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is saved. */
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
                        struct render_report *report) {
     report->frame_count = o->frame_count;
+    if (!settle_choice(o, renderer, &frame)) return false;
     report->cpu_times = calloc(o->frame_count, sizeof(double));
     report->gpu_times = calloc(o->frame_count, sizeof(double));
     if (!report->cpu_times || !report->gpu_times) return false;

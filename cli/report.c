@@ -42,8 +42,9 @@ void report_print(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     printf("%s, %s\n", r->device.name, r->device.driver);
     printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
-           r->frame.height, fnl_shading_name(r->frame.shading), fnl_light_lists_name(r->frame.lists), r->frame.msaa,
+           r->frame.height, fnl_shading_name(s->shading), fnl_light_lists_name(s->lists), r->frame.msaa,
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
+    if (s->choice[0]) printf("auto: %s\n", s->choice);
     struct summary gpu = summarise(r->gpu_times, r->frame_count), cpu = summarise(r->cpu_times, r->frame_count);
     printf("\n  %-28s %10s %10s %10s\n", "pass, ms", "median", "min", "p95");
     double small = 0;
@@ -66,8 +67,9 @@ void report_print(const struct render_report *r) {
            s->lights_in_view, s->lights_total, s->list_entries, s->cells, (double)s->list_bytes / 1024, s->overflow_cells,
            s->lights_dropped);
     if (s->evaluations_counted)
-        printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u\n", s->evaluations, s->mean_per_pixel,
-               s->max_per_pixel);
+        printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u; %.2f times those that reach the surface\n",
+               s->evaluations, s->mean_per_pixel, s->max_per_pixel,
+               (double)s->evaluations / (double)(s->evaluations_useful ? s->evaluations_useful : 1));
     printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
@@ -88,20 +90,24 @@ static json_t *make_json(const struct render_report *r) {
         json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "total", integer(s->lights_total), "in_view", integer(s->lights_in_view),
                   "list_bytes", integer(s->list_bytes), "list_entries", integer(s->list_entries), "overflow_cells",
                   integer(s->overflow_cells), "dropped", integer(s->lights_dropped));
+    json_object_set_new(lights, "list_used_bytes", integer(s->list_used_bytes));
     json_object_set_new(lights, "evaluations", integer(s->evaluations));
+    json_object_set_new(lights, "evaluations_useful", integer(s->evaluations_useful));
     json_object_set_new(lights, "mean_per_pixel", json_real(s->mean_per_pixel));
     json_object_set_new(lights, "max_per_pixel", integer(s->max_per_pixel));
-    return json_pack(
-        "{s:{s:s,s:s,s:s},s:{s:o,s:o,s:o},s:{s:i,s:i,s:s,s:s,s:i},s:o,s:{s:f,s:f},s:o,s:i,s:{s:o,s:o,s:o},s:f,s:{s:o,s:o}}",
-        "device", "name", r->device.name, "driver", r->device.driver, "type", fnl_device_type_name(r->device.type), "scene",
-        "triangles", integer(r->scene.triangle_count), "instances", integer(r->scene.instance_count), "lights",
-        integer(s->lights_total), "view", "width", (int)r->frame.width, "height", (int)r->frame.height, "shading",
-        fnl_shading_name(r->frame.shading), "lists", fnl_light_lists_name(r->frame.lists), "msaa", (int)r->frame.msaa,
-        "passes", passes, "frame", "gpu_ms_median", summarise(r->gpu_times, r->frame_count).median, "cpu_ms_median",
-        summarise(r->cpu_times, r->frame_count).median, "lights", lights, "draws", (int)s->draws, "culling", "items",
-        integer(s->items), "items_visible", integer(s->items_visible), "triangles_visible", integer(s->triangles_visible),
-        "ev", (double)s->ev, "memory", "device_bytes", integer(s->device_bytes), "peak_bytes",
-        integer(s->device_peak_bytes));
+    json_t *choice = s->choice[0] ? json_string(s->choice) : json_null();
+    return json_pack("{s:{s:s,s:s,s:s},s:{s:o,s:o,s:o},s:{s:i,s:i,s:s,s:s,s:i,s:o},s:o,s:{s:f,s:f},s:o,s:i,s:{s:o,s:o,s:o},"
+                     "s:f,s:{s:o,s:o}}",
+                     "device", "name", r->device.name, "driver", r->device.driver, "type",
+                     fnl_device_type_name(r->device.type), "scene", "triangles", integer(r->scene.triangle_count),
+                     "instances", integer(r->scene.instance_count), "lights", integer(s->lights_total), "view", "width",
+                     (int)r->frame.width, "height", (int)r->frame.height, "shading", fnl_shading_name(s->shading), "lists",
+                     fnl_light_lists_name(s->lists), "msaa", (int)r->frame.msaa, "choice", choice, "passes", passes, "frame",
+                     "gpu_ms_median", summarise(r->gpu_times, r->frame_count).median, "cpu_ms_median",
+                     summarise(r->cpu_times, r->frame_count).median, "lights", lights, "draws", (int)s->draws, "culling",
+                     "items", integer(s->items), "items_visible", integer(s->items_visible), "triangles_visible",
+                     integer(s->triangles_visible), "ev", (double)s->ev, "memory", "device_bytes", integer(s->device_bytes),
+                     "peak_bytes", integer(s->device_peak_bytes));
 }
 
 bool report_save(const struct render_report *r, const char *path) {

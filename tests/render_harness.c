@@ -46,6 +46,7 @@ fnl_device *harness_device(void) { return device; }
 
 struct stage stage_open_scene(fnl_scene *scene) {
     struct stage stage = {.scene = scene, .frame = fnl_frame_default()};
+    stage.frame.lists = FNL_LISTS_CLUSTERED;
     uint32_t place = 0;
     while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;
     assert_true(place < COUNT_OF(open_stages));

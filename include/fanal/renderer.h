@@ -20,6 +20,7 @@ typedef enum fnl_shading {
     FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
+    FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
 } fnl_shading;
 
@@ -44,6 +45,7 @@ typedef enum fnl_light_lists {
     FNL_LISTS_BVH,       /**< clusters filled from a tree over the lights that is rebuilt in every frame */
     FNL_LISTS_RASTER,    /**< clusters filled by conservative rasterisation of light meshes */
     FNL_LISTS_ZBIN,      /**< bit masks of tiles, cut by bins of depth */
+    FNL_LISTS_AUTO,      /**< the fastest of those that give the same bits, found by measuring them in the first frames */
     FNL_LISTS_COUNT
 } fnl_light_lists;
 
@@ -129,18 +131,23 @@ typedef struct fnl_frame {
     uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
     fnl_camera camera;      /**< default fnl_camera_default() */
     fnl_shading shading;    /**< default FNL_SHADING_DEFERRED */
-    fnl_light_lists lists;  /**< default FNL_LISTS_CLUSTERED */
+    fnl_light_lists lists;  /**< default FNL_LISTS_AUTO */
     fnl_list_options list_options;
     uint32_t
         msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
-    fnl_tonemap tonemap;     /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
-    fnl_exposure exposure;   /**< default FNL_EXPOSURE_AUTO */
-    float ev;                /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
-    fnl_debug_view debug;    /**< default none */
-    uint32_t outputs;        /**< fnl_output bits; default FNL_OUTPUT_COLOR */
-    bool count_lights;       /**< count light evaluations exactly (slower); they then appear in the stats; default false */
-    bool timers;             /**< measure each pass on the GPU; default true */
-    bool gbuffer_prepass;    /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
+    fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
+    fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
+    float ev;              /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
+    fnl_debug_view debug;  /**< default none */
+    uint32_t outputs;      /**< fnl_output bits; default FNL_OUTPUT_COLOR */
+    bool count_lights;     /**< count light evaluations exactly (slower); they then appear in the stats; default false */
+    bool timers;           /**< measure each pass on the GPU; default true */
+    bool gbuffer_prepass;  /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
+    /**
+     * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
+     * run, or the likely one. For single frames, and where every frame must cost the same. Default false.
+     */
+    bool pin_choice;
     uint32_t record_threads; /**< threads that record commands; 0 (default): as many as the job system has */
 } fnl_frame;
 
@@ -180,6 +187,10 @@ typedef struct fnl_frame_stats {
     double gpu_milliseconds;       /**< sum of all passes; 0 without timers */
     float ev;                      /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
+    fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
+    fnl_light_lists lists;
+    bool choosing;      /**< auto is still measuring candidates */
+    const char *choice; /**< what auto chose by, or ""; owned by the renderer, valid until its next call */
     uint32_t pass_count;
     const fnl_pass_time *passes; /**< in order, owned by the renderer, valid until the next call on it */
 } fnl_frame_stats;

@@ -7,6 +7,7 @@
 #define FNL_GPU_GPU_H
 
 #include "base/base.h"
+#include "base/file.h"
 #include "fanal/device.h"
 #include "gpu/shader.h"
 
@@ -42,6 +43,13 @@ void gpu_fail(gpu_device *device, fnl_result result);
 struct gpu_memory_stats {
     uint64_t used_bytes, reserved_bytes, peak_used_bytes;
 };
+/**
+ * Small files beside the pipeline cache, one per stem, device and driver. Load is false when there is none; save fails silently, as
+ * what cannot be kept is no error.
+ */
+bool gpu_cache_load(gpu_device *device, const char *stem, struct file_view *out);
+void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size_t size);
+
 struct gpu_memory_stats gpu_memory_stats(const gpu_device *device);
 
 /* ---- buffers ---- */

@@ -102,6 +102,30 @@ fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder)
     return gpu_check(device, result, "vkCreatePipelineCache");
 }
 
+/** The path of another file of the folder, for the same device and driver. */
+static bool sibling_path(const gpu_device *device, const char *stem, char *out, size_t capacity) {
+    const char *path = device->pipelines.cache_path;
+    if (!path) return false;
+    const char *name = strrchr(path, '/') + 1;
+    int length = snprintf(out, capacity, "%.*s%s%s", (int)(name - path), path, stem, name + strlen("pipelines"));
+    return length > 0 && (size_t)length < capacity;
+}
+
+bool gpu_cache_load(gpu_device *device, const char *stem, struct file_view *out) {
+    char path[4096];
+    *out = (struct file_view){0};
+    return sibling_path(device, stem, path, sizeof path) && access(path, R_OK) == 0 &&
+           file_map(&device->host, path, out) == FNL_OK;
+}
+
+void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size_t size) {
+    char path[4096];
+    if (!sibling_path(device, stem, path, sizeof path)) return;
+    fnl_host quiet = device->host;
+    quiet.log = no_log;
+    if (file_save(&quiet, path, data, size) != FNL_OK) log_debug(&device->host, "%s: cannot be written", path);
+}
+
 void gpu_pipeline_cache_save(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
     size_t size = 0;
@@ -116,10 +140,7 @@ void gpu_pipeline_cache_save(gpu_device *device) {
         struct cache_header header = {.size = size, .hash = hash_bytes(bytes + sizeof header, size, HASH_SEED)};
         memcpy(header.magic, cache_magic, sizeof cache_magic);
         memcpy(bytes, &header, sizeof header);
-        fnl_host quiet = device->host; /* a cache that cannot be kept is no error */
-        quiet.log = no_log;
-        if (file_save(&quiet, pipelines->cache_path, bytes, sizeof header + size) != FNL_OK)
-            log_debug(&device->host, "%s: cannot be written", pipelines->cache_path);
+        gpu_cache_save(device, "pipelines", bytes, sizeof header + size);
     }
     host_free(&device->host, bytes, capacity);
 }

@@ -117,6 +117,12 @@ static const struct builder {
 };
 
 bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
+    if (shading == FNL_SHADING_AUTO) { /* some order */
+        bool any = false;
+        for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) any = any || fnl_lists_supported((fnl_shading)i, lists);
+        return any;
+    }
+    if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT || !builders[lists].add) return false;
     if (shading == FNL_SHADING_DEFERRED_VOLUMES) return false;
     if (builders[lists].limits & FORWARD_ONLY)

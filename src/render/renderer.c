@@ -9,7 +9,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -17,7 +17,7 @@ const char *fnl_shading_name(fnl_shading shading) {
 const char *fnl_light_lists_name(fnl_light_lists lists) {
     static const char *const names[] = {"all",    "tiled",  "clustered", "clustered-cpu", "mesh",     "batches", "multipass",
                                         "grid2d", "world",  "halfz",     "2.5d",          "enhanced", "tree",    "backface",
-                                        "fine",   "sparse", "bvh",       "raster",        "zbin"};
+                                        "fine",   "sparse", "bvh",       "raster",        "zbin",     "auto"};
     _Static_assert(COUNT_OF(names) == FNL_LISTS_COUNT, "each has a name");
     return NAME_OF(names, lists);
 }
@@ -63,13 +63,76 @@ fnl_frame fnl_frame_default(void) {
                        .height = 720,
                        .camera = fnl_camera_default(),
                        .shading = FNL_SHADING_DEFERRED,
-                       .lists = FNL_LISTS_CLUSTERED,
+                       .lists = FNL_LISTS_AUTO,
                        .list_options = fnl_list_options_default(),
                        .msaa = 1,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,
                        .outputs = FNL_OUTPUT_COLOR,
                        .timers = true};
+}
+
+/* ---- auto ---- */
+
+static void load_choices(fnl_renderer *r) {
+    struct file_view file;
+    if (!gpu_cache_load(r->device, "choices", &file)) return;
+    chooser_parse(&r->chooser, (const char *)file.data, file.size);
+    file_unmap(&file);
+}
+
+static void save_choices(fnl_renderer *r) {
+    if (!r->chooser.memory_changed) return;
+    r->chooser.memory_changed = false;
+    size_t size = chooser_print(&r->chooser, NULL, 0);
+    char *text = host_allocate(&r->host, size + 1);
+    if (!text) return;
+    chooser_print(&r->chooser, text, size + 1);
+    gpu_cache_save(r->device, "choices", text, size);
+    host_free(&r->host, text, size + 1);
+}
+
+/* Replaces auto by what this frame uses. */
+static void choose(fnl_renderer *r, fnl_frame *frame) {
+    r->asked = (struct choice){frame->shading, frame->lists};
+    if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) {
+        r->chooser.last = CHOOSER_CANDIDATES;
+        r->chooses = false;
+        return;
+    }
+    const struct device_scene *d = &r->device_scene;
+    uint64_t item_step = 0; /* a few objects more or less are the same scene */
+    for (uint32_t count = d->item_count; count; count >>= 1) item_step++;
+    const uint64_t parts[] = {item_step, d->buckets.count};
+    const fnl_camera *camera = &frame->camera;
+    struct choice_case at = {.asked = {frame->shading, frame->lists},
+                             .scene = hash_bytes(parts, sizeof parts, HASH_SEED),
+                             .light_count = (uint32_t)d->light_data.count - d->directional_count,
+                             .msaa = frame->msaa,
+                             .pixel_count = (uint64_t)frame->width * frame->height,
+                             .depth_first = frame->gbuffer_prepass,
+                             .eye = camera->position,
+                             .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
+                             .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
+    struct choice choice = chooser_pick(&r->chooser, &at, frame->pin_choice);
+    frame->shading = choice.shading;
+    frame->lists = choice.lists;
+    r->chooses = !frame->pin_choice && !frame->count_lights; /* counting slows a frame down */
+}
+
+/* Hands the chooser the times that have come in. */
+static void feed_chooser(fnl_renderer *r) {
+    for (uint64_t wanted; (wanted = chooser_wants(&r->chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
+        const struct graph_timer *timers;
+        uint32_t count;
+        double sum = -1;
+        if (graph_query_timers(r->graph, wanted, &timers, &count) && count > 0) {
+            sum = 0;
+            for (uint32_t i = 0; i < count; i++) sum += timers[i].milliseconds;
+        }
+        chooser_feed(&r->chooser, sum);
+    }
+    save_choices(r);
 }
 
 /* ---- life ---- */
@@ -86,6 +149,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->pool_capacity = POOL_START;
     device_scene_init(&r->device_scene, device, scene);
     lists_init(&r->lists, &r->host);
+    load_choices(r);
     fnl_result result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
         result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
@@ -151,7 +215,8 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->shading >= FNL_SHADING_DEFERRED && frame->msaa > 1) {
+    bool is_deferred = frame->shading == FNL_SHADING_DEFERRED || frame->shading == FNL_SHADING_DEFERRED_VOLUMES;
+    if (is_deferred && frame->msaa > 1) {
         log_error(host, "deferred shading has no MSAA; use a forward order or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
@@ -173,9 +238,10 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
 
-static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
+static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
                              const struct gpu_external_semaphores *external) {
     TRY(device_scene_prepare(&r->device_scene));
+    choose(r, frame);
     TRY(prepare_buffers(r, frame));
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
@@ -188,12 +254,14 @@ static fnl_result make_frame(fnl_renderer *r, const fnl_frame *frame, const stru
         return result;
     }
     struct graph_execute_params execute = {.record_threads = frame->record_threads,
-                                           .timers = frame->timers,
+                                           .timers = frame->timers || r->chooses,
                                            .force_async_on_graphics = r->force_async,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
+    if (r->chooses) chooser_note(&r->chooser, r->frame_number);
+    feed_chooser(r);
     r->frame_slot = slot;
     r->slot_frames[slot] = r->frame_number;
     r->cpu_milliseconds = (time_now() - start) * 1e3;
@@ -322,6 +390,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
             out->gpu_milliseconds += timers[i].milliseconds;
         }
     }
+    bool is_auto = r->asked.shading == FNL_SHADING_AUTO || r->asked.lists == FNL_LISTS_AUTO;
+    out->shading = r->frame.shading;
+    out->lists = r->frame.lists;
+    out->choosing = is_auto && r->chooser.state == CHOOSER_MEASURING;
+    out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;
     out->pass_count = r->pass_times.count;
     return FNL_OK;

@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/chooser.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+enum {
+    FEW_LIGHTS = 64,     /* up to here visiting all may be best */
+    MANY_LIGHTS = 16384, /* beyond, lists that test each cell against each light are not tried */
+    SETTLE_FRAMES = 240, /* a decision stands at least as long when only the view changes */
+    SLOW_FRAMES = 30,    /* so many frames in a row that are slower by SLOW_FACTOR end a decision */
+};
+#define SLOW_FACTOR 1.6
+
+/* ---- what is tried ---- */
+
+static bool is_deferred(fnl_shading shading) {
+    return shading == FNL_SHADING_DEFERRED || shading == FNL_SHADING_DEFERRED_VOLUMES;
+}
+
+/* Whether a pair is worth a try in this case, and gives the very same picture. */
+static bool worth(const struct choice_case *at, struct choice c) {
+    if (!fnl_lists_supported(c.shading, c.lists)) return false;
+    if (is_deferred(c.shading) && at->msaa > 1) return false;
+    /* With multisampling a shaded point may lie beyond the sampled depths of its tile: those lists may be off by a hair. */
+    bool uses_depth = c.lists == FNL_LISTS_TILED || c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D ||
+                      c.lists == FNL_LISTS_BACKFACE || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE;
+    if (uses_depth && (at->msaa > 1 || c.shading == FNL_SHADING_FORWARD)) return c.lists == FNL_LISTS_TILED && at->msaa == 1;
+    if (c.lists == FNL_LISTS_BACKFACE) return is_deferred(c.shading); /* needs normals */
+    return true;
+}
+
+/* Lists in the order of their chances. */
+static const fnl_light_lists few[] = {FNL_LISTS_ALL,  FNL_LISTS_TILED,    FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
+                                      FNL_LISTS_FINE, FNL_LISTS_BACKFACE, FNL_LISTS_ENHANCED};
+static const fnl_light_lists some[] = {FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
+                                       FNL_LISTS_BVH,    FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
+                                       FNL_LISTS_SPARSE, FNL_LISTS_HALFZ,     FNL_LISTS_25D};
+static const fnl_light_lists many[] = {FNL_LISTS_BVH, FNL_LISTS_SPARSE, FNL_LISTS_ZBIN, FNL_LISTS_FINE,
+                                       FNL_LISTS_CLUSTERED_CPU};
+
+static const fnl_light_lists *lists_for(const struct choice_case *at, uint32_t *count) {
+    if (at->light_count <= FEW_LIGHTS) {
+        *count = COUNT_OF(few);
+        return few;
+    }
+    if (at->light_count <= MANY_LIGHTS) {
+        *count = COUNT_OF(some);
+        return some;
+    }
+    *count = COUNT_OF(many);
+    return many;
+}
+
+static fnl_light_lists likely_lists(const struct choice_case *at, fnl_shading shading) {
+    uint32_t count;
+    const fnl_light_lists *lists = lists_for(at, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if ((lists[i] != FNL_LISTS_ALL || at->light_count <= 8) && worth(at, (struct choice){shading, lists[i]}))
+            return lists[i];
+    return fnl_lists_supported(shading, FNL_LISTS_CLUSTERED) ? FNL_LISTS_CLUSTERED : FNL_LISTS_ALL;
+}
+
+static const fnl_shading orders[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_FORWARD};
+
+struct choice chooser_guess(const struct choice_case *at) {
+    struct choice c = at->asked;
+    if (c.shading == FNL_SHADING_AUTO) {
+        c.shading = FNL_SHADING_FORWARD_PREPASS;
+        for (uint32_t i = COUNT_OF(orders); i-- > 0;) {
+            struct choice pair = {orders[i], c.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : c.lists};
+            if (fnl_lists_supported(pair.shading, pair.lists) && !(is_deferred(pair.shading) && at->msaa > 1))
+                c.shading = pair.shading;
+        }
+    }
+    if (c.lists == FNL_LISTS_AUTO) c.lists = likely_lists(at, c.shading);
+    return c;
+}
+
+static void add_candidate(struct chooser *c, struct choice choice) {
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (c->candidates[i].choice.shading == choice.shading && c->candidates[i].choice.lists == choice.lists) return;
+    if (c->candidate_count < CHOOSER_CANDIDATES)
+        c->candidates[c->candidate_count++] = (struct chooser_candidate){.choice = choice};
+}
+
+static void add_orders(struct chooser *c, const struct choice_case *at) {
+    for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
+        struct choice pair = {orders[i], at->asked.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : at->asked.lists};
+        if (fnl_lists_supported(pair.shading, pair.lists) && !(is_deferred(pair.shading) && at->msaa > 1))
+            add_candidate(c, pair);
+    }
+}
+
+static void add_lists(struct chooser *c, const struct choice_case *at, fnl_shading shading) {
+    uint32_t count;
+    const fnl_light_lists *lists = lists_for(at, &count);
+    add_candidate(c, (struct choice){shading, c->choice.lists});
+    for (uint32_t i = 0; i < count; i++) {
+        struct choice pair = {shading, lists[i]};
+        if (worth(at, pair)) add_candidate(c, pair);
+    }
+}
+
+/* ---- memory ---- */
+
+/* Counts of like size share a key: steps of a factor of two. */
+static uint64_t step_of(uint64_t count) {
+    uint64_t step = 0;
+    while (count >>= 1) step++;
+    return step;
+}
+
+static uint64_t key_of(const struct choice_case *at) {
+    uint64_t parts[] = {at->scene,
+                        (uint64_t)at->asked.shading,
+                        (uint64_t)at->asked.lists,
+                        step_of(at->light_count),
+                        step_of(at->pixel_count),
+                        at->msaa,
+                        at->depth_first};
+    return hash_bytes(parts, sizeof parts, HASH_SEED);
+}
+
+static void remember(struct chooser *c, struct remembered_choice entry) {
+    uint32_t i = 0;
+    while (i < c->memory_count && c->memory[i].key != entry.key) i++;
+    if (i == CHOOSER_MEMORY) i--; /* the first entry is the oldest */
+    bool known = i < c->memory_count && c->memory[i].key == entry.key;
+    uint32_t first = known ? i : 0;
+    if (known || c->memory_count == CHOOSER_MEMORY) {
+        memmove(&c->memory[first], &c->memory[first + 1], (c->memory_count - first - 1) * sizeof entry);
+        c->memory_count--;
+    }
+    c->memory[c->memory_count++] = entry;
+}
+
+static const struct remembered_choice *recall(const struct chooser *c, uint64_t key) {
+    for (uint32_t i = 0; i < c->memory_count; i++)
+        if (c->memory[i].key == key) return &c->memory[i];
+    return NULL;
+}
+
+size_t chooser_print(const struct chooser *c, char *text, size_t capacity) {
+    size_t length = 0;
+    for (uint32_t i = 0; i < c->memory_count; i++) {
+        const struct remembered_choice *m = &c->memory[i];
+        int n = snprintf(text ? text + MIN(length, capacity) : NULL, text ? capacity - MIN(length, capacity) : 0,
+                         "%016" PRIx64 " %s %s %.4f\n", m->key, fnl_shading_name(m->choice.shading),
+                         fnl_light_lists_name(m->choice.lists), m->milliseconds);
+        length += n > 0 ? (size_t)n : 0;
+    }
+    return length;
+}
+
+void chooser_parse(struct chooser *c, const char *text, size_t length) {
+    for (size_t at = 0; at < length;) {
+        const char *end = memchr(text + at, '\n', length - at);
+        size_t size = end ? (size_t)(end - (text + at)) : length - at;
+        char line[128], shading[32], lists[32];
+        struct remembered_choice entry = {.choice = {FNL_SHADING_COUNT, FNL_LISTS_COUNT}};
+        if (size < sizeof line) {
+            memcpy(line, text + at, size);
+            line[size] = 0;
+            if (sscanf(line, "%" SCNx64 " %31s %31s %lf", &entry.key, shading, lists, &entry.milliseconds) == 4) {
+                for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+                    if (strcmp(shading, fnl_shading_name((fnl_shading)i)) == 0) entry.choice.shading = (fnl_shading)i;
+                for (uint32_t i = 0; i < FNL_LISTS_AUTO; i++)
+                    if (strcmp(lists, fnl_light_lists_name((fnl_light_lists)i)) == 0)
+                        entry.choice.lists = (fnl_light_lists)i;
+                if (entry.choice.shading < FNL_SHADING_AUTO && entry.choice.lists < FNL_LISTS_AUTO) remember(c, entry);
+            }
+        }
+        at += size + 1;
+    }
+}
+
+/* ---- deciding ---- */
+
+static double median_of(const struct chooser_candidate *candidate) {
+    double t[CHOOSER_ROUNDS];
+    uint32_t count = candidate->got;
+    memcpy(t, candidate->times, sizeof t);
+    for (uint32_t i = 1; i < count; i++) /* a handful: insertion */
+        for (uint32_t k = i; k > 0 && t[k] < t[k - 1]; k--) {
+            double swap = t[k];
+            t[k] = t[k - 1];
+            t[k - 1] = swap;
+        }
+    return count % 2 ? t[count / 2] : 0.5 * (t[count / 2 - 1] + t[count / 2]);
+}
+
+/* Times told so far; the first of each candidate is not kept. */
+static uint32_t best_of(const struct chooser *c, uint32_t *out_second) {
+    uint32_t best = CHOOSER_CANDIDATES, second = CHOOSER_CANDIDATES;
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        if (c->candidates[i].got == 0) continue;
+        double time = median_of(&c->candidates[i]);
+        if (best == CHOOSER_CANDIDATES || time < median_of(&c->candidates[best])) {
+            second = best;
+            best = i;
+        } else if (second == CHOOSER_CANDIDATES || time < median_of(&c->candidates[second])) {
+            second = i;
+        }
+    }
+    *out_second = second;
+    return best;
+}
+
+static void start(struct chooser *c, const struct choice_case *at, struct choice first) {
+    c->state = CHOOSER_MEASURING;
+    c->at = *at;
+    c->choice = first;
+    c->candidate_count = c->pending_count = c->frames = c->measured_count = c->slow_frames = 0;
+    c->last = CHOOSER_CANDIDATES;
+    c->lists_left = at->asked.shading == FNL_SHADING_AUTO && at->asked.lists == FNL_LISTS_AUTO;
+    snprintf(c->reason, sizeof c->reason, "measuring");
+    if (at->asked.shading == FNL_SHADING_AUTO)
+        add_orders(c, at);
+    else
+        add_lists(c, at, at->asked.shading);
+}
+
+static void decide(struct chooser *c, const char *how) {
+    c->state = CHOOSER_DECIDED;
+    c->frames = c->slow_frames = c->pending_count = 0;
+    c->last = CHOOSER_CANDIDATES;
+    snprintf(c->reason, sizeof c->reason, "%s", how);
+}
+
+static void finish_stage(struct chooser *c) {
+    uint32_t second, best = best_of(c, &second);
+    if (best < CHOOSER_CANDIDATES) {
+        c->choice = c->candidates[best].choice;
+        c->milliseconds = median_of(&c->candidates[best]);
+    }
+    c->measured_count += c->candidate_count;
+    if (c->lists_left) {
+        c->lists_left = false;
+        c->candidate_count = 0;
+        add_lists(c, &c->at, c->choice.shading);
+        c->measured_count--; /* the winner of the orders runs again */
+        return;
+    }
+    char how[192], next[80] = "";
+    if (best == CHOOSER_CANDIDATES) { /* no time was ever told */
+        decide(c, "not measured: the device gives no times");
+        return;
+    }
+    if (second < CHOOSER_CANDIDATES)
+        snprintf(next, sizeof next, "; next %s + %s %.2f ms", fnl_shading_name(c->candidates[second].choice.shading),
+                 fnl_light_lists_name(c->candidates[second].choice.lists), median_of(&c->candidates[second]));
+    snprintf(how, sizeof how, "fastest of %u measured over %u frames: %.2f ms%s", c->measured_count, c->frames,
+             c->milliseconds, next);
+    remember(c, (struct remembered_choice){key_of(&c->at), c->choice, c->milliseconds});
+    c->memory_changed = true;
+    decide(c, how);
+}
+
+static bool ratio_beyond(double a, double b, double factor) { return a > b * factor || b > a * factor; }
+
+/* Other things are asked for, or the work is of another size. */
+static bool case_differs(const struct choice_case *a, const struct choice_case *b) {
+    return a->asked.shading != b->asked.shading || a->asked.lists != b->asked.lists || a->scene != b->scene ||
+           a->msaa != b->msaa || a->depth_first != b->depth_first ||
+           ratio_beyond((double)a->light_count + 8, (double)b->light_count + 8, 2) ||
+           ratio_beyond((double)a->pixel_count, (double)b->pixel_count, 1.5);
+}
+
+static bool view_differs(const struct choice_case *a, const struct choice_case *b) {
+    vec3 way = vec3_sub(a->eye, b->eye);
+    return vec3_dot(a->forward, b->forward) < 0.5f || vec3_length(way) > 0.25f * b->scene_size;
+}
+
+struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool pinned) {
+    c->last = CHOOSER_CANDIDATES;
+    bool other = c->state == CHOOSER_IDLE || case_differs(&c->at, at);
+    bool moved = c->state == CHOOSER_DECIDED && c->frames > SETTLE_FRAMES && view_differs(&c->at, at);
+    bool slow = c->state == CHOOSER_DECIDED && c->slow_frames > SLOW_FRAMES;
+    if (other) {
+        const struct remembered_choice *known = recall(c, key_of(at));
+        if (known && fnl_lists_supported(known->choice.shading, known->choice.lists)) {
+            c->at = *at;
+            c->choice = known->choice;
+            c->milliseconds = known->milliseconds;
+            char how[96];
+            snprintf(how, sizeof how, "remembered: %.2f ms when it was measured", known->milliseconds);
+            decide(c, how);
+        } else if (pinned) {
+            c->at = *at;
+            c->choice = chooser_guess(at);
+            c->milliseconds = 0;
+            decide(c, "likely the best for this number of lights; not measured");
+            c->state = CHOOSER_IDLE; /* measured as soon as it is not pinned */
+        } else {
+            start(c, at, chooser_guess(at));
+        }
+    } else if (!pinned && (moved || slow)) {
+        start(c, at, c->choice);
+    }
+    c->frames++;
+    if (pinned || c->state != CHOOSER_MEASURING) return c->choice;
+
+    if (c->pending_count == CHOOSER_PENDING) return c->choice;
+    uint32_t next = CHOOSER_CANDIDATES;
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        const struct chooser_candidate *k = &c->candidates[i];
+        if (!k->dropped && k->given < CHOOSER_ROUNDS && (next == CHOOSER_CANDIDATES || k->given < c->candidates[next].given))
+            next = i;
+    }
+    if (next == CHOOSER_CANDIDATES && c->pending_count == 0) {
+        finish_stage(c);
+        if (c->state == CHOOSER_DECIDED) return c->choice;
+        next = 0;
+    }
+    if (next == CHOOSER_CANDIDATES) return c->choice; /* the last times are still on their way */
+    c->last = next;
+    return c->candidates[next].choice;
+}
+
+bool chooser_measures(const struct chooser *c) { return c->last < CHOOSER_CANDIDATES || c->state == CHOOSER_DECIDED; }
+
+void chooser_note(struct chooser *c, uint64_t frame) {
+    bool measures = chooser_measures(c);
+    if (!measures || c->pending_count == CHOOSER_PENDING) return;
+    if (c->last < CHOOSER_CANDIDATES) c->candidates[c->last].given++;
+    c->pending[c->pending_count++] = (struct chooser_pending){frame, c->last};
+}
+
+uint64_t chooser_wants(const struct chooser *c) { return c->pending_count ? c->pending[0].frame : 0; }
+
+void chooser_feed(struct chooser *c, double milliseconds) {
+    if (c->pending_count == 0) return;
+    uint32_t index = c->pending[0].candidate;
+    memmove(&c->pending[0], &c->pending[1], --c->pending_count * sizeof c->pending[0]);
+    if (milliseconds < 0) return;
+    if (index >= CHOOSER_CANDIDATES) { /* after the decision: is it still good? */
+        bool slow = c->milliseconds > 0 && milliseconds > c->milliseconds * SLOW_FACTOR;
+        c->slow_frames = slow && c->state == CHOOSER_DECIDED ? c->slow_frames + 1 : 0;
+        return;
+    }
+    struct chooser_candidate *k = &c->candidates[index];
+    if (!k->warm) { /* the first frame made the pipelines */
+        k->warm = true;
+        return;
+    }
+    k->times[k->got++] = milliseconds;
+    uint32_t second, best = best_of(c, &second);
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (c->candidates[i].got && median_of(&c->candidates[i]) > CHOOSER_DROP_FACTOR * median_of(&c->candidates[best]))
+            c->candidates[i].dropped = true;
+}
