@@ -62,6 +62,25 @@ bool argument_name(const char *option, const char *text, const char *(*name_of)(
     return argument_bad(option, text, wanted);
 }
 
+bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out) {
+    char copy[256], *rest = copy;
+    static const char wanted[] = "a list such as point,spot,capsule,wedge,box or point=3,spot=1";
+    if (strlen(text) >= sizeof copy) return argument_bad(option, text, wanted);
+    strcpy(copy, text);
+    memset(out->shares, 0, sizeof out->shares);
+    for (char *part; (part = strsep(&rest, ","));) {
+        char *equals = strchr(part, '='), *end = NULL;
+        double share = equals ? strtod(equals + 1, &end) : 1;
+        if (equals && (!equals[1] || *end || !(share > 0 && share <= 1e6))) return argument_bad(option, text, wanted);
+        if (equals) *equals = 0;
+        fnl_light_kind kind = FNL_LIGHT_POINT;
+        while (kind < FNL_LIGHT_KIND_COUNT && strcmp(part, fnl_light_kind_name(kind)) != 0) kind++;
+        if (kind == FNL_LIGHT_KIND_COUNT) return argument_bad(option, text, wanted);
+        out->shares[kind] = (float)share;
+    }
+    return true;
+}
+
 /* ---- settings of the light lists ---- */
 
 static const char *tile_bounds_name(int i) { return fnl_tile_bounds_name((fnl_tile_bounds)i); }

@@ -15,6 +15,8 @@ bool argument_vector(const char *option, const char *text, fnl_vec3 *out);
 bool argument_size(const char *option, const char *text, uint32_t *out_width, uint32_t *out_height);
 /** Index of `text` among the names that `name_of` gives for 0, 1, 2 … until NULL. */
 bool argument_name(const char *option, const char *text, const char *(*name_of)(int), int *out);
+/** "point,spot,box" or, with shares, "point=3,spot=1": which lights are scattered; kinds that are not named get none. */
+bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out);
 /** "KEY=VALUE,KEY=VALUE…" of the light lists; "help" prints all keys and ends the program. */
 bool argument_list_options(const char *option, const char *text, fnl_list_options *out);
 

@@ -14,8 +14,6 @@
 
 enum { EXIT_GOOD = 0, EXIT_ERROR = 2 };
 
-static const char *const light_kinds[] = {"directional", "point", "spot", "capsule", "wedge", "box"};
-
 static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
          "\n"
@@ -74,7 +72,7 @@ static void print_counts(const fnl_scene_info *info) {
     int used = 0;
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i <= FNL_LIGHT_SPOT || kinds[i])
-            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i], light_kinds[i]);
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i], fnl_light_kind_name((fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
     print_count("cameras", info->camera_count, "");
@@ -125,7 +123,7 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
         bool directional = light.kind == FNL_LIGHT_DIRECTIONAL, box = light.kind == FNL_LIGHT_BOX;
-        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", light_kinds[light.kind], (double)light.intensity,
+        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_light_kind_name(light.kind), (double)light.intensity,
                directional || box ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
         if (!directional) {
             printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
@@ -217,7 +215,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
 
 static json_t *json_light(const fnl_light_params *light) {
     json_t *object =
-        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", light_kinds[light->kind], "intensity", (double)light->intensity, "color",
+        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity, "color",
                   (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));

@@ -23,8 +23,10 @@ struct render_options {
     bool has_eye, has_look_at, has_shading, has_background, has_ambient, validate, quiet, plan;
     fnl_vec3 eye, look_at, background, ambient;
     float fov;                               /* radians; 0: the camera's */
-    uint32_t light_count, frame_count, aovs; /* aovs: bits 1 << enum render_aov */
-    uint64_t light_seed;
+    uint32_t frame_count, aovs; /* aovs: bits 1 << enum render_aov */
+    fnl_scatter_params scatter;
+    bool has_range_roughness;
+    float range_roughness;
     double time;
 };
 

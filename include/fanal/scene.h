@@ -132,6 +132,9 @@ typedef struct fnl_light_params {
                                 nothing at the edge, 0 .. 1; default 0.7 */
 } fnl_light_params;
 
+/** Names such as "point"; NULL for a value out of range. */
+FNL_API const char *fnl_light_kind_name(fnl_light_kind kind);
+
 FNL_API fnl_light_params fnl_light_params_default(void);
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
 FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
@@ -145,11 +148,37 @@ FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
 FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count);
 
 /**
+ * Distance in metres from which on a light gives exactly nothing: its range when that is finite, and of a box half its diagonal.
+ * Otherwise sqrt(I g / threshold), I being its intensity times its brightest colour: where it would no longer give `threshold` lux
+ * (> 0) times 1/pi cd/m^2 to the brightest surface of `min_roughness` (0 .. 1). g = max(1, 1 / (4 alpha^2)) with alpha =
+ * max(min_roughness^2, 0.001) is what the largest value of a white metal's BRDF seen head-on, 1 / (4 pi alpha^2), is to a white matt
+ * one's, 1/pi. Lights reach the farther the smoother the surfaces are: sharp highlights stand out where diffuse light is long lost.
+ * INFINITY for directional lights.
+ */
+FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughness, float threshold);
+/**
+ * What fnl_light_range is given for lights whose range is INFINITY: the smoothest roughness whose highlights shall be kept, 0 .. 1
+ * (default 1), and lux, > 0 (default 0.05).
+ */
+FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold);
+
+/**
  * Scatters `count` seeded point and spot lights (three to one) through the scene's bounds. Their radius follows from
  * the extent so that a point of the scene lies in about 8 of them on average, whatever the count; their intensity
  * follows from the radius. Same scene, count and seed give the same lights.
  */
 FNL_API fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed);
+
+typedef struct fnl_scatter_params {
+    uint32_t count;                     /**< of lights; default 0 */
+    uint64_t seed;                      /**< default 1 */
+    float shares[FNL_LIGHT_KIND_COUNT]; /**< relative number of each kind, >= 0; default 3 points, 1 spot; no directional ones */
+    float radius_scale;                 /**< times the radius that lets 8 points reach a point of the scene, > 0; default 1 */
+} fnl_scatter_params;
+
+FNL_API fnl_scatter_params fnl_scatter_params_default(void);
+/** The same with lights of all shapes; with the default shares and scale it gives exactly the same lights. */
+FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params);
 
 /** Light from all around, cd/m^2: `sky` from +Y, `ground` from -Y, blended by the normal's height. Default 0. */
 FNL_API fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground);

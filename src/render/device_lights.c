@@ -94,7 +94,10 @@ fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d) 
             const struct scene_light *light = &scene->lights.data[i];
             if (light->removed || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) continue;
             if ((light->params.kind != FNL_LIGHT_DIRECTIONAL) != local) continue;
-            struct gpu_light g = device_light(&light->params);
+            fnl_light_params params = light->params;
+            if (isinf(params.range))
+                params.range = fnl_light_range(&params, scene->cutoff_roughness, scene->cutoff_illuminance);
+            struct gpu_light g = device_light(&params);
             if (local && light->hull) add_hull(d, &g, light->hull);
             d->light_data.data[d->light_data.count++] = g;
             if (!local) d->directional_count++;

@@ -2,15 +2,22 @@
 /* What the parameters of a light say about its volume. */
 #include "scene/scene.h"
 
-/** Illuminance in lux at which an unlimited light is cut off. */
-#define RANGE_ILLUMINANCE 0.05f
+const char *fnl_light_kind_name(fnl_light_kind kind) {
+    static const char *const names[FNL_LIGHT_KIND_COUNT] = {"directional", "point", "spot", "capsule", "wedge", "box"};
+    return (uint32_t)kind < FNL_LIGHT_KIND_COUNT ? names[kind] : NULL;
+}
 
-float light_effective_range(const fnl_light_params *light) {
+float fnl_light_range(const fnl_light_params *light, float min_roughness, float threshold) {
     if (light->kind == FNL_LIGHT_DIRECTIONAL) return INFINITY;
     if (light->kind == FNL_LIGHT_BOX) return 0.5f * vec3_length(light->box_size);
     if (isfinite(light->range)) return light->range;
+    float alpha = fmaxf(min_roughness * min_roughness, 0.001f), gain = fmaxf(1, 0.25f / (alpha * alpha));
     float brightest = fmaxf(light->color[0], fmaxf(light->color[1], light->color[2]));
-    return sqrtf(light->intensity * brightest / RANGE_ILLUMINANCE);
+    return fminf(sqrtf(light->intensity * brightest * gain / threshold), 1e18f); /* its square must be finite */
+}
+
+float light_effective_range(const fnl_light_params *light) {
+    return fnl_light_range(light, LIGHT_CUTOFF_ROUGHNESS, LIGHT_CUTOFF_ILLUMINANCE);
 }
 
 vec3 light_up(vec3 direction, vec3 up) {

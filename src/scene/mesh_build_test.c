@@ -284,6 +284,68 @@ static void test_derived_ranges_end_at_a_twentieth_of_a_lux(void **state) {
     assert_true(isinf(light_effective_range(&light)));
 }
 
+static void test_ranges_grow_as_roughness_falls(void **state) {
+    UNUSED(state);
+    fnl_light_params light = fnl_light_params_default();
+    light.intensity = 20;
+    light.color[1] = 1.25f;
+    assert_true(fnl_light_range(&light, 1, 0.05f) == light_effective_range(&light));
+    float last = 0;
+    for (int i = 100; i >= 0; i--) { /* twice as far for half the alpha, and finite for mirrors */
+        float roughness = (float)i / 100, range = fnl_light_range(&light, roughness, 0.05f);
+        assert_true(isfinite(range) && (roughness < 0.7f && roughness * roughness > 1e-3f ? range > last : range >= last));
+        double alpha = fmax((double)roughness * (double)roughness, 0.001), peak = 1 / (4 * (double)PI * alpha * alpha);
+        /* I * peak / range^2 is what the threshold is on matt white, or less where that is the brighter */
+        double left = 25 * fmax(peak, 1 / (double)PI) / ((double)range * (double)range);
+        assert_true(fabs(left / (0.05 / (double)PI) - 1) < 1e-4);
+        last = range;
+    }
+    assert_true(last > 400 * light_effective_range(&light));
+    assert_true(fabsf(fnl_light_range(&light, 1, 0.2f) * 2 - light_effective_range(&light)) < 1e-4f);
+    light.intensity = FLT_MAX;
+    assert_true(fnl_light_range(&light, 0, 1e-30f) <= 1e18f);
+    light.range = 3;
+    assert_true(fnl_light_range(&light, 0.1f, 0.05f) == 3);
+    light.kind = FNL_LIGHT_BOX;
+    light.box_size = vec3_make(2, 3, 6);
+    assert_true(fnl_light_range(&light, 0.1f, 0.05f) == 3.5f);
+    light.kind = FNL_LIGHT_DIRECTIONAL;
+    assert_true(isinf(fnl_light_range(&light, 0.1f, 0.05f)));
+}
+
+/* Shares are kept to a light, the default is the plain call, and all of them are lights the scene would take. */
+static void test_scattered_shapes(void **state) {
+    UNUSED(state);
+    fnl_scene *plain = new_scene(), *same = new_scene(), *mixed = new_scene();
+    fnl_scatter_params params = fnl_scatter_params_default();
+    params.count = 103;
+    params.seed = 7;
+    assert_int_equal(fnl_scene_scatter_lights(plain, 103, 7), FNL_OK);
+    assert_int_equal(fnl_scene_scatter_light_shapes(same, &params), FNL_OK);
+    for (uint32_t i = 0; i < 103; i++)
+        assert_memory_equal(&plain->lights.data[i].params, &same->lights.data[i].params, sizeof(fnl_light_params));
+    for (int k = FNL_LIGHT_POINT; k < FNL_LIGHT_KIND_COUNT; k++) params.shares[k] = (float)k;
+    params.count = 150;
+    params.radius_scale = 0.5f;
+    assert_int_equal(fnl_scene_scatter_light_shapes(mixed, &params), FNL_OK);
+    uint32_t given[FNL_LIGHT_KIND_COUNT] = {0};
+    for (uint32_t i = 0; i < 150; i++) {
+        fnl_light_id id;
+        given[mixed->lights.data[i].params.kind]++;
+        assert_int_equal(fnl_scene_add_light(plain, &mixed->lights.data[i].params, &id), FNL_OK);
+    }
+    for (uint32_t k = FNL_LIGHT_POINT; k < FNL_LIGHT_KIND_COUNT; k++) assert_int_equal(given[k], 10 * k);
+    assert_true(mixed->lights.data[4].params.range < plain->lights.data[0].params.range);
+    params.shares[FNL_LIGHT_DIRECTIONAL] = 1;
+    assert_int_equal(fnl_scene_scatter_light_shapes(mixed, &params), FNL_ERROR_INVALID);
+    params = fnl_scatter_params_default();
+    params.radius_scale = 0;
+    assert_int_equal(fnl_scene_scatter_light_shapes(mixed, &params), FNL_ERROR_INVALID);
+    fnl_scene_destroy(&plain);
+    fnl_scene_destroy(&same);
+    fnl_scene_destroy(&mixed);
+}
+
 /** Mean number of lights over random points of the box, whatever the count and the box's shape; and the same twice. */
 static void test_scattered_lights_overlap_eightfold(void **state) {
     UNUSED(state);
@@ -339,7 +401,9 @@ int main(void) {
         cmocka_unit_test(test_weights_go_to_the_node),
         cmocka_unit_test(test_fox_runs),
         cmocka_unit_test(test_derived_ranges_end_at_a_twentieth_of_a_lux),
+        {"ES-5: ranges grow as roughness falls", test_ranges_grow_as_roughness_falls, NULL, NULL, NULL},
         cmocka_unit_test(test_scattered_lights_overlap_eightfold),
+        cmocka_unit_test(test_scattered_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

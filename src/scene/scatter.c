@@ -59,8 +59,59 @@ static void random_tint(struct random_state *random, float color[3]) {
     for (int i = 0; i < 3; i++) color[i] /= highest;
 }
 
-fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed) {
+fnl_scatter_params fnl_scatter_params_default(void) {
+    return (fnl_scatter_params){.seed = 1, .shares = {[FNL_LIGHT_POINT] = 3, [FNL_LIGHT_SPOT] = 1}, .radius_scale = 1};
+}
+
+/** The kind that lags behind its share the most; `given` counts. */
+static fnl_light_kind next_kind(const float *shares, uint32_t *given) {
+    fnl_light_kind next = FNL_LIGHT_KIND_COUNT;
+    for (fnl_light_kind k = FNL_LIGHT_POINT; k < FNL_LIGHT_KIND_COUNT; k++)
+        if (shares[k] > 0 && (next == FNL_LIGHT_KIND_COUNT ||
+                              (given[k] + 1.0) / (double)shares[k] < (given[next] + 1.0) / (double)shares[next]))
+            next = k;
+    given[next]++;
+    return next;
+}
+
+/** Gives a light that has a place, a range and an intensity its shape: about as large as a point's ball. */
+static void shape_light(struct random_state *random, fnl_light_params *light, vec3 direction) {
+    light->direction = direction;
+    light->up = random_direction(random);
+    float range = light->range, a = random_float(random), b = random_float(random), c = random_float(random);
+    switch (light->kind) {
+    case FNL_LIGHT_CAPSULE:
+        light->range = range * (0.5f + 0.3f * a);
+        light->length = 2 * range * (0.4f + 0.6f * b);
+        light->intensity *= 0.5f;
+        break;
+    case FNL_LIGHT_WEDGE:
+        light->range = 1.5f * range;
+        light->wedge_angles[0] = 0.4f + 0.4f * a;
+        light->wedge_angles[1] = light->wedge_angles[0] * (0.25f + 0.75f * b);
+        light->intensity *= 3;
+        break;
+    case FNL_LIGHT_BOX:
+        light->range = INFINITY;
+        light->box_size = vec3_make(range * (0.6f + a), range * (0.6f + b), range * (0.8f + 1.2f * c));
+        light->intensity = 2 * SCATTER_ILLUMINANCE; /* lux */
+        break;
+    default:
+        break;
+    }
+}
+
+fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params) {
     if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, params != NULL);
+    double shares = 0;
+    for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++) {
+        REQUIRE(&scene->host, params->shares[k] >= 0 && isfinite(params->shares[k]));
+        shares += (double)params->shares[k];
+    }
+    REQUIRE(&scene->host, shares > 0 && params->shares[FNL_LIGHT_DIRECTIONAL] == 0);
+    REQUIRE(&scene->host, params->radius_scale > 0 && isfinite(params->radius_scale));
+    uint32_t count = params->count, given[FNL_LIGHT_KIND_COUNT] = {0};
     if (count == 0) return FNL_OK;
     struct box bounds = scene_bounds(scene);
     if (box_is_empty(&bounds)) bounds = (struct box){{-5, -5, -5}, {5, 5, 5}};
@@ -68,9 +119,9 @@ fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t s
         bounds.low = vec3_sub(bounds.low, vec3_make(0.5f, 0.5f, 0.5f));
         bounds.high = vec3_add(bounds.high, vec3_make(0.5f, 0.5f, 0.5f));
     }
-    float radius = scatter_radius(&bounds, count);
+    float radius = scatter_radius(&bounds, count) * params->radius_scale;
     if (!array_reserve(&scene->host, &scene->lights, (uint64_t)scene->lights.count + count)) return FNL_ERROR_MEMORY;
-    struct random_state random = {seed};
+    struct random_state random = {params->seed};
     for (uint32_t i = 0; i < count; i++) {
         fnl_light_params light = fnl_light_params_default();
         light.position.x = random_range(&random, bounds.low.x, bounds.high.x);
@@ -81,14 +132,24 @@ fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t s
         random_tint(&random, light.color);
         vec3 direction = random_direction(&random);
         float outer = random_range(&random, 0.4f, 0.8f);
-        if (i % 4 == 3) {
-            light.kind = FNL_LIGHT_SPOT;
+        light.kind = next_kind(params->shares, given);
+        if (light.kind == FNL_LIGHT_SPOT) {
             light.direction = direction;
             light.outer_cone_angle = outer;
             light.inner_cone_angle = 0.6f * outer;
             light.intensity *= 3; /* much the same luminous flux as a point light's */
+        } else if (light.kind != FNL_LIGHT_POINT) {
+            shape_light(&random, &light, direction);
+            light.up = light_up(light.direction, light.up);
         }
         if (scene_add_light(scene, &light, SCENE_NONE) == SCENE_NONE) return FNL_ERROR_MEMORY;
     }
     return FNL_OK;
+}
+
+fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed) {
+    fnl_scatter_params params = fnl_scatter_params_default();
+    params.count = count;
+    params.seed = seed;
+    return fnl_scene_scatter_light_shapes(scene, &params);
 }

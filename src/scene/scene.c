@@ -18,6 +18,8 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->host = resolved;
     arena_init(&scene->arena, &scene->host, (size_t)256 << 10);
     scene->source = arena_string(&scene->arena, source);
+    scene->cutoff_roughness = LIGHT_CUTOFF_ROUGHNESS;
+    scene->cutoff_illuminance = LIGHT_CUTOFF_ILLUMINANCE;
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
                                     .min = SCENE_FILTER_LINEAR,
                                     .mip = SCENE_FILTER_LINEAR,

@@ -196,6 +196,7 @@ struct fnl_scene {
     ARRAY(const char *) messages;
 
     vec3 ambient_sky, ambient_ground, background;
+    float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;
     uint32_t hull_plane_count; /* of all lights */
 
@@ -235,7 +236,10 @@ void scene_update_transforms(fnl_scene *scene);
 void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
-/** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range). */
+/* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */
+#define LIGHT_CUTOFF_ROUGHNESS 1.0f
+#define LIGHT_CUTOFF_ILLUMINANCE 0.05f /* lux */
+/** The distance from which on a light gives nothing: its range, or the derived one (fnl_light_params.range), with the default cutoff. */
 float light_effective_range(const fnl_light_params *light);
 /** `up` at right angles to a unit direction, unit; where it is parallel, another axis. */
 vec3 light_up(vec3 direction, vec3 up);

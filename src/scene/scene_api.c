@@ -342,6 +342,16 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     return FNL_OK;
 }
 
+fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, min_roughness >= 0 && min_roughness <= 1);
+    REQUIRE(&scene->host, threshold > 0 && isfinite(threshold));
+    scene->cutoff_roughness = min_roughness;
+    scene->cutoff_illuminance = threshold;
+    scene->light_version++;
+    return FNL_OK;
+}
+
 fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground) {
     if (!scene) return FNL_ERROR_INVALID;
     REQUIRE(&scene->host, all_in_range(&sky.x, 3, 0, FLT_MAX));
