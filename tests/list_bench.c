@@ -242,7 +242,8 @@ void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double 
     for (int i = 0; i < 2; i++) {
         double slice = 0;
         if (g->slices > 1) {
-            slice = log2(view_depth) * (double)g->slice_scale + (double)g->slice_bias + (i ? 2e-5 : -2e-5);
+            slice = (g->linear ? view_depth : log2(view_depth)) * (double)g->slice_scale + (double)g->slice_bias;
+            slice += (i ? 2e-5 : -2e-5) * (g->linear ? g->slices : 1);
             slice = fmin(fmax(slice, 0), g->slices - 1);
         }
         out[i] = (uint32_t)slice * g->tiles_x * g->tiles_y + tile;
@@ -294,6 +295,11 @@ static double view_depth_of(const struct gpu_view *view, float depth) {
 
 static const double FAR_AWAY = 1e9;
 
+static double slice_start(const struct gpu_light_list *grid, double slice) {
+    double start = (slice - (double)grid->slice_bias) / (double)grid->slice_scale;
+    return grid->linear ? start : exp2(start);
+}
+
 struct reference_cell reference_cell_of(const struct list_request *request, const struct gpu_light_list *grid, uint32_t cell,
                                         double slack) {
     const struct gpu_view *v = &request->view;
@@ -321,9 +327,8 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
             if (farthest > 0 && request->tiled.max_depth && (request->tiled.min_depth || !sky)) far = farthest * (1 + slack);
         }
     } else {
-        if (slice > 0) near = exp2(((double)slice - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 - slack);
-        if (slice + 1 < grid->slices)
-            far = exp2((slice + 1.0 - (double)grid->slice_bias) / (double)grid->slice_scale) * (1 + slack);
+        if (slice > 0) near = slice_start(grid, slice) * (1 - slack);
+        if (slice + 1 < grid->slices) far = slice_start(grid, slice + 1.0) * (1 + slack);
     }
     double edges[4] = {screen_edge(v, 0, x0), screen_edge(v, 0, x1), screen_edge(v, 1, y1),
                        screen_edge(v, 1, y0)}; /* left right bottom top */

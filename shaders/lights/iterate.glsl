@@ -38,7 +38,7 @@ struct light_cursor {
 };
 
 uint slice_of(light_list_block l, float view_depth) {
-    float slice = log2(view_depth) * l.list.slice_scale + l.list.slice_bias;
+    float slice = (l.list.linear == 1u ? view_depth : log2(view_depth)) * l.list.slice_scale + l.list.slice_bias;
     return uint(clamp(slice, 0.0, float(l.list.slices - 1u)));
 }
 

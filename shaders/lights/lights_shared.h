@@ -73,8 +73,9 @@ struct gpu_light_list {
     uint tiles_x;
     uint tiles_y;
     uint slices;         /* 1 for tiles */
-    float slice_scale;   /* slice = log2(view depth) * scale + bias, clamped */
+    float slice_scale;   /* slice = log2(view depth) * scale + bias, clamped; view depth * scale + bias where linear is 1 */
     float slice_bias;
+    uint linear;
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */

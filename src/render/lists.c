@@ -65,6 +65,7 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
     params.near =
         isinf(options->cluster_near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->cluster_near;
     params.near = fminf(params.near, params.far * 0.5f);
+    params.linear = options->distribution == FNL_SLICES_LINEAR;
     params.pool_capacity = c->pool_capacity;
     return params;
 }

@@ -17,6 +17,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array
 // Tests are widened by this much, relatively, so that rounding never loses a light.
 const float CELL_SLACK = 1e-4;
 
+// View depth where a slice begins.
+float slice_start(light_list_block l, uint slice) {
+    float start = (float(slice) - l.list.slice_bias) / l.list.slice_scale;
+    return l.list.linear == 1u ? start : exp2(start);
+}
+
 // Bounds of the part of the view between two corners of the screen (NDC, +Y up, low.x < high.x, low.y < high.y) and two view depths.
 gpu_cell_bounds cell_bounds(view_block v, vec2 low, vec2 high, float near, float far) {
     gpu_cell_bounds b;

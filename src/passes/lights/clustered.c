@@ -15,8 +15,9 @@ void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t heig
     header->slices = params->slices;
     /* slice(near) = 1 and slice(far) = slices - 1: the first and the last slice are open-ended (ES-51). */
     float inner = (float)MAX(params->slices, 3u) - 2;
-    header->slice_scale = inner / log2f(params->far / params->near);
-    header->slice_bias = 1 - log2f(params->near) * header->slice_scale;
+    header->linear = params->linear;
+    header->slice_scale = inner / (params->linear ? params->far - params->near : log2f(params->far / params->near));
+    header->slice_bias = 1 - (params->linear ? params->near : log2f(params->near)) * header->slice_scale;
 }
 
 struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,

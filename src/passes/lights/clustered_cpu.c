@@ -44,7 +44,8 @@ static float edge_distance(struct edge e, float coordinate, float depth) {
 }
 
 static float slice_start(const struct gpu_light_list *header, uint32_t slice) {
-    return exp2f(((float)slice - header->slice_bias) / header->slice_scale);
+    float start = ((float)slice - header->slice_bias) / header->slice_scale;
+    return header->linear ? start : exp2f(start);
 }
 
 /* A sphere cut by a plane at `distance` from its centre: what lies beyond fits into a smaller sphere around the cut. */

@@ -73,17 +73,39 @@ static void test_sets_ES_50_ES_53(void **state) {
     assert_true(lit > 10000);
 }
 
+/* Slices as they are asked for: the first ends at `near`, the last begins at `far`, and those between are alike. */
+static void test_distributions_ES_50_ES_51(void **state) {
+    UNUSED(state);
+    for (int linear = 0; linear < 2; linear++) {
+        struct clustered_params p = clustered_params_default();
+        p.near = 2;
+        p.far = 50;
+        p.slices = 18;
+        p.linear = linear;
+        struct list_copy list = {0};
+        clustered_grid(&list.grid, 64, 64, &p);
+        uint32_t cells[2];
+        for (uint32_t k = 0; k <= 16; k++) {
+            double start = linear ? 2 + 48.0 * k / 16 : 2 * pow(25, k / 16.0);
+            list_cells_of(&list, 0, 0, start * 0.999, cells);
+            assert_int_equal(cells[0], k);
+            list_cells_of(&list, 0, 0, start * 1.001, cells);
+            assert_int_equal(cells[0], k + 1);
+        }
+    }
+}
+
 static void test_grids_and_counts_ES_53(void **state) {
     UNUSED(state);
     static const uint32_t counts[] = {0, 1, 255, 256, 257, 2048};
     static const struct {
         uint32_t width, height, tile_size, slices;
         float near, far;
-    } grids[] = {{1, 1, 64, 24, 0.5f, 100},
-                 {65, 3, 64, 1, 0.5f, 100},
-                 {97, 61, 16, 2, 1, 2},
-                 {97, 61, 48, 3, 3, 4},
-                 {120, 67, 40, 64, 0.01f, 1000}};
+        bool linear;
+    } grids[] = {{1, 1, 64, 24, 0.5f, 100, false}, {65, 3, 64, 1, 0.5f, 100, true},
+                 {97, 61, 16, 2, 1, 2, false},     {97, 61, 48, 3, 3, 4, false},
+                 {97, 61, 48, 3, 3, 4, true},      {120, 67, 40, 64, 0.01f, 1000, false},
+                 {120, 67, 40, 64, 0.01f, 1000, true}};
     struct random_state random = {4};
     for (uint32_t g = 0; g < COUNT_OF(grids); g++)
         for (uint32_t c = 0; c < COUNT_OF(counts); c++)
@@ -96,6 +118,7 @@ static void test_grids_and_counts_ES_53(void **state) {
                 r.clustered.slices = grids[g].slices;
                 r.clustered.near = grids[g].near;
                 r.clustered.far = grids[g].far;
+                r.clustered.linear = grids[g].linear;
                 struct list_copy list = list_build(&r);
                 list_check_form(&list, counts[c]);
                 if (!cpu) reference_check(&r, &list);
@@ -108,8 +131,8 @@ static void test_depths_outside_ES_51(void **state) {
     UNUSED(state);
     struct random_state random = {8};
     for (int cpu = 0; cpu < 2; cpu++)
-        for (uint32_t kind = 0; kind < 2; kind++) {
-            struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        for (uint32_t kind = 0; kind < 4; kind++) {
+            struct gpu_view view = list_random_view(kind % 2, &random, WIDTH, HEIGHT);
             list_random_lights(&view, &random, LIGHTS, params, lights);
             for (uint32_t i = 0; i < LIGHTS; i += 2) { /* half of them very near, or very far and large */
                 double at[3], world[3], depth = i % 4 ? 0.3 : 3000;
@@ -123,6 +146,7 @@ static void test_depths_outside_ES_51(void **state) {
             struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, LIGHTS);
             r.clustered.near = 2;
             r.clustered.far = 20;
+            r.clustered.linear = kind >= 2;
             struct list_copy list = list_build(&r);
             assert_true(check_points(&r, &list, &random, 0.05, 2) > 100);
             assert_true(check_points(&r, &list, &random, 20, 1e4) > 100);
@@ -272,6 +296,7 @@ static void test_lamp_row_ES_50(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_sets_ES_50_ES_53, harness_check),
+        cmocka_unit_test_teardown(test_distributions_ES_50_ES_51, harness_check),
         cmocka_unit_test_teardown(test_grids_and_counts_ES_53, harness_check),
         cmocka_unit_test_teardown(test_depths_outside_ES_51, harness_check),
         cmocka_unit_test_teardown(test_voxels_ES_52, harness_check),

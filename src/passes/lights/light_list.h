@@ -72,10 +72,11 @@ struct clustered_params {
     uint32_t slices;    /* 1 .. 1024; default 32 */
     float near,
         far; /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
+    bool linear;            /* slices of equal depth between near and far; default false: each as many times deeper as the last */
     uint32_t pool_capacity; /* default 2^20 */
 };
 struct clustered_params clustered_params_default(void);
-/** Exponential clusters (Olsson et al. 2012; Persson 2013), counted and filled on the GPU. Needs no depth. */
+/** Clusters (Olsson et al. 2012; Persson 2013), counted and filled on the GPU. Needs no depth. */
 struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                 const struct lights_in_view *in_view, const struct clustered_params *params);
 
