@@ -2,7 +2,7 @@
 #include "passes/geometry/cull_shared.h"
 
 #include "passes/geometry/geometry.h"
-#include "passes/geometry/prefix_sum.h"
+#include "passes/geometry/radix_sort.h"
 #include "shaders.h"
 
 struct cull_data {
@@ -31,8 +31,7 @@ static void execute_cull(const struct graph_context *context, const void *data) 
 struct sort_data {
     const struct geometry_scene *scene;
     VkDeviceAddress view;
-    graph_buffer sums, keys_in, keys_out, counts, draws, visible;
-    uint32_t shift, threads;
+    graph_buffer sums, keys_in, keys_out, draws, visible;
     const struct gpu_shader *shader;
 };
 
@@ -47,17 +46,14 @@ static void execute_sort(const struct graph_context *context, const void *data) 
                                  .scene = d->scene->scene,
                                  .keys_in = address_or_zero(context, d->keys_in),
                                  .keys_out = address_or_zero(context, d->keys_out),
-                                 .counts = address_or_zero(context, d->counts),
                                  .sums = address_or_zero(context, d->sums),
                                  .draws = address_or_zero(context, d->draws),
                                  .visible = address_or_zero(context, d->visible),
                                  .first_item = d->scene->blend_first_item,
-                                 .item_count = d->scene->blend_item_count,
-                                 .run_count = DIVIDE_UP(d->scene->blend_item_count, SORT_RUN),
-                                 .shift = d->shift};
+                                 .item_count = d->scene->blend_item_count};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->scene->blend_item_count, 64u));
 }
 
 static struct graph_pass *add_sort_pass(struct graph *graph, const char *name, const struct sort_data *data) {
@@ -68,51 +64,29 @@ static struct graph_pass *add_sort_pass(struct graph *graph, const char *name, c
     return pass;
 }
 
-#define SORT_STEPS 8
-#define SORT_NAMES(n)                                                                                                       \
-    { "sort count " n, "sort scatter " n, "sort counts " n, "sort keys " n }
-static const struct {
-    const char *count, *scatter, *counts, *keys;
-} sort_names[SORT_STEPS] = {SORT_NAMES("1"), SORT_NAMES("2"), SORT_NAMES("3"), SORT_NAMES("4"),
-                            SORT_NAMES("5"), SORT_NAMES("6"), SORT_NAMES("7"), SORT_NAMES("8")};
-static const struct prefix_sum_names sort_sum_names[SORT_STEPS] = {
-    PREFIX_SUM_NAMES("sort 1"), PREFIX_SUM_NAMES("sort 2"), PREFIX_SUM_NAMES("sort 3"), PREFIX_SUM_NAMES("sort 4"),
-    PREFIX_SUM_NAMES("sort 5"), PREFIX_SUM_NAMES("sort 6"), PREFIX_SUM_NAMES("sort 7"), PREFIX_SUM_NAMES("sort 8")};
-
 static void add_sort(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                      struct geometry_draws *draws) {
-    uint32_t count = scene->blend_item_count, run_count = DIVIDE_UP(count, SORT_RUN);
+    static const struct radix_sort_names names = RADIX_SORT_NAMES("blend");
+    uint32_t count = scene->blend_item_count;
     graph_buffer keys = graph_create_buffer(graph, "sort keys", count * 8ull);
     struct graph_pass *keys_pass = add_sort_pass(graph, "sort keys",
                                                  &(struct sort_data){.scene = scene,
                                                                      .view = view,
                                                                      .sums = draws->sums,
                                                                      .keys_out = keys,
-                                                                     .threads = count,
                                                                      .shader = &shader_sort_keys_comp});
     graph_use_buffer(keys_pass, scene->vertices, GRAPH_READ_COMPUTE);
-    for (uint32_t step = 0; step < SORT_STEPS; step++) {
-        struct sort_data data = {.scene = scene,
-                                 .keys_in = keys,
-                                 .shift = step * 4,
-                                 .threads = run_count,
-                                 .counts =
-                                     graph_create_buffer(graph, sort_names[step].counts, run_count * SORT_DIGITS * 4ull),
-                                 .shader = &shader_sort_count_comp};
-        graph_use_buffer(add_sort_pass(graph, sort_names[step].count, &data), data.counts, GRAPH_WRITE_COMPUTE);
-        prefix_sum_add(graph, &sort_sum_names[step], GRAPH_QUEUE_GRAPHICS, data.counts, run_count * SORT_DIGITS);
-        data.keys_out = graph_create_buffer(graph, sort_names[step].keys, count * 8ull);
-        data.shader = &shader_sort_scatter_comp;
-        graph_use_buffer(add_sort_pass(graph, sort_names[step].scatter, &data), data.counts, GRAPH_READ_COMPUTE);
-        keys = data.keys_out;
-    }
+    keys = radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
+                                                             .queue = GRAPH_QUEUE_GRAPHICS,
+                                                             .pairs = keys,
+                                                             .capacity = count,
+                                                             .bits = 32});
     draws->blend_draws = graph_create_buffer(graph, "blend draws", count * sizeof(struct gpu_draw));
     draws->blend_visible = graph_create_buffer(graph, "blend visible", count * 4ull);
     struct sort_data data = {.scene = scene,
                              .keys_in = keys,
                              .draws = draws->blend_draws,
                              .visible = draws->blend_visible,
-                             .threads = count,
                              .shader = &shader_sort_draws_comp};
     struct graph_pass *pass = add_sort_pass(graph, "sort draws", &data);
     graph_use_buffer(pass, draws->blend_draws, GRAPH_WRITE_COMPUTE);

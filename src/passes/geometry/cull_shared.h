@@ -14,23 +14,17 @@ struct gpu_cull_push {
     uint group_count;
 };
 
-/* Back-to-front order of blended items: a stable radix sort, four bits a step. */
-#define SORT_DIGITS 16u
-#define SORT_RUN 32u /* items that one thread takes */
-
+/* Back-to-front order of blended items. */
 struct gpu_sort_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
     ADDRESS(uint_array) keys_in;   /* pairs: key, item */
     ADDRESS(uint_array) keys_out;
-    ADDRESS(uint_array) counts;    /* digit * run_count + run */
     ADDRESS(const_uint_array) sums; /* of the cull step: which items are visible */
     ADDRESS(draw_array) draws;
     ADDRESS(uint_array) visible;
     uint first_item;  /* of the blended items */
     uint item_count;
-    uint run_count;
-    uint shift;
 };
 
 #endif
