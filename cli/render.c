@@ -50,6 +50,7 @@ static void print_help(void) {
          "                             enhanced tree backface fine sparse bvh raster zbin\n"
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
+         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
          "\n"
          "Run\n"
@@ -123,6 +124,7 @@ enum {
     O_LIST_OPTION,
     O_MSAA,
     O_GBUFFER_PREPASS,
+    O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
     O_LIGHT_SHAPES,
@@ -187,6 +189,11 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
+        return true;
+    case O_CLASS_BLOCKS:
+        if (!argument_integer("class-blocks", value, 0, 8, &integer)) return false;
+        if (integer % 4) return argument_bad("class-blocks", value, "one of 0 4 8");
+        o->frame.class_blocks = (uint32_t)integer;
         return true;
     case O_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
@@ -266,6 +273,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
+                                             {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
                                              {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},

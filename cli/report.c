@@ -70,6 +70,11 @@ void report_print(const struct render_report *r) {
         printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u; %.2f times those that reach the surface\n",
                s->evaluations, s->mean_per_pixel, s->max_per_pixel,
                (double)s->evaluations / (double)(s->evaluations_useful ? s->evaluations_useful : 1));
+    if (r->frame.class_blocks) {
+        printf("  blocks of %u pixels by class:", r->frame.class_blocks);
+        for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
+        puts(" (the last: nothing to shade)");
+    }
     printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),

@@ -7,6 +7,9 @@
 
 #include "surface.glsl"
 
+// 0: the surface is no metal in any part.
+layout(constant_id = 3) const uint HAS_METAL = 1u;
+
 // Smallest squared roughness: a perfect mirror would show a point light nowhere.
 const float ALPHA_MIN = 1e-3;
 
@@ -50,6 +53,10 @@ vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
     precise float m2 = m * m;
     precise float m5 = m2 * m2 * m;
     precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * m5;
+    if (HAS_METAL == 0u) { // what the blend below gives for metalness 0
+        precise vec3 plain = (s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * specular) * n_l;
+        return plain;
+    }
     precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * m5;
     precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * specular;
     precise vec3 metal = metal_fresnel * specular;

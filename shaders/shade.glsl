@@ -10,6 +10,9 @@
 // Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface.
 layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
 
+// Variants for pixels that need less: 0 where no list holds a light; HAS_METAL of brdf.glsl.
+layout(constant_id = 2) const uint HAS_LIGHTS = 1u;
+
 vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
 }
@@ -28,7 +31,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
 
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, item));
     uint visited = 0u, useful = 0u;
-    FOR_EACH_LIGHT(lights, cursor, light) {
+    if (HAS_LIGHTS == 1u) FOR_EACH_LIGHT(lights, cursor, light) {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;

@@ -142,7 +142,12 @@ typedef struct fnl_frame {
     uint32_t outputs;      /**< fnl_output bits; default FNL_OUTPUT_COLOR */
     bool count_lights;     /**< count light evaluations exactly (slower); they then appear in the stats; default false */
     bool timers;           /**< measure each pass on the GPU; default true */
-    bool gbuffer_prepass;  /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
+    /**
+     * FNL_SHADING_DEFERRED: sorts blocks of 8x8 or 4x4 pixels by the parts of the shader that they need and shades each class with a
+     * variant that has nothing else; 8, 4, or 0 (default): one shader for all. The picture is the same.
+     */
+    uint32_t class_blocks;
+    bool gbuffer_prepass; /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
      * run, or the likely one. For single frames, and where every frame must cost the same. Default false.
@@ -183,9 +188,11 @@ typedef struct fnl_frame_stats {
     uint32_t draws;                /**< draw calls (indirect ones count once) */
     uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
     uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
-    double cpu_milliseconds;       /**< recording and submitting */
-    double gpu_milliseconds;       /**< sum of all passes; 0 without timers */
-    float ev;                      /**< exposure used, EV100 */
+    /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
+    uint32_t shading_blocks[9];
+    double cpu_milliseconds; /**< recording and submitting */
+    double gpu_milliseconds; /**< sum of all passes; 0 without timers */
+    float ev;                /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
     fnl_light_lists lists;

@@ -2,6 +2,7 @@
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
+#include "passes/shade/classify.h"
 #include "passes/shade/shade.h"
 #include "render/renderer_internal.h"
 
@@ -16,7 +17,7 @@ struct frame_state {
     struct geometry_draws draws;
     graph_image radiance;
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
-    graph_buffer counters, exposure;
+    graph_buffer counters, exposure, class_counts;
     struct aov_images aov;
     graph_image color;
 };
@@ -115,7 +116,12 @@ static void add_shading(struct frame_state *f) {
     if (is_deferred(f->frame)) {
         struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
         add_lists(f, depth, gbuffer.normal);
-        deferred_add(f->graph, &input, &gbuffer, f->radiance, depth);
+        struct shade_classes classes = {0};
+        if (f->frame->class_blocks) {
+            classes = classify_add(f->graph, &input, &gbuffer, depth, f->frame->class_blocks);
+            f->class_counts = classes.counts;
+        }
+        deferred_add(f->graph, &input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance, depth);
     } else {
         add_lists(f, prepass ? depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
         forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
@@ -223,7 +229,7 @@ struct count_copy {
     uint64_t from_offset, to_offset, size;
 };
 struct counts_data {
-    struct count_copy copies[5];
+    struct count_copy copies[6];
     uint32_t count;
 };
 
@@ -249,6 +255,9 @@ static void add_counts(struct frame_state *f) {
     if (f->blend_lights.totals.id && f->blend_lights.totals.id != f->lights.totals.id)
         data.copies[data.count++] = (struct count_copy){
             f->blend_lights.totals, counts, 0, offsetof(struct frame_counts, blend_lights), sizeof(struct light_totals)};
+    if (f->class_counts.id)
+        data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
+                                                        sizeof f->r->stats.shading_blocks};
     if (f->exposure.id)
         data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {

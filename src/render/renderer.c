@@ -209,6 +209,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
+    REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
     REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
     if (!fnl_lists_supported(frame->shading, frame->lists)) {
         log_error(host, "%s lists do not go with %s shading", fnl_light_lists_name(frame->lists),
@@ -374,6 +375,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +
                            counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
+    memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, out);
     out->cpu_milliseconds = r->cpu_milliseconds;

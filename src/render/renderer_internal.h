@@ -14,6 +14,7 @@ struct frame_counts {
     struct light_totals lights, blend_lights;
     uint32_t visible_items, pad;
     float exposure[2];
+    uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
 };
 
 enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */

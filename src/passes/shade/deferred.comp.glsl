@@ -1,20 +1,38 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Deferred shading: one thread a pixel reads the G-buffer once and writes its radiance once.
+// Deferred shading: one thread a pixel reads the G-buffer once and writes its radiance once. Either every pixel, or those of blocks of
+// one class (classify.h).
 #include "common.glsl"
 #include "shade.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/shade_shared.h"
 
+layout(constant_id = 4) const uint IS_FULL = 0u;    // every pixel of the blocks is to be shaded
+layout(constant_id = 5) const uint BLOCK_SIZE = 0u; // 0: not classified
+
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_deferred_push push; };
 
+// The thread's pixel of the class's blocks; false when there is none.
+bool block_pixel(out ivec2 pixel) {
+    pixel = ivec2(0);
+    uint first = push.sums.at[push.class_index * push.block_count], end = push.sums.at[(push.class_index + 1u) * push.block_count];
+    uint blocks_per_group = 64u / (BLOCK_SIZE * BLOCK_SIZE);
+    uint slot = first + LINEAR_GROUP * blocks_per_group + gl_LocalInvocationIndex / (BLOCK_SIZE * BLOCK_SIZE);
+    if (slot >= end) return false;
+    uint block = push.blocks.at[slot], inside = gl_LocalInvocationIndex % (BLOCK_SIZE * BLOCK_SIZE);
+    uint blocks_x = (push.view.view.size.x + BLOCK_SIZE - 1u) / BLOCK_SIZE;
+    pixel = ivec2(uvec2(block % blocks_x, block / blocks_x) * BLOCK_SIZE + uvec2(inside % BLOCK_SIZE, inside / BLOCK_SIZE));
+    return true;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     float depth = texelFetch(textures[push.depth], pixel, 0).r;
-    if (depth <= 0.0) return; // sky keeps the background
+    if (IS_FULL == 0u && depth <= 0.0) return; // sky keeps the background
     gbuffer g;
     g.color = texelFetch(textures[push.color], pixel, 0);
     g.normal = texelFetch(textures[push.normal], pixel, 0);

@@ -34,7 +34,9 @@ struct gbuffer {
 };
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth);
-void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance,
-                  graph_image depth);
+struct shade_classes;
+/** `classes` (classify.h) may be NULL: one shader for all pixels. */
+void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
+                  const struct shade_classes *classes, graph_image radiance, graph_image depth);
 
 #endif

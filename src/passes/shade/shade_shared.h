@@ -13,6 +13,10 @@ struct gpu_deferred_push {
     uint normal;
     uint dielectric;
     uint radiance;   /* storage: emission in, radiance out */
+    ADDRESS(uint_array) sums;   /* of classify_shared.h, where pixels are classified */
+    ADDRESS(uint_array) blocks;
+    uint block_count;
+    uint class_index;
 };
 
 #endif
