@@ -8,6 +8,7 @@ packages=(
     gcc g++ cmake ninja-build pkg-config glslang-tools spirv-tools                  # to build
     libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev # what it is made of
     libspng-dev libjpeg-dev libwebp-dev libopenexr-dev
+    libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
     libcmocka-dev vulkan-validationlayers                                            # to test
 )

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/** The parts of `fanal bench`: what to measure (bench.c, bench_suite.c), measuring (bench_run.c), and what comes of it. */
+#ifndef FNL_CLI_BENCH_H
+#define FNL_CLI_BENCH_H
+
+#include "fanal/fanal.h"
+
+#include <jansson.h>
+
+/** One way to render: what is compared. */
+struct bench_candidate {
+    fnl_shading shading;
+    fnl_light_lists lists;
+    char *options; /* "slices=64,cluster_size=32": list options other than the defaults; "" for none */
+};
+
+/** One picture to render in several ways: what is kept equal while candidates are compared. */
+struct bench_case {
+    const char *scene, *camera; /* camera NULL: the scene's first, else one that frames the scene */
+    int64_t lights;             /* -1: as the scene has them */
+    uint32_t width, height, msaa, candidate_count;
+    struct bench_candidate *candidates;
+};
+
+struct bench_plan {
+    struct bench_case *cases;
+    uint32_t case_count;
+    json_t *skipped; /* array of objects: pairs that cannot be measured, with the reason */
+};
+
+struct bench_settings {
+    uint32_t frames, warm_up; /* timed frames; frames before them */
+    uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
+    fnl_light_lists reference;
+    const char *camera_path; /* NULL: the camera stands still; "orbit"; or a file */
+    const char *device, *output;
+    bool resume, validate, quiet;
+};
+
+/** What was measured: `root` is results.json; `pictures` maps keys to data URIs and is only in the page. */
+struct bench_data {
+    json_t *root, *pictures;
+};
+
+/* ---- plan (bench.c) ---- */
+
+/** The case for these values, added when it is not there yet; NULL when memory ran out. */
+struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_case *wanted);
+/** Adds a candidate unless it is there already. A pair that does not fit goes to `skipped`. False when memory ran out. */
+bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const struct bench_candidate *candidate);
+
+/* ---- cameras (bench_camera.c) ---- */
+
+struct bench_point {
+    double time; /* seconds; poses the scene's animation */
+    fnl_camera camera;
+};
+
+/** Points of a path through a scene. */
+struct bench_path {
+    struct bench_point *points;
+    uint32_t count;
+};
+
+/** Loads a file of points, or makes the orbit; `base` gives what a point does not say. False with a message. */
+bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
+                       uint32_t orbit_count, float aspect);
+void bench_path_destroy(struct bench_path *path);
+
+/* ---- measuring (bench_run.c) ---- */
+
+/** REFUSED: nothing was measured and nothing is to be written; FAILED: the device or memory gave up on the way. */
+enum bench_end { BENCH_DONE, BENCH_INTERRUPTED, BENCH_FAILED, BENCH_REFUSED };
+
+/** Measures what `data` does not hold yet and saves data after each case. */
+enum bench_end bench_measure(const struct bench_settings *settings, const struct bench_plan *plan, struct bench_data *data);
+
+/* ---- pictures (bench_picture.c) ---- */
+
+/** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
+json_t *bench_picture_uri(const fnl_image *picture, uint32_t width, const char *folder);
+/** How many pixels differ in any bit, and the greatest difference of a channel. */
+void bench_picture_compare(const fnl_image *a, const fnl_image *b, uint64_t *differing, double *max);
+
+/* ---- results (bench_write.c) ---- */
+
+/** The result of a candidate in a case, or NULL. */
+json_t *bench_find(const struct bench_data *data, const struct bench_case *where, const struct bench_candidate *what);
+/** An object with the keys that say which case and candidate a result is of; `what` may be NULL. */
+json_t *bench_key(const struct bench_case *where, const struct bench_candidate *what);
+/** Are two results of one case, that is, comparable? */
+bool bench_same_case(const json_t *a, const json_t *b);
+/** "deferred, tiled lists" or with options "deferred, tiled lists (tile_size=8)", of a result. */
+void bench_describe(const json_t *result, char *text, size_t capacity);
+/** "builtin:hall, 1024 lights, 1280x720, MSAA 4", of a result. */
+void bench_describe_case(const json_t *result, char *text, size_t capacity);
+double bench_number(const json_t *object, const char *key, double otherwise);
+/** The median of one of a result's times, such as "frame_ms"; NaN when there is none. */
+double bench_median(const json_t *result, const char *key);
+
+/** Checks that a folder can be written to, making it if it is not there. False with a message. */
+bool bench_prepare_folder(const char *folder);
+/** Reads DIR/results.json, and the pictures out of DIR/report.html. A missing file leaves `data` empty; false with a message if it is broken. */
+bool bench_load(const char *folder, struct bench_data *data);
+/** Writes results.json, results.csv, and with `page` report.html; each is complete or not there. False with a message. */
+bool bench_save(const char *folder, const struct bench_data *data, bool page);
+/** Writes `size` bytes as DIR/name under a temporary name, then renames it. */
+bool bench_save_file(const char *folder, const char *name, const char *text, size_t size);
+/** The page as text of *size bytes; free() it. NULL when memory ran out. */
+char *bench_page_create(const struct bench_data *data, size_t *size);
+
+/* ---- what follows from them (bench_conclude.c) ---- */
+
+/** Replaces root.conclusions: for each case the fastest candidate and its lead; then pictures that differ. */
+void bench_conclude(struct bench_data *data);
+/** Prints tables of all results. */
+void bench_print(const struct bench_data *data);
+/** Number of results whose picture is not the reference's. */
+uint32_t bench_unequal_count(const struct bench_data *data);
+
+/* ---- experiments of the literature (bench_suite.c) ---- */
+
+struct bench_suite;
+/** By name; NULL when there is none. bench_suite_name(0), (1) … until NULL gives the names. */
+const struct bench_suite *bench_suite_find(const char *name);
+const char *bench_suite_name(int index);
+/** Adds the cases of a suite; width 0: the size of the source. False when memory ran out. */
+bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);
+/** Sets root.suite to the table of what was found. */
+void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data);
+
+#endif

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/* What the numbers say: sentences and tables. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_unequal(const json_t *result) { return json_is_false(json_object_get(result, "equal")); }
+
+uint32_t bench_unequal_count(const struct bench_data *data) {
+    const json_t *result;
+    size_t i;
+    uint32_t count = 0;
+    json_array_foreach(json_object_get(data->root, "results"), i, result) count += is_unequal(result);
+    return count;
+}
+
+/* The first result of each case stands for it. */
+static bool is_first(const json_t *results, size_t index) {
+    const json_t *result = json_array_get(results, index);
+    for (size_t i = 0; i < index; i++)
+        if (bench_same_case(json_array_get(results, i), result)) return false;
+    return true;
+}
+
+static int by_time(const void *a, const void *b) {
+    double x = bench_median(*(json_t *const *)a, "frame_ms"), y = bench_median(*(json_t *const *)b, "frame_ms");
+    return (x > y) - (x < y);
+}
+
+/* The results of one case, fastest first; free() them. */
+static const json_t **sorted_case(const json_t *results, const json_t *first, size_t *count) {
+    const json_t **sorted = malloc((json_array_size(results) + 1) * sizeof *sorted), *result;
+    size_t i;
+    *count = 0;
+    if (!sorted) return NULL;
+    json_array_foreach(results, i, result)
+        if (bench_same_case(result, first)) sorted[(*count)++] = result;
+    qsort(sorted, *count, sizeof *sorted, by_time);
+    return sorted;
+}
+
+/* Half of the frames of each were within these of the medians; where they overlap, who is ahead may be chance. */
+static bool is_clear(const json_t *fast, const json_t *slow) {
+    double spread = bench_number(json_object_get(fast, "frame_ms"), "mad", 0) +
+                    bench_number(json_object_get(slow, "frame_ms"), "mad", 0);
+    return bench_median(slow, "frame_ms") - bench_median(fast, "frame_ms") > spread;
+}
+
+static json_t *conclude_case(const json_t *results, const json_t *first) {
+    char place[512], best[256], next[256], text[1280];
+    size_t count, other = 1;
+    const json_t **sorted = sorted_case(results, first, &count);
+    if (!sorted || count == 0) {
+        free(sorted);
+        return NULL;
+    }
+    bench_describe_case(first, place, sizeof place);
+    bench_describe(sorted[0], best, sizeof best);
+    double time = bench_median(sorted[0], "frame_ms");
+    if (count > other) {
+        bench_describe(sorted[other], next, sizeof next);
+        double ratio = bench_median(sorted[other], "frame_ms") / time;
+        if (is_clear(sorted[0], sorted[other]))
+            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms, %.2fx ahead of %s.", place, best, time, ratio, next);
+        else
+            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms; %s (%.2fx) is within the spread.", place, best, time, next,
+                     ratio);
+    } else {
+        snprintf(text, sizeof text, "On %s: %s, %.3g ms.", place, best, time);
+    }
+    free(sorted);
+    return json_string(text);
+}
+
+void bench_conclude(struct bench_data *data) {
+    json_t *results = json_object_get(data->root, "results"), *lines = json_array(), *result;
+    size_t i;
+    json_array_foreach(results, i, result) {
+        json_t *line = is_first(results, i) ? conclude_case(results, result) : NULL;
+        if (line) json_array_append_new(lines, line);
+    }
+    json_array_foreach(results, i, result) {
+        char place[512], what[256], text[1024];
+        if (!is_unequal(result)) continue;
+        bench_describe_case(result, place, sizeof place);
+        bench_describe(result, what, sizeof what);
+        snprintf(text, sizeof text, "WRONG PICTURE on %s: with %s %.0f pixels differ from the reference, by up to %.4g.", place,
+                 what, bench_number(result, "differing_pixels", 0), bench_number(result, "max_difference", 0));
+        json_array_append_new(lines, json_string(text));
+    }
+    json_object_set_new(data->root, "conclusions", lines);
+}
+
+/* ---- for the terminal ---- */
+
+static void print_case(const json_t *results, const json_t *first) {
+    char text[512];
+    size_t count;
+    const json_t **sorted = sorted_case(results, first, &count);
+    bench_describe_case(first, text, sizeof text);
+    printf("\n%s\n  %-42s %10s %8s %10s %10s %10s %10s  %s\n", text, "medians", "frame, ms", "+-", "lists, ms", "shade, ms",
+           "lights/px", "of least", "picture");
+    for (size_t i = 0; sorted && i < count; i++) {
+        const json_t *r = sorted[i];
+        double useful = bench_number(r, "useful_per_pixel", 0), per_pixel = bench_number(r, "per_pixel", 0);
+        const json_t *equal = json_object_get(r, "equal");
+        char ratio[32] = "-";
+        if (useful > 0) snprintf(ratio, sizeof ratio, "%.2fx", per_pixel / useful);
+        bench_describe(r, text, sizeof text);
+        printf("  %-42s %10.3f %8.3f %10.3f %10.3f %10.2f %10s  %s\n", text, bench_median(r, "frame_ms"),
+               bench_number(json_object_get(r, "frame_ms"), "mad", 0), bench_median(r, "lists_ms"),
+               bench_median(r, "shading_ms"), per_pixel, ratio,
+               json_is_true(equal) ? "equal" : json_is_false(equal) ? "DIFFERS" : "not compared");
+    }
+    free(sorted);
+}
+
+/* One line for each pair, however many cases it is missing from. */
+static void print_skipped(const json_t *skipped) {
+    const json_t *entry;
+    size_t i;
+    if (json_array_size(skipped)) puts("\nLeft out:");
+    json_array_foreach(skipped, i, entry) {
+        char what[256], other[256];
+        uint32_t count = 0;
+        bool shown = false;
+        bench_describe(entry, what, sizeof what);
+        for (size_t j = 0; j < json_array_size(skipped); j++) {
+            const json_t *against = json_array_get(skipped, j);
+            bench_describe(against, other, sizeof other);
+            if (strcmp(what, other) != 0 || !json_equal(json_object_get(entry, "reason"), json_object_get(against, "reason"))) continue;
+            shown = shown || j < i;
+            count++;
+        }
+        if (!shown)
+            printf("  %s (%u case%s): %s\n", what, count, count == 1 ? "" : "s",
+                   json_string_value(json_object_get(entry, "reason")));
+    }
+}
+
+static void print_suite(const json_t *suite) {
+    const json_t *row;
+    size_t i;
+    if (!suite) return;
+    printf("\n%s\n  %-60s %10s %10s  %s\n", json_string_value(json_object_get(suite, "title")), "quantity", "source", "ours",
+           "verdict");
+    json_array_foreach(json_object_get(suite, "rows"), i, row) {
+        char source[32], ours[32] = "-";
+        double value = bench_number(row, "ours", NAN);
+        snprintf(source, sizeof source, "%s %.3g", json_string_value(json_object_get(row, "comparison")),
+                 bench_number(row, "source", NAN));
+        if (isfinite(value)) snprintf(ours, sizeof ours, "%.3f", value);
+        printf("  %-60s %10s %10s  %s\n", json_string_value(json_object_get(row, "quantity")), source, ours,
+               json_string_value(json_object_get(row, "verdict")));
+    }
+}
+
+void bench_print(const struct bench_data *data) {
+    const json_t *results = json_object_get(data->root, "results"), *result, *line;
+    const json_t *device = json_object_get(data->root, "device");
+    size_t i;
+    printf("%s, %s\n", json_string_value(json_object_get(device, "name")),
+           json_string_value(json_object_get(device, "driver")));
+    json_array_foreach(results, i, result)
+        if (is_first(results, i)) print_case(results, result);
+    print_skipped(json_object_get(data->root, "skipped"));
+    print_suite(json_object_get(data->root, "suite"));
+    putchar('\n');
+    json_array_foreach(json_object_get(data->root, "conclusions"), i, line) puts(json_string_value(line));
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT */
+#include "bench_lane.h"
+
+#include "arguments.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char *const metric_names[LANE_METRIC_COUNT] = {"frame_ms", "gpu_ms",     "cpu_ms",      "wall_ms",
+                                                            "lists_ms", "shading_ms", "geometry_ms", "rest_ms"};
+
+double lane_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+/* ---- what a pass is for ---- */
+
+enum role { ROLE_LISTS, ROLE_SHADING, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
+static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "geometry", "rest", "read"};
+
+/* By the start of its name. A frame consists of these and of the passes that build light lists. */
+static enum role role_of(const char *name) {
+    static const struct {
+        const char *start;
+        enum role role;
+    } roles[] = {{"forward", ROLE_SHADING},    {"deferred", ROLE_SHADING}, {"multipass", ROLE_SHADING}, {"cull", ROLE_GEOMETRY},
+                 {"sort", ROLE_GEOMETRY},      {"gbuffer", ROLE_GEOMETRY}, {"depth prepass", ROLE_GEOMETRY},
+                 {"skin", ROLE_GEOMETRY},      {"morph", ROLE_GEOMETRY},   {"meter", ROLE_REST},       {"exposure", ROLE_REST},
+                 {"tonemap", ROLE_REST},       {"read ", ROLE_READ},       {"to host", ROLE_READ},     {"counts to host", ROLE_READ}};
+    for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
+        if (strncmp(name, roles[i].start, strlen(roles[i].start)) == 0) return roles[i].role;
+    return ROLE_LISTS;
+}
+
+/* ---- life ---- */
+
+bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames) {
+    *lane = (struct lane){.candidate = candidate, .frame = fnl_frame_default(), .capacity = frames};
+    lane->frame.width = where->width;
+    lane->frame.height = where->height;
+    lane->frame.msaa = where->msaa;
+    lane->frame.shading = candidate->shading;
+    lane->frame.lists = candidate->lists;
+    bool good = argument_list_options("list-option", candidate->options, &lane->frame.list_options);
+    for (int m = 0; m < LANE_METRIC_COUNT; m++) {
+        lane->times[m] = calloc(frames, sizeof(double));
+        good = good && lane->times[m];
+    }
+    return good;
+}
+
+void lane_finish(struct lane *lane) {
+    fnl_renderer_destroy(&lane->own);
+    for (int m = 0; m < LANE_METRIC_COUNT; m++) free(lane->times[m]);
+    for (uint32_t i = 0; i < lane->pass_count; i++) {
+        free(lane->passes[i].name);
+        free(lane->passes[i].times);
+    }
+    free(lane->passes);
+    *lane = (struct lane){0};
+}
+
+/* ---- frames ---- */
+
+/* The pass of this name; most often the one at the same place as in the frame before. */
+static struct lane_pass *find_pass(struct lane *lane, const char *name, uint32_t place) {
+    if (place < lane->pass_count && strcmp(lane->passes[place].name, name) == 0) return &lane->passes[place];
+    for (uint32_t i = 0; i < lane->pass_count; i++)
+        if (strcmp(lane->passes[i].name, name) == 0) return &lane->passes[i];
+    struct lane_pass *bigger = realloc(lane->passes, (lane->pass_count + 1) * sizeof *bigger);
+    if (!bigger) return NULL;
+    lane->passes = bigger;
+    struct lane_pass *pass = &bigger[lane->pass_count];
+    *pass = (struct lane_pass){strdup(name), calloc(lane->capacity, sizeof(double))};
+    if (pass->name && pass->times) {
+        lane->pass_count++;
+        return pass;
+    }
+    free(pass->name);
+    free(pass->times);
+    return NULL;
+}
+
+bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
+    double sums[ROLE_COUNT] = {0};
+    for (uint32_t i = 0; i < stats->pass_count; i++) {
+        struct lane_pass *pass = find_pass(lane, stats->passes[i].name, i);
+        if (!pass) return false;
+        pass->times[lane->measured] += stats->passes[i].milliseconds;
+        sums[role_of(pass->name)] += stats->passes[i].milliseconds;
+    }
+    double gpu = sums[ROLE_LISTS] + sums[ROLE_SHADING] + sums[ROLE_GEOMETRY] + sums[ROLE_REST];
+    double values[LANE_METRIC_COUNT] = {[LANE_FRAME] = fmax(gpu, stats->cpu_milliseconds),
+                                        [LANE_GPU] = gpu,
+                                        [LANE_CPU] = stats->cpu_milliseconds,
+                                        [LANE_WALL] = lane->wall,
+                                        [LANE_LISTS] = sums[ROLE_LISTS],
+                                        [LANE_SHADING] = sums[ROLE_SHADING],
+                                        [LANE_GEOMETRY] = sums[ROLE_GEOMETRY],
+                                        [LANE_REST] = sums[ROLE_REST]};
+    for (int m = 0; m < LANE_METRIC_COUNT; m++) lane->times[m][lane->measured] = values[m];
+    lane->measured++;
+    return true;
+}
+
+void lane_note_counts(struct lane *lane, const fnl_frame_stats *stats) {
+    lane->stats = *stats;
+    lane->stats.passes = NULL;
+    lane->counted++;
+    lane->evaluations += (double)stats->evaluations;
+    lane->useful += (double)stats->evaluations_useful;
+    if (stats->max_per_pixel > lane->max_per_pixel) lane->max_per_pixel = stats->max_per_pixel;
+}
+
+/* ---- results ---- */
+
+static int compare_doubles(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Between the two nearest ranks. */
+static double quantile(const double *sorted, uint32_t count, double part) {
+    double place = part * (count - 1), low = floor(place);
+    uint32_t i = (uint32_t)low;
+    return i + 1 < count ? sorted[i] + (sorted[i + 1] - sorted[i]) * (place - low) : sorted[count - 1];
+}
+
+static double rounded(double milliseconds) { return round(milliseconds * 1e6) / 1e6; } /* to the nanosecond */
+
+/* Median, spread; MAD is the median of the distances from the median. */
+static json_t *summarise(const double *times, uint32_t count) {
+    double *sorted = malloc(count * sizeof *sorted);
+    if (!sorted) return NULL;
+    memcpy(sorted, times, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare_doubles);
+    double median = quantile(sorted, count, 0.5), low = sorted[0], p5 = quantile(sorted, count, 0.05),
+           p95 = quantile(sorted, count, 0.95);
+    for (uint32_t i = 0; i < count; i++) sorted[i] = fabs(sorted[i] - median);
+    qsort(sorted, count, sizeof *sorted, compare_doubles);
+    json_t *json = json_pack("{s:f,s:f,s:f,s:f,s:f}", "median", rounded(median), "min", rounded(low), "p5", rounded(p5), "p95",
+                             rounded(p95), "mad", rounded(quantile(sorted, count, 0.5)));
+    free(sorted);
+    return json;
+}
+
+static void set_integer(json_t *object, const char *key, uint64_t value) {
+    json_object_set_new(object, key, json_integer((json_int_t)value));
+}
+
+static void add_counts(const struct lane *lane, json_t *result) {
+    const fnl_frame_stats *s = &lane->stats;
+    double pixels = (double)lane->frame.width * lane->frame.height, frames = lane->counted;
+    set_integer(result, "lights", s->lights_total);
+    set_integer(result, "lights_in_view", s->lights_in_view);
+    set_integer(result, "evaluations", (uint64_t)(lane->evaluations / frames + 0.5));
+    set_integer(result, "evaluations_useful", (uint64_t)(lane->useful / frames + 0.5));
+    json_object_set_new(result, "per_pixel", json_real(lane->evaluations / frames / pixels));
+    json_object_set_new(result, "useful_per_pixel", json_real(lane->useful / frames / pixels));
+    set_integer(result, "max_per_pixel", lane->max_per_pixel);
+    set_integer(result, "list_bytes", s->list_bytes);
+    set_integer(result, "list_used_bytes", s->list_used_bytes);
+    set_integer(result, "list_entries", s->list_entries);
+    set_integer(result, "cells", s->cells);
+    set_integer(result, "overflow_cells", s->overflow_cells);
+    set_integer(result, "dropped", s->lights_dropped);
+}
+
+static void add_comparison(const struct lane *lane, json_t *result) {
+    if (lane->checked == 0) {
+        json_object_set_new(result, "equal", json_null());
+        json_object_set_new(result, "unchecked", json_string(lane->unchecked));
+        return;
+    }
+    json_object_set_new(result, "equal", json_boolean(lane->differing == 0));
+    set_integer(result, "pictures_compared", lane->checked);
+    set_integer(result, "differing_pixels", lane->differing);
+    /* JSON knows no infinity */
+    json_object_set_new(result, "max_difference", json_real(fmin(lane->max_difference, 3.4e38)));
+}
+
+void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_info *scene, bool shared,
+                     uint32_t wanted_frames) {
+    set_integer(result, "triangles", scene->triangle_count);
+    set_integer(result, "instances", scene->instance_count);
+    if (lane->counted) add_counts(lane, result);
+    add_comparison(lane, result);
+    set_integer(result, "frames", lane->measured);
+    json_object_set_new(result, "complete", json_boolean(lane->measured == wanted_frames));
+    json_object_set_new(result, "shared_renderer", json_boolean(shared));
+    for (int m = 0; m < LANE_METRIC_COUNT; m++)
+        json_object_set_new(result, metric_names[m], summarise(lane->times[m], lane->measured));
+    json_t *passes = json_array();
+    for (uint32_t i = 0; i < lane->pass_count; i++) {
+        json_t *pass = summarise(lane->passes[i].times, lane->measured);
+        json_object_set_new(pass, "name", json_string(lane->passes[i].name));
+        json_object_set_new(pass, "role", json_string(role_names[role_of(lane->passes[i].name)]));
+        json_array_append_new(passes, pass);
+    }
+    json_object_set_new(result, "passes", passes);
+}
+
+void lane_picture_name(const json_t *key, const char *kind, char *text, size_t capacity) {
+    const json_t *lights = json_object_get(key, "asked_lights");
+    snprintf(text, capacity, "%s|%lld|%lldx%lld|%lld|%s|%s|%s|%s", json_string_value(json_object_get(key, "scene")),
+             json_is_integer(lights) ? (long long)json_integer_value(lights) : -1LL,
+             (long long)json_integer_value(json_object_get(key, "width")),
+             (long long)json_integer_value(json_object_get(key, "height")),
+             (long long)json_integer_value(json_object_get(key, "msaa")),
+             json_string_value(json_object_get(key, "shading")), json_string_value(json_object_get(key, "lists")),
+             json_string_value(json_object_get(key, "options")), kind);
+}

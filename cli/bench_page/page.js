@@ -1,0 +1,512 @@
+'use strict';
+/* Builds the page from the numbers in #data: selectors, plots, a table under each, pictures. */
+(function () {
+const data = JSON.parse(document.getElementById('data').textContent);
+const pictures = JSON.parse(document.getElementById('pictures').textContent);
+const results = data.results, main = document.getElementById('main');
+const dark = matchMedia('(prefers-color-scheme: dark)');
+const hasChart = typeof Chart !== 'undefined';
+
+/* ---- small helpers ---- */
+
+function element(tag, attributes, ...children) {
+  const e = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes || {})) {
+    if (name === 'class') e.className = value;
+    else if (name.startsWith('on')) e.addEventListener(name.slice(2), value);
+    else e.setAttribute(name, value);
+  }
+  for (const child of children) if (child !== null && child !== undefined) e.append(child);
+  return e;
+}
+const unique = (values) => [...new Set(values)];
+const median = (r, key) => (r && r[key] ? r[key].median : NaN);
+/* Three digits that count, and no exponent for what people read. */
+function number(value) {
+  if (value === null || value === undefined || Number.isNaN(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e15 || size < 1e-5) return value.toExponential(2);
+  if (size >= 100) return String(Math.round(value));
+  return value.toFixed(Math.min(8, Math.max(0, 2 - Math.floor(Math.log10(size)))));
+}
+const whole = (value) => (value === undefined || value === null ? '–' : String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, '\u202f'));
+function bytes(value) {
+  if (value === undefined || value === null) return '–';
+  for (const unit of ['B', 'KiB', 'MiB']) {
+    if (value < 1024) return number(value) + ' ' + unit;
+    value /= 1024;
+  }
+  return number(value) + ' GiB';
+}
+const scheme = (r) => r.lists + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
+const caseName = (r) => r.scene + ', ' + r.width + ' × ' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '');
+const lightsOf = (r) => r.lights;
+const plural = (count, noun) => whole(count) + ' ' + noun + (count === 1 ? '' : 's');
+
+/* ---- colours ---- */
+
+/* Okabe and Ito's set for all kinds of colour vision, darker on white and lighter on black; with more schemes than colours, dash and marker tell
+ * them apart, and they do so from the first one on. */
+const palettes = {
+  light: ['#0072b2', '#c46a00', '#00805c', '#b3227c', '#3f3f3f', '#2a9bd6', '#8a7a00'],
+  dark: ['#5db4ee', '#f2a93b', '#3fd0a4', '#ee8fc4', '#d4d4d4', '#a3d9ff', '#ece05a']
+};
+const markers = ['circle', 'triangle', 'rect', 'rectRot', 'crossRot', 'star', 'rectRounded', 'cross'];
+const dashes = [[], [7, 4], [2, 3], [9, 3, 2, 3]];
+const schemes = unique(results.map(scheme));
+const variable = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const palette = () => (dark.matches ? palettes.dark : palettes.light);
+function style(name) {
+  const i = schemes.indexOf(name), p = palette();
+  return {color: p[i % p.length], marker: markers[i % markers.length], dash: dashes[(i + Math.floor(i / p.length)) % dashes.length]};
+}
+const roles = ['geometry', 'lists', 'shading', 'rest'];
+const roleNames = {geometry: 'geometry and depth', lists: 'building lists', shading: 'shading', rest: 'exposure, tone mapping'};
+function roleColor(role, shade) {
+  const p = palette(), base = {geometry: p[4], lists: p[1], shading: p[0], rest: p[6]}[role];
+  return base + ['ff', 'b8', 'd8', '98'][(shade || 0) % 4];
+}
+
+/* ---- state ---- */
+
+const shadings = unique(results.map((r) => r.shading)), cases = unique(results.map(caseName));
+const best = results.reduce((a, b) => (median(b, 'frame_ms') < median(a, 'frame_ms') ? b : a), results[0]);
+const state = {case: cases[0], shading: best ? best.shading : '', lights: null, metric: 'frame_ms', hidden: new Set()};
+const metrics = {
+  frame_ms: 'whole frame', gpu_ms: 'GPU', cpu_ms: 'CPU, record and submit', lists_ms: 'building the lists', shading_ms: 'shading',
+  wall_ms: 'wall clock, with waiting'
+};
+const inCase = () => results.filter((r) => caseName(r) === state.case);
+const lightCounts = () => unique(inCase().map(lightsOf)).sort((a, b) => a - b);
+const lines = () => inCase().filter((r) => r.shading === state.shading);
+const shown = () => lines().filter((r) => !state.hidden.has(scheme(r)));
+const atLights = () => lines().filter((r) => lightsOf(r) === state.lights);
+const shownAt = () => shown().filter((r) => lightsOf(r) === state.lights);
+const byTime = (key) => (a, b) => median(a, key) - median(b, key);
+
+function settle() {
+  if (!inCase().some((r) => r.shading === state.shading)) {
+    const fastest = inCase().sort(byTime('frame_ms'))[0];
+    state.shading = fastest ? fastest.shading : '';
+  }
+  const counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
+  if (!counts.includes(state.lights)) state.lights = counts.length ? counts[counts.length - 1] : null;
+}
+
+/* ---- tables ---- */
+
+/* A header that starts with '<' is of a column of text. A row is an array, or {cells, best}. */
+function table(name, headers, rows) {
+  const text = headers.map((h) => h.startsWith('<'));
+  const head = element('tr', null, ...headers.map((h, i) => element('th', {scope: 'col', class: text[i] ? 'text' : ''}, h.replace(/^</, ''))));
+  const body = rows.map((row) => {
+    const cells = row.cells || row;
+    return element('tr', row.best ? {class: 'best'} : null,
+      ...cells.map((cell, i) => element('td', text[i] ? {class: 'text'} : null, cell instanceof Node ? cell : String(cell))));
+  });
+  return element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': name},
+    element('table', {'data-name': name}, element('thead', null, head), element('tbody', null, ...body)));
+}
+
+/* ---- plots ---- */
+
+const plots = []; /* {section, draw()} in order; each draws itself anew */
+let charts = [];
+
+/* p5 to p95 as whiskers on what has `spread` [low, high]. */
+const whiskers = {
+  id: 'whiskers',
+  afterDatasetsDraw(chart) {
+    const context = chart.ctx, across = chart.options.indexAxis === 'y', scale = across ? chart.scales.x : chart.scales.y;
+    context.save();
+    context.lineWidth = 1.5;
+    chart.data.datasets.forEach((dataset, d) => {
+      if (!dataset.spreads) return;
+      context.strokeStyle = dataset.whisker || dataset.borderColor;
+      chart.getDatasetMeta(d).data.forEach((point, i) => {
+        const spread = dataset.spreads[i];
+        if (!spread || !(spread[0] > 0)) return;
+        const a = scale.getPixelForValue(spread[0]), b = scale.getPixelForValue(spread[1]);
+        context.beginPath();
+        if (across) { context.moveTo(a, point.y); context.lineTo(b, point.y); context.moveTo(b, point.y - 4); context.lineTo(b, point.y + 4); context.moveTo(a, point.y - 4); context.lineTo(a, point.y + 4); }
+        else { context.moveTo(point.x, a); context.lineTo(point.x, b); }
+        context.stroke();
+      });
+    });
+    context.restore();
+  }
+};
+/* A vertical line with a word on it, for bounds on bar plots. */
+const bound = {
+  id: 'bound',
+  afterDatasetsDraw(chart) {
+    const value = chart.options.plugins.bound && chart.options.plugins.bound.value;
+    if (!(value > 0)) return;
+    const x = chart.scales.x.getPixelForValue(value), area = chart.chartArea, context = chart.ctx;
+    context.save();
+    context.strokeStyle = variable('--text');
+    context.setLineDash([5, 4]);
+    context.lineWidth = 2;
+    context.beginPath();
+    context.moveTo(x, area.top);
+    context.lineTo(x, area.bottom);
+    context.stroke();
+    context.restore();
+  }
+};
+
+function plot(container, name, height, config) {
+  if (!hasChart) return;
+  const canvas = element('canvas', {role: 'img', 'aria-label': name + '; the table below has its numbers'});
+  container.append(element('div', {class: 'plot', style: 'height:' + height + 'px'}, canvas));
+  config.options = Object.assign({
+    responsive: true, maintainAspectRatio: false, animation: false, interaction: {mode: 'nearest', intersect: false}
+  }, config.options);
+  config.options.plugins = Object.assign({legend: {display: false}}, config.options.plugins);
+  config.plugins = [whiskers, bound];
+  charts.push(new Chart(canvas, config));
+}
+
+function axis(title, type, more) {
+  return Object.assign({
+    type: type, title: {display: true, text: title, color: variable('--soft')}, grid: {color: variable('--line')},
+    ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: true}
+  }, more);
+}
+/* Of a logarithmic axis only 1, 2 and 5 carry numbers, only 1 where there are many decades. */
+function logAxis(title) {
+  return axis(title, 'logarithmic', {
+    afterBuildTicks(scale) {
+      const decades = Math.log10(scale.max / scale.min), keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : [1, 2, 5], ticks = [];
+      for (let power = Math.floor(Math.log10(scale.min)); power <= Math.ceil(Math.log10(scale.max)); power++)
+        for (const digit of keep) {
+          const value = Number((digit * Math.pow(10, power)).toPrecision(3));
+          if (value >= scale.min * 0.999 && value <= scale.max * 1.001) ticks.push({value});
+        }
+      scale.ticks = ticks;
+    },
+    ticks: {color: variable('--soft'), maxRotation: 0, callback: (value) => (value >= 1e4 ? value / 1000 + 'k' : number(value).replace(/\.?0+$/, (z) => (z.includes('.') ? '' : z)))}
+  });
+}
+function lightsAxis(counts) {
+  return axis('lights', 'logarithmic', {
+    min: counts[0] / 1.15, max: counts[counts.length - 1] * 1.15, afterBuildTicks(scale) { scale.ticks = counts.map((value) => ({value})); },
+    ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: true, callback: (value) => (value >= 10000 ? Math.round(value / 1000) + 'k' : value)}
+  });
+}
+/* Names as axis labels: one part of the options a line, so that they fit a phone. */
+const labelOf = (r) => [r.lists].concat(r.options ? r.options.split(',') : []);
+const barHeight = (rows, perRow) => 86 + rows.reduce((sum, r) => sum + Math.max(perRow || 30, 15 * labelOf(r).length + 6), 0);
+const nameAxis = () => ({grid: {display: false}, ticks: {color: variable('--text'), autoSkip: false, font: {size: 12}}});
+
+function swatch(name) {
+  const s = style(name), svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  const shapes = {
+    circle: '<circle cx="15" cy="7" r="4"/>', triangle: '<path d="M15 2l5 9h-10z"/>', rect: '<path d="M11 3h8v8h-8z"/>',
+    rectRot: '<path d="M15 1.5l5.5 5.5-5.5 5.5-5.5-5.5z"/>', crossRot: '<path d="M11 3l8 8m0-8l-8 8" fill="none"/>',
+    star: '<path d="M15 2v10m-5-5h10m-8.5-3.5l7 7m0-7l-7 7" fill="none"/>', rectRounded: '<rect x="11" y="3" width="8" height="8" rx="3"/>',
+    cross: '<path d="M15 2v10m-5-5h10" fill="none"/>'
+  };
+  svg.setAttribute('width', 30); svg.setAttribute('height', 14); svg.setAttribute('aria-hidden', 'true');
+  svg.innerHTML = '<path d="M0 7h30" fill="none" stroke-dasharray="' + s.dash.join(' ') + '"/>' + shapes[s.marker];
+  svg.style.cssText = 'flex:none;stroke:' + s.color + ';fill:' + s.color + ';stroke-width:2';
+  return svg;
+}
+/* Switches schemes on and off in all plots. */
+function legend() {
+  const names = unique(lines().map(scheme));
+  return element('div', {class: 'legend', role: 'group', 'aria-label': 'Light lists shown'}, ...names.map((name) =>
+    element('button', {type: 'button', 'data-scheme': name, 'aria-pressed': String(!state.hidden.has(name)), onclick() {
+      if (!state.hidden.delete(name)) state.hidden.add(name);
+      redraw();
+      const again = document.querySelector('.legend button[data-scheme="' + CSS.escape(name) + '"]');
+      if (again) again.focus({preventScroll: true});
+    }}, swatch(name), name)));
+}
+const roleLegend = (keys, color, names) => element('div', {class: 'legend'}, ...keys.map((role) => {
+  const box = element('i');
+  box.style.background = color(role);
+  return element('span', {class: 'key'}, box, names[role]);
+}));
+
+/* One line per scheme over the numbers of lights; `more` are datasets besides. */
+function linePlot(container, name, key, title, more) {
+  const counts = lightCounts().filter((n) => n > 0), rows = shown();
+  const value = typeof key === 'function' ? key : (r) => median(r, key);
+  const datasets = schemes.filter((s) => rows.some((r) => scheme(r) === s)).map((s) => {
+    const own = rows.filter((r) => scheme(r) === s && lightsOf(r) > 0 && value(r) > 0).sort((a, b) => lightsOf(a) - lightsOf(b)), look = style(s);
+    return {
+      label: s, data: own.map((r) => ({x: lightsOf(r), y: value(r)})), borderColor: look.color, backgroundColor: look.color, borderDash: look.dash,
+      pointStyle: look.marker, pointRadius: 5, pointHoverRadius: 7, pointBorderWidth: 2, borderWidth: 2,
+      spreads: typeof key === 'function' ? null : own.map((r) => [r[key].p5, r[key].p95])
+    };
+  });
+  plot(container, name, 380, {
+    type: 'line', data: {datasets: datasets.concat(more || [])},
+    options: {scales: {x: lightsAxis(counts), y: logAxis(title)},
+      plugins: {tooltip: {callbacks: {title: (items) => plural(items[0].parsed.x, 'light'), label: (item) => item.dataset.label + ': ' + number(item.parsed.y)}}}}
+  });
+}
+/* `sets`: {label, color, value(r), whisker?}; bars lie along x, one row for each result. */
+function barPlot(container, name, rows, title, sets, more) {
+  const options = more || {}, x = options.log ? logAxis(title) : axis(title, 'linear', {beginAtZero: true});
+  if (options.stacked) x.stacked = true;
+  plot(container, name, barHeight(rows, sets.length > 1 && !options.stacked ? 40 : 30), {
+    type: 'bar',
+    data: {labels: rows.map(options.label || labelOf), datasets: sets.map((set) => ({
+      label: set.label, data: rows.map((r) => set.value(r)), backgroundColor: set.colors ? rows.map(set.colors) : set.color, borderColor: variable('--panel'),
+      borderWidth: options.stacked ? {right: 1} : 0, maxBarThickness: 26, whisker: variable('--text'), spreads: set.spread ? rows.map(set.spread) : null
+    }))},
+    options: {indexAxis: 'y', scales: {x: x, y: Object.assign(nameAxis(), {stacked: !!options.stacked})},
+      interaction: {mode: options.stacked ? 'nearest' : 'index', intersect: !!options.stacked, axis: options.stacked ? 'xy' : 'y'},
+      plugins: {bound: {value: options.bound}, tooltip: {callbacks: {
+        title: (items) => String(items[0].label).replace(/,/g, ' '), label: (item) => item.dataset.label + ': ' + (options.format || number)(item.raw)}}}}
+  });
+}
+
+/* ---- sections ---- */
+
+function addPlot(id, title, text, draw) {
+  const body = element('div'), section = element('section', {id: id}, element('h2', null, title), text ? element('p', {class: 'note'}, text) : null, body);
+  plots.push({id, section, draw: () => { body.replaceChildren(); draw(body); }});
+}
+const many = () => lightCounts().filter((n) => n > 0).length > 1;
+
+addPlot('time', 'Time', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work side by side; handing results to the CPU is left out.', (body) => {
+  const key = state.metric;
+  body.append(element('div', {class: 'controls', style: 'position:static;border:0;padding:.2rem 0;background:none'},
+    select('Time of', Object.keys(metrics), key, (value) => { state.metric = value; redraw(); }, (k) => metrics[k])), legend());
+  const counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
+  if (many()) linePlot(body, 'Time over lights', key, 'ms');
+  else barPlot(body, 'Time', shownAt().sort(byTime(key)), 'ms', [{label: metrics[key] + ', ms', value: (r) => median(r, key),
+    colors: (r) => style(scheme(r)).color, spread: (r) => [r[key].p5, r[key].p95]}]);
+  const at = (name, n) => lines().find((r) => scheme(r) === name && lightsOf(r) === n);
+  const last = (name) => { const t = median(at(name, counts[counts.length - 1]), key); return Number.isNaN(t) ? Infinity : t; };
+  const names = unique(lines().map(scheme)).sort((a, b) => last(a) - last(b));
+  body.append(table('time', ['ms, median ± MAD'].concat(counts.map((n) => plural(n, 'light'))), names.map((name, i) => ({best: i === 0,
+    cells: [name].concat(counts.map((n) => { const r = at(name, n); return r ? number(r[key].median) + ' ± ' + number(r[key].mad) : '–'; }))}))));
+});
+
+addPlot('passes', 'Where the time goes', 'Every pass of the GPU, one piece of the bar each; pieces of one kind have one colour. Touch a piece for its name.', (body) => {
+  const rows = shownAt().sort(byTime('gpu_ms')), sets = [];
+  const order = [];
+  for (const r of rows) for (const pass of r.passes) if (pass.role !== 'read' && !order.some((o) => o.name === pass.name)) order.push({name: pass.name, role: pass.role});
+  const number_of = {};
+  for (const role of roles)
+    for (const pass of order.filter((o) => o.role === role)) {
+      number_of[role] = (number_of[role] || 0) + 1;
+      sets.push({label: pass.name + ', ms', color: roleColor(role, number_of[role] - 1), value: (r) => { const p = r.passes.find((q) => q.name === pass.name); return p ? p.median : 0; }});
+    }
+  body.append(roleLegend(roles, roleColor, roleNames));
+  barPlot(body, 'Passes', rows, 'ms', sets, {stacked: true});
+  const sorted = atLights().sort(byTime('gpu_ms'));
+  body.append(table('passes', ['ms, medians'].concat(roles.map((role) => roleNames[role]), 'all passes', 'CPU'), sorted.map((r, i) => ({best: i === 0,
+    cells: [scheme(r)].concat(roles.map((role) => number(median(r, role + '_ms'))), number(median(r, 'gpu_ms')), number(median(r, 'cpu_ms')))}))));
+  body.append(element('details', null, element('summary', null, 'Every pass'), table('every-pass', ['pass, ms', '<kind'].concat(sorted.map(scheme)),
+    unique(sorted.flatMap((r) => r.passes.map((p) => p.name))).map((name) => {
+      const cells = sorted.map((r) => r.passes.find((p) => p.name === name));
+      return [name, cells.find((p) => p).role].concat(cells.map((p) => (p ? number(p.median) : '–')));
+    }))));
+});
+
+addPlot('evaluations', 'Lights per pixel', 'How many lights a pixel evaluates on average, exactly counted, against the least possible: those that truly reach its surface (dashed).', (body) => {
+  const rows = shownAt().filter((r) => r.per_pixel !== undefined).sort((a, b) => a.per_pixel - b.per_pixel), least = rows.length ? rows[0].useful_per_pixel : 0;
+  body.append(legend());
+  if (many()) {
+    const points = unique(lines().map(lightsOf)).sort((a, b) => a - b).map((n) => lines().find((r) => lightsOf(r) === n)).filter((r) => lightsOf(r) > 0 && r.useful_per_pixel > 0);
+    linePlot(body, 'Lights per pixel over lights', (r) => r.per_pixel, 'lights per pixel', [{label: 'least possible', data: points.map((r) => ({x: lightsOf(r), y: r.useful_per_pixel})),
+      borderColor: variable('--text'), backgroundColor: variable('--text'), borderDash: [5, 4], borderWidth: 2, pointRadius: 0}]);
+  } else barPlot(body, 'Lights per pixel', rows, 'lights per pixel', [{label: 'lights per pixel', value: (r) => r.per_pixel, colors: (r) => style(scheme(r)).color}], {bound: least, log: rows.some((r) => r.per_pixel > 30 * (least || 1))});
+  body.append(table('evaluations', [plural(state.lights, 'light'), 'per pixel', 'least possible', 'ratio', 'most of a pixel', 'evaluations'],
+    atLights().filter((r) => r.per_pixel !== undefined).sort((a, b) => a.per_pixel - b.per_pixel).map((r, i) => ({best: i === 0,
+      cells: [scheme(r), number(r.per_pixel), number(r.useful_per_pixel), r.useful_per_pixel > 0 ? number(r.per_pixel / r.useful_per_pixel) + '×' : '–', whole(r.max_per_pixel), whole(r.evaluations)]}))));
+});
+
+addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to build and save shading: the nearer to the lower left, the better. At the left edge stands what builds no lists on the GPU.', (body) => {
+  const rows = shownAt().filter((r) => median(r, 'shading_ms') > 0), floor = Math.min(...rows.map((r) => median(r, 'lists_ms')).filter((t) => t > 0), 1) / 2;
+  body.append(legend());
+  plot(body, 'List time against shading time', 340, {
+    type: 'scatter',
+    data: {datasets: rows.map((r) => { const look = style(scheme(r)); return {label: scheme(r), data: [{x: Math.max(median(r, 'lists_ms'), floor), y: median(r, 'shading_ms')}], real: median(r, 'lists_ms'),
+      borderColor: look.color, backgroundColor: look.color, pointStyle: look.marker, pointRadius: 7, pointHoverRadius: 9, pointBorderWidth: 2}; })},
+    options: {scales: {x: logAxis('building lists, ms'), y: logAxis('shading, ms')}, plugins: {tooltip: {callbacks: {
+      label: (item) => item.dataset.label + ': lists ' + number(item.dataset.real) + ' ms, shading ' + number(item.parsed.y) + ' ms'}}}}
+  });
+  body.append(table('balance', ['ms, medians', 'lists', 'shading', 'both', 'lists, part of both'], atLights().map((r) => ({r, both: median(r, 'lists_ms') + median(r, 'shading_ms')})).sort((a, b) => a.both - b.both).map(({r, both}, i) => ({best: i === 0,
+    cells: [scheme(r), number(median(r, 'lists_ms')), number(median(r, 'shading_ms')), number(both), both > 0 ? Math.round(100 * median(r, 'lists_ms') / both) + ' %' : '–']}))));
+});
+
+addPlot('memory', 'Memory of the lists', 'Reserved, and the part of it that this frame fills.', (body) => {
+  const key = (r) => r.list_used_bytes || 0, rows = shownAt().sort((a, b) => key(a) - key(b)), p = palette();
+  const colors = {used: p[0], reserved: p[1]}, names = {used: 'used by this frame', reserved: 'reserved'};
+  body.append(roleLegend(['used', 'reserved'], (k) => colors[k], names));
+  barPlot(body, 'Memory of the lists', rows, 'KiB', [{label: names.used, color: colors.used, value: (r) => (r.list_used_bytes > 0 ? r.list_used_bytes / 1024 : null)},
+    {label: names.reserved, color: colors.reserved, value: (r) => (r.list_bytes > 0 ? r.list_bytes / 1024 : null)}], {log: true, format: (v) => (v === null ? 'none' : number(v) + ' KiB')});
+  body.append(table('memory', [plural(state.lights, 'light'), 'used', 'reserved', 'entries', 'cells', 'cells that overflowed'], atLights().sort((a, b) => key(a) - key(b)).map((r) =>
+    [scheme(r), bytes(r.list_used_bytes), bytes(r.list_bytes), whole(r.list_entries), whole(r.cells), whole(r.overflow_cells)])));
+});
+
+/* ---- pictures ---- */
+
+const pictureKey = (r, lists, options, kind) => [r.scene, r.asked_lights === null ? -1 : r.asked_lights, r.width + 'x' + r.height, r.msaa, r.shading, lists, options, kind].join('|');
+function figure(uri, text, alt) {
+  return element('figure', null, element('img', {src: uri, alt: alt, loading: 'lazy'}), element('figcaption', null, text));
+}
+addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order, bit for bit, before tone mapping.', (body) => {
+  const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'});
+  const reference = data.settings.reference;
+  for (const shading of unique(all.map((r) => r.shading))) {
+    const r = all.find((x) => x.shading === shading), picture = pictures[pictureKey(r, reference, '', 'reference')], difference = pictures[pictureKey(r, reference, '', 'shading')];
+    if (picture) grid.append(figure(picture, shading + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + shading));
+    if (difference) grid.append(figure(difference, shading + ' against ' + shadings[0] + ', difference × 16', 'Differences of two shading orders'));
+  }
+  for (const r of lines().filter((x) => lightsOf(x) === state.lights)) {
+    const heat = pictures[pictureKey(r, r.lists, r.options, 'lights')], wrong = pictures[pictureKey(r, r.lists, r.options, 'picture')], difference = pictures[pictureKey(r, r.lists, r.options, 'difference')];
+    if (wrong) grid.append(figure(wrong, scheme(r) + ': DIFFERS', 'A picture that differs from the reference'));
+    if (difference) grid.append(figure(difference, scheme(r) + ': difference, the greatest (' + number(r.max_difference) + ' cd/m²) shown white', 'Where it differs'));
+    if (heat) grid.append(figure(heat, scheme(r) + ': lights per pixel' + (r.equal === true ? '; picture equal to the reference' : ''), 'Heat map of lights per pixel'));
+  }
+  if (grid.children.length) body.append(grid);
+  else body.append(element('p', {class: 'note'}, 'No pictures were kept of this number of lights; the one with most lights of each scene has them.'));
+  body.append(table('pictures', ['lists', '<shading', '<picture', 'pixels that differ', 'greatest difference, cd/m²'], all.map((r) => [scheme(r), r.shading,
+    element('span', {class: r.equal ? 'good' : r.equal === false ? 'bad' : ''}, r.equal ? 'equal' : r.equal === false ? 'DIFFERS' : 'not compared' + (r.unchecked ? ': ' + r.unchecked : '')),
+    r.equal === null ? '–' : whole(r.differing_pixels), r.equal === null ? '–' : number(r.max_difference)])));
+});
+
+/* ---- the rest of the page ---- */
+
+function select(label, values, chosen, change, name) {
+  const control = element('select', {onchange() { change(values[control.selectedIndex]); }}, ...values.map((v) => element('option', null, name ? name(v) : String(v))));
+  control.selectedIndex = Math.max(0, values.indexOf(chosen));
+  return element('label', null, label, control);
+}
+const controls = element('div', {class: 'controls'});
+function drawControls() {
+  const own = unique(inCase().map((r) => r.shading)), counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
+  controls.replaceChildren(
+    select('Scene', cases, state.case, (value) => { state.case = value; redraw(); }),
+    select('Shading', own, state.shading, (value) => { state.shading = value; redraw(); }),
+    select('Lights', counts, state.lights, (value) => { state.lights = value; redraw(); }, (n) => whole(n)));
+}
+function drawHead() {
+  const s = data.settings, d = data.device;
+  const facts = [['Device', d.name], ['Driver', d.driver + (d.driver.includes(d.vulkan) ? '' : ', Vulkan ' + d.vulkan)], ['Kind', d.type], ['Program', data.program.version], ['Measured', data.date],
+    ['Scenes', unique(results.map((r) => r.scene)).join(', ')],
+    ['Frames', s.frames + ' of each in turn, after ' + s.warm_up + ' to warm up' + (s.camera_path ? ', along ' + s.camera_path : '')]];
+  document.getElementById('head').append(...facts.map(([name, value]) => element('div', null, element('dt', null, name), element('dd', null, value))));
+}
+function drawConclusions() {
+  const lead = (text) => element('li', text.startsWith('WRONG') ? {class: 'bad'} : null, text);
+  const all = data.conclusions.slice().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG')), count = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
+  const first = all.slice(0, 6), rest = all.slice(6);
+  return element('section', {id: 'conclusions'}, element('ul', {class: 'lead'}, ...first.map(lead),
+    element('li', {class: count === compared ? 'good' : 'bad'}, compared ? count + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.')),
+    rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(lead))) : null);
+}
+function drawSuite() {
+  const suite = data.suite, body = element('section', {id: 'suite'}, element('h2', null, suite.title), element('p', {class: 'note'}, 'Ratios of the source beside ours, measured in one run on this device.'));
+  const verdict = (row) => element('span', {class: row.verdict === 'reached' ? 'good' : row.verdict === 'missed' || row.verdict === 'wrong picture' ? 'bad' : ''}, row.verdict);
+  const known = suite.rows.filter((row) => row.source !== null && row.ours !== null), p = palette();
+  if (known.length) {
+    body.append(roleLegend(['source', 'ours'], (k) => ({source: p[4], ours: p[0]}[k]), {source: 'source', ours: 'ours'}));
+    barPlot(body, 'Ratios', known, 'ratio', [{label: 'source', color: p[4], value: (row) => row.source}, {label: 'ours', color: p[0], value: (row) => row.ours}],
+      {label: (row) => wrap(row.quantity, 20)});
+  }
+  body.append(table('suite', ['<quantity', '<scene', 'source', 'ours', '±', '<verdict'], suite.rows.map((row) => [row.quantity, row.scene, row.source === null ? '–' : row.comparison.replace('>=', '≥').replace('<=', '≤') + ' ' + number(row.source), number(row.ours), number(row.spread), verdict(row)])));
+  return body;
+}
+function wrap(text, width) {
+  const out = [''];
+  for (const word of text.split(' ')) {
+    if ((out[out.length - 1] + ' ' + word).length > width && out[out.length - 1]) out.push(word);
+    else out[out.length - 1] = (out[out.length - 1] + ' ' + word).trim();
+  }
+  return out;
+}
+function drawNumbers() {
+  const columns = [['frame', (r) => number(median(r, 'frame_ms'))], ['GPU', (r) => number(median(r, 'gpu_ms'))], ['CPU', (r) => number(median(r, 'cpu_ms'))], ['lists', (r) => number(median(r, 'lists_ms'))],
+    ['shading', (r) => number(median(r, 'shading_ms'))], ['frames', (r) => whole(r.frames)], ['lights per pixel', (r) => number(r.per_pixel)], ['entries', (r) => whole(r.list_entries)]];
+  const section = element('section', {id: 'numbers'}, element('h2', null, 'All numbers'), element('p', {class: 'note'}, 'Medians, times in ms; results.csv and results.json have more.'),
+    element('details', null, element('summary', null, plural(results.length, 'result')), table('numbers', ['lists', '<shading', '<case', 'lights'].concat(columns.map((c) => c[0])),
+      results.map((r) => [scheme(r), r.shading, caseName(r), whole(r.lights)].concat(columns.map((c) => c[1](r)))))));
+  if (data.skipped.length) section.append(element('details', null, element('summary', null, plural(data.skipped.length, 'pair') + ' left out'),
+    table('skipped', ['lists', '<shading', '<case', '<reason'], data.skipped.map((s) => [scheme(s), s.shading, caseName(s), s.reason]))));
+  return section;
+}
+
+let suiteSection = null;
+function redraw() {
+  settle();
+  for (const chart of charts) chart.destroy();
+  charts = [];
+  drawControls();
+  if (suiteSection) { const next = drawSuite(); suiteSection.replaceWith(next); suiteSection = next; }
+  for (const p of plots) p.draw();
+}
+
+function start() {
+  drawHead();
+  if (!results.length) {
+    main.append(element('section', null, element('p', null, 'Nothing was measured.')));
+    return;
+  }
+  if (hasChart) { Chart.defaults.font.family = getComputedStyle(document.body).fontFamily; Chart.defaults.font.size = 12; }
+  else main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
+  main.append(drawConclusions());
+  if (data.suite) { suiteSection = element('section'); main.append(suiteSection); }
+  main.append(controls);
+  for (const p of plots) main.append(p.section);
+  main.append(drawNumbers());
+  redraw();
+  dark.addEventListener('change', redraw);
+  document.getElementById('foot').append('Made by ' + data.program.version + (hasChart ? ' with Chart.js ' + Chart.version : '') + '.');
+}
+
+/* ---- looking at itself ---- */
+
+/* report.html?selftest adds what it finds as JSON, for the test of this page. */
+const errors = [];
+addEventListener('error', (event) => errors.push(String(event.message)));
+addEventListener('securitypolicyviolation', (event) => errors.push('blocked: ' + event.blockedURI));
+function drawn(canvas) {
+  const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data, colors = new Set();
+  let count = 0;
+  for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 3]) { count++; colors.add(pixels[i] << 16 | pixels[i + 1] << 8 | pixels[i + 2]); }
+  return {label: canvas.getAttribute('aria-label'), pixels: count, colors: colors.size, width: canvas.clientWidth};
+}
+function selftest() {
+  const width = document.documentElement.clientWidth, report = {errors, width, scroll: document.documentElement.scrollWidth, chart: hasChart, tables: {}, wide: [], legend: null, states: 0};
+  for (const details of document.querySelectorAll('details')) details.open = true;
+  for (const e of document.querySelectorAll('body *')) {
+    const inside = e.closest('.scroll');
+    if ((!inside || inside === e) && e.getBoundingClientRect().right > width + 0.5) report.wide.push(e.tagName + '.' + e.className);
+  }
+  report.scroll = Math.max(report.scroll, document.documentElement.scrollWidth);
+  report.canvases = [...document.querySelectorAll('canvas')].map(drawn);
+  for (const t of document.querySelectorAll('table')) report.tables[t.dataset.name] = {rows: t.tBodies[0].rows.length, text: [...t.tBodies[0].rows].map((row) => [...row.cells].map((c) => c.textContent))};
+  report.images = [...document.images].map((image) => image.complete && image.naturalWidth > 0);
+  report.requests = performance.getEntriesByType('resource').filter((e) => !e.name.startsWith('data:')).map((e) => e.name);
+  const button = document.querySelector('.legend button');
+  if (button && charts.length) {
+    const before = charts[plots[0] && data.suite ? 1 : 0].data.datasets.length + charts[data.suite ? 1 : 0].data.labels.length;
+    button.click();
+    report.legend = [before, charts[data.suite ? 1 : 0].data.datasets.length + charts[data.suite ? 1 : 0].data.labels.length];
+    document.querySelector('.legend button').click();
+  }
+  /* Every choice that the selectors offer can be drawn. */
+  for (const c of cases) { state.case = c; redraw();
+    for (const s of unique(inCase().map((r) => r.shading))) { state.shading = s; redraw();
+      for (const n of unique(lines().map(lightsOf))) { state.lights = n; redraw(); report.states++; } } }
+  for (const m of Object.keys(metrics)) { state.metric = m; redraw(); report.states++; }
+  const out = element('pre', {id: 'selftest', hidden: ''}, JSON.stringify(report));
+  document.body.append(out);
+  if (parent !== window) parent.postMessage(JSON.stringify(report), '*');
+}
+
+start();
+if (location.search.includes('selftest')) {
+  for (const image of document.images) image.loading = 'eager';
+  addEventListener('load', () => setTimeout(selftest, 100));
+}
+}());

@@ -1,0 +1,622 @@
+/* SPDX-License-Identifier: MIT */
+/* Measures the plan: of each case one frame of every candidate in turn, again and again, so that what disturbs the machine disturbs
+ * all alike; and compares every picture with the reference. */
+#include "bench.h"
+#include "bench_lane.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- Ctrl-C ---- */
+
+static volatile sig_atomic_t interrupted;
+
+static void note_interrupt(int signal_number) {
+    (void)signal_number;
+    interrupted = 1;
+}
+
+/* The second Ctrl-C ends the program at once. */
+static void catch_interrupts(bool on) {
+    struct sigaction action = {0};
+    action.sa_handler = on ? note_interrupt : SIG_DFL;
+    action.sa_flags = (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+}
+
+/* ---- log ---- */
+
+/* While candidates are tried their errors are kept, not printed: they become the reason why one was left out. */
+struct log_sink {
+    bool keep;
+    char last[512];
+};
+
+static void receive_log(void *user, fnl_log_level level, const char *line) {
+    struct log_sink *sink = user;
+    if (level == FNL_LOG_ERROR && sink->keep)
+        snprintf(sink->last, sizeof sink->last, "%s", line);
+    else if (level >= FNL_LOG_WARNING)
+        fprintf(stderr, "%sfanal: %s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "",
+                level == FNL_LOG_ERROR ? "error" : "warning", line);
+}
+
+/* ---- state ---- */
+
+struct bench_run {
+    const struct bench_settings *settings;
+    const struct bench_plan *plan;
+    struct bench_data *data;
+    struct log_sink sink;
+    fnl_host host;
+    fnl_device *device;
+    fnl_device_info info;
+    /* The scene of the case at hand, kept while the next case has the same. */
+    fnl_scene *scene;
+    const char *scene_name;
+    int64_t scene_lights;
+    struct bench_path path;
+    struct lane *lanes;
+    uint32_t lane_count, case_index;
+    bool shared; /* one renderer for all lanes, because memory is short */
+    double started, work_done, work_total;
+    bool failed;
+};
+
+static bool stopped(const struct bench_run *run) { return interrupted || run->failed; }
+
+/* ---- progress ---- */
+
+static void format_seconds(double seconds, char *text, size_t capacity) {
+    unsigned long s = seconds > 0 && seconds < 1e9 ? (unsigned long)(seconds + 0.5) : 0;
+    if (s >= 3600)
+        snprintf(text, capacity, "%lu:%02lu:%02lu", s / 3600, s / 60 % 60, s % 60);
+    else
+        snprintf(text, capacity, "%lu:%02lu", s / 60, s % 60);
+}
+
+static void show_progress(const struct bench_run *run, const char *what) {
+    enum { WIDTH = 24 };
+    if (run->settings->quiet || !isatty(STDERR_FILENO)) return;
+    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 1) : 1, elapsed = lane_now() - run->started;
+    char left[32] = "?";
+    if (part > 0) format_seconds(elapsed / part * (1 - part), left, sizeof left);
+    fputs("\r[", stderr);
+    for (int i = 0; i < WIDTH; i++) fputc(i < part * WIDTH ? '#' : '.', stderr);
+    fprintf(stderr, "] %3.0f%%  %s left  case %u of %u  %.34s\033[K", part * 100, left, run->case_index + 1,
+            run->plan->case_count, what);
+    fflush(stderr);
+}
+
+static void end_progress(const struct bench_run *run) {
+    if (!run->settings->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+}
+
+/* Frames of a case count by their pixels. */
+static double frame_work(const struct bench_case *c) { return (double)c->width * c->height * c->msaa; }
+static double lane_work(const struct bench_run *run, const struct bench_case *c) {
+    return frame_work(c) * (run->settings->frames + run->settings->warm_up + 2 * run->settings->checks);
+}
+
+static bool is_measured(const struct bench_run *run, const struct bench_case *c, const struct bench_candidate *candidate) {
+    return json_is_true(json_object_get(bench_find(run->data, c, candidate), "complete"));
+}
+
+static void count_work(struct bench_run *run) {
+    for (uint32_t i = 0; i < run->plan->case_count; i++)
+        for (uint32_t j = 0; j < run->plan->cases[i].candidate_count; j++)
+            if (!is_measured(run, &run->plan->cases[i], &run->plan->cases[i].candidates[j]))
+                run->work_total += lane_work(run, &run->plan->cases[i]);
+}
+
+/* ---- the scene ---- */
+
+/* builtin:city?lights=N&…: the built-in scenes take the number themselves. */
+static void scene_source(const struct bench_case *c, char *text, size_t capacity) {
+    snprintf(text, capacity, "%s", c->scene);
+    if (c->lights < 0 || strncmp(c->scene, "builtin:", 8) != 0) return;
+    char rest[1024] = "";
+    const char *query = strchr(c->scene, '?');
+    int name = query ? (int)(query - c->scene) : (int)strlen(c->scene);
+    while (query && *query) { /* all keys but this one stay */
+        size_t length = strcspn(++query, "&");
+        if (strncmp(query, "lights=", 7) != 0 && strlen(rest) + length + 2 < sizeof rest) {
+            strcat(rest, "&");
+            strncat(rest, query, length);
+        }
+        query += length;
+    }
+    snprintf(text, capacity, "%.*s?lights=%lld%s", name, c->scene, (long long)c->lights, rest);
+}
+
+/* As `fanal render` does: a file without any light gets a sun and a sky. */
+static fnl_result add_default_light(const struct bench_case *c, fnl_scene *scene) {
+    fnl_scene_info info;
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    fnl_result result = fnl_scene_query_info(scene, &info);
+    if (result != FNL_OK || info.light_count > 0 || strncmp(c->scene, "builtin:", 8) == 0) return result;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
+    sun.intensity = 3;
+    result = fnl_scene_add_light(scene, &sun, &id);
+    return result != FNL_OK ? result
+                            : fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
+}
+
+static bool prepare_scene(struct bench_run *run, const struct bench_case *c) {
+    if (run->scene && strcmp(run->scene_name, c->scene) == 0 && run->scene_lights == c->lights) return true;
+    char source[2048];
+    scene_source(c, source, sizeof source);
+    fnl_scene_destroy(&run->scene);
+    run->scene_name = c->scene;
+    run->scene_lights = c->lights;
+    if (fnl_scene_load(&run->host, source, &run->scene) != FNL_OK) return false;
+    if (c->lights > 0 && strncmp(c->scene, "builtin:", 8) != 0 &&
+        fnl_scene_scatter_lights(run->scene, (uint32_t)c->lights, 1) != FNL_OK)
+        return false;
+    return add_default_light(c, run->scene) == FNL_OK;
+}
+
+static bool prepare_path(struct bench_run *run, const struct bench_case *c) {
+    fnl_camera camera = fnl_camera_default();
+    uint32_t index = 0, count = fnl_scene_camera_count(run->scene);
+    float aspect = (float)c->width / (float)c->height;
+    fnl_result result = FNL_OK;
+    if (c->camera) {
+        char *end;
+        unsigned long number = strtoul(c->camera, &end, 10);
+        if (*c->camera && !*end && number < count)
+            index = (uint32_t)number;
+        else
+            result = fnl_scene_find_camera(run->scene, c->camera, &index);
+        if (result == FNL_OK) result = fnl_scene_query_camera(run->scene, index, &camera);
+    } else {
+        result = count ? fnl_scene_query_camera(run->scene, 0, &camera)
+                       : fnl_scene_query_framing_camera(run->scene, aspect, &camera);
+    }
+    bench_path_destroy(&run->path);
+    return result == FNL_OK &&
+           bench_path_create(&run->path, run->settings->camera_path, run->scene, &camera, run->settings->frames, aspect);
+}
+
+/* ---- lanes ---- */
+
+static void lane_fail(struct bench_run *run, struct lane *lane, fnl_result result) {
+    snprintf(lane->reason, sizeof lane->reason, "%s", *run->sink.last ? run->sink.last : fnl_result_name(result));
+    lane->failed = true;
+    lane->unsupported = result == FNL_ERROR_UNSUPPORTED;
+    if (result == FNL_ERROR_DEVICE_LOST) {
+        fprintf(stderr, "fanal: error: the device was lost: %s\n", lane->reason);
+        run->failed = true;
+    }
+}
+
+static bool render(struct bench_run *run, struct lane *lane, const fnl_frame *frame, fnl_frame_stats *stats) {
+    run->sink.last[0] = 0;
+    double start = lane_now();
+    fnl_result result = fnl_renderer_render(lane->renderer, frame);
+    if (result == FNL_OK) result = fnl_renderer_query_stats(lane->renderer, stats);
+    lane->wall = (lane_now() - start) * 1e3;
+    run->work_done += frame_work(&run->plan->cases[run->case_index]);
+    if (result != FNL_OK) lane_fail(run, lane, result);
+    return result == FNL_OK;
+}
+
+static fnl_frame frame_at(const struct bench_run *run, const struct lane *lane, uint32_t index) {
+    fnl_frame frame = lane->frame;
+    frame.camera = run->path.points[index % run->path.count].camera;
+    return frame;
+}
+
+/* Poses the scene as the path's point says; where nothing moves this changes nothing. */
+static void pose(struct bench_run *run, uint32_t index) {
+    fnl_scene_info info;
+    if (run->settings->camera_path && fnl_scene_query_info(run->scene, &info) == FNL_OK && info.animation_count > 0)
+        fnl_scene_set_time(run->scene, 0, run->path.points[index % run->path.count].time);
+}
+
+/* A renderer for each lane, so that none finds the memory and caches of another's frame; where these do not fit, one for all,
+ * and a frame to settle before each timed one. */
+static bool make_renderers(struct bench_run *run) {
+    struct lane *first = &run->lanes[0];
+    fnl_frame_stats stats = {0};
+    run->sink.last[0] = 0;
+    fnl_result result = fnl_renderer_create(run->device, run->scene, &first->own);
+    first->renderer = first->own;
+    if (result != FNL_OK) {
+        fprintf(stderr, "fanal: error: %s\n", *run->sink.last ? run->sink.last : fnl_result_name(result));
+        return false;
+    }
+    fnl_frame frame = frame_at(run, first, 0);
+    if (!render(run, first, &frame, &stats)) stats.device_bytes = 256 << 20;
+    uint64_t budget = run->info.memory_bytes / 4;
+    if (run->info.type == FNL_DEVICE_CPU && budget > (uint64_t)2 << 30) budget = (uint64_t)2 << 30;
+    run->shared = stats.device_bytes * run->lane_count > budget;
+    for (uint32_t i = 1; i < run->lane_count; i++) {
+        struct lane *lane = &run->lanes[i];
+        if (!run->shared && fnl_renderer_create(run->device, run->scene, &lane->own) != FNL_OK) run->shared = true;
+        lane->renderer = lane->own ? lane->own : first->own;
+    }
+    return true;
+}
+
+enum { AUTO_FRAMES = 64 }; /* a chooser has decided by then */
+static bool is_auto(const struct lane *lane) {
+    return strcmp(fnl_shading_name(lane->candidate->shading), "auto") == 0 ||
+           strcmp(fnl_light_lists_name(lane->candidate->lists), "auto") == 0;
+}
+
+/* Until the pool of the lists has grown to what they need, and at least the frames asked for. */
+static void warm_up(struct bench_run *run, struct lane *lane, uint32_t frames) {
+    fnl_frame_stats stats = {.overflow_cells = 1};
+    fnl_frame frame = frame_at(run, lane, 0);
+    for (uint32_t i = 0; i < frames || (stats.overflow_cells && i < frames + 4); i++) {
+        if (stopped(run) || lane->failed || !render(run, lane, &frame, &stats)) return;
+        show_progress(run, "warming up");
+    }
+}
+
+/* ---- comparing pictures ---- */
+
+static void add_picture(struct bench_run *run, const json_t *key, const char *kind, const fnl_image *picture) {
+    char name[2400];
+    lane_picture_name(key, kind, name, sizeof name);
+    json_t *uri = bench_picture_uri(picture, 360, run->settings->output);
+    if (uri) json_object_set_new(run->data->pictures, name, uri);
+}
+
+/* Pictures of every case would make a page of many megabytes: the one with most lights of each scene shows its own. */
+static bool wants_pictures(const struct bench_run *run, const struct bench_case *c) {
+    for (uint32_t i = 0; i < run->plan->case_count; i++) {
+        const struct bench_case *other = &run->plan->cases[i];
+        if (strcmp(other->scene, c->scene) != 0 || other == c) continue;
+        if (other->lights > c->lights || (other->lights == c->lights && other < c)) return false;
+    }
+    return true;
+}
+
+static void add_difference(struct bench_run *run, const json_t *key, const char *kind, const fnl_image *a,
+                           const fnl_image *b, float gain) {
+    fnl_image picture = {0};
+    if (fnl_image_difference_picture(&run->host, a, b, gain, &picture) == FNL_OK) add_picture(run, key, kind, &picture);
+    fnl_image_free(&run->host, &picture);
+}
+
+struct reference {
+    bool made;
+    char reason[256];
+    fnl_image radiance, color;
+};
+
+static bool read_pictures(struct bench_run *run, struct lane *lane, fnl_image *radiance, fnl_image *color) {
+    fnl_result result = fnl_renderer_read(lane->renderer, FNL_OUTPUT_RADIANCE, radiance);
+    if (result == FNL_OK) result = fnl_renderer_read(lane->renderer, FNL_OUTPUT_COLOR, color);
+    if (result != FNL_OK) lane_fail(run, lane, result);
+    return result == FNL_OK;
+}
+
+/* The reference picture of one shading order, drawn by the renderer of a lane that has it. */
+static void make_reference(struct bench_run *run, struct lane *lane, uint32_t point, struct reference *out) {
+    fnl_frame_stats stats;
+    struct lane drawn = *lane; /* a failure is the reference's, not the lane's */
+    fnl_frame frame = frame_at(run, lane, point);
+    frame.lists = run->settings->reference;
+    frame.list_options = fnl_frame_default().list_options;
+    frame.outputs |= FNL_OUTPUT_RADIANCE;
+    out->made = render(run, &drawn, &frame, &stats) && read_pictures(run, &drawn, &out->radiance, &out->color);
+    if (!out->made) snprintf(out->reason, sizeof out->reason, "%.255s", drawn.reason);
+}
+
+static void free_reference(struct bench_run *run, struct reference *reference) {
+    fnl_image_free(&run->host, &reference->radiance);
+    fnl_image_free(&run->host, &reference->color);
+    *reference = (struct reference){0};
+}
+
+static void show_heat(struct bench_run *run, struct lane *lane, const json_t *key, uint32_t point) {
+    fnl_frame_stats stats;
+    fnl_image heat = {0};
+    struct lane drawn = *lane;
+    fnl_frame frame = frame_at(run, lane, point);
+    frame.debug = FNL_DEBUG_LIGHTS;
+    if (render(run, &drawn, &frame, &stats) && fnl_renderer_read(drawn.renderer, FNL_OUTPUT_COLOR, &heat) == FNL_OK)
+        add_picture(run, key, "lights", &heat);
+    fnl_image_free(&run->host, &heat);
+}
+
+/* Draws a point of the path, counting evaluations, and compares it with the reference. */
+static void check_lane(struct bench_run *run, struct lane *lane, uint32_t point, const struct reference *reference) {
+    const struct bench_case *c = &run->plan->cases[run->case_index];
+    fnl_frame_stats stats;
+    fnl_image radiance = {0}, color = {0};
+    fnl_frame frame = frame_at(run, lane, point);
+    frame.count_lights = true;
+    frame.timers = false;
+    frame.outputs |= FNL_OUTPUT_RADIANCE;
+    if (!render(run, lane, &frame, &stats)) return;
+    lane_note_counts(lane, &stats);
+    json_t *key = bench_key(c, lane->candidate);
+    bool first = lane->checked == 0, pictures = wants_pictures(run, c);
+    if (reference->made && read_pictures(run, lane, &radiance, &color)) {
+        uint64_t differing;
+        double max;
+        bench_picture_compare(&reference->radiance, &radiance, &differing, &max);
+        if (differing && lane->differing == 0) {
+            add_picture(run, key, "picture", &color);
+            add_difference(run, key, "difference", &reference->radiance, &radiance, 0);
+        }
+        lane->differing += differing;
+        lane->max_difference = fmax(lane->max_difference, max);
+        lane->checked++;
+    } else if (!reference->made) {
+        snprintf(lane->unchecked, sizeof lane->unchecked, "%s", *reference->reason ? reference->reason : "not asked for");
+    }
+    if (first && pictures && run->settings->checks && !lane->failed) show_heat(run, lane, key, point);
+    fnl_image_free(&run->host, &radiance);
+    fnl_image_free(&run->host, &color);
+    json_decref(key);
+}
+
+/* The picture of each shading order, and how far it is from the first order's. */
+static void show_reference(struct bench_run *run, const struct lane *lane, const struct reference *reference,
+                           fnl_image *first) {
+    const struct bench_case *c = &run->plan->cases[run->case_index];
+    struct bench_candidate shown = {lane->candidate->shading, run->settings->reference, ""};
+    json_t *key = bench_key(c, &shown);
+    add_picture(run, key, "reference", &reference->color);
+    if (first->pixels)
+        add_difference(run, key, "shading", first, &reference->color, 16);
+    else {
+        size_t size = (size_t)reference->color.width * reference->color.height * 4;
+        *first = reference->color;
+        first->pixels = malloc(size);
+        if (first->pixels) memcpy(first->pixels, reference->color.pixels, size);
+    }
+    json_decref(key);
+}
+
+static void check_point(struct bench_run *run, uint32_t point, bool compare, bool show) {
+    fnl_image first = {0};
+    pose(run, point);
+    for (int shading = 0; shading < FNL_SHADING_COUNT; shading++) {
+        struct reference reference = {0};
+        bool tried = false;
+        for (uint32_t i = 0; i < run->lane_count; i++) {
+            struct lane *lane = &run->lanes[i];
+            if ((int)lane->candidate->shading != shading || lane->failed) continue;
+            /* Of different orders the last bits differ, and this one may choose another for the reference. */
+            if (strcmp(fnl_shading_name(lane->candidate->shading), "auto") == 0) {
+                snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
+            } else if (compare && !tried) {
+                show_progress(run, "reference picture");
+                make_reference(run, lane, point, &reference);
+                if (reference.made && show) show_reference(run, lane, &reference, &first);
+                tried = true;
+            }
+            if (stopped(run)) break;
+            show_progress(run, "comparing pictures");
+            check_lane(run, lane, point, &reference);
+        }
+        free_reference(run, &reference);
+        if (stopped(run)) break;
+    }
+    free(first.pixels);
+}
+
+/* ---- one case ---- */
+
+/* Each round renders the lanes in another order, so that none always follows the same one. */
+static void time_round(struct bench_run *run, uint32_t round) {
+    fnl_frame_stats stats;
+    pose(run, round);
+    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++) {
+        uint32_t turn = round % 2 ? run->lane_count - 1 - i : i;
+        struct lane *lane = &run->lanes[(turn + round / 2) % run->lane_count];
+        fnl_frame frame = frame_at(run, lane, round);
+        if (lane->failed) continue;
+        show_progress(run, fnl_light_lists_name(lane->candidate->lists));
+        if (run->shared) {
+            double done = run->work_done; /* not part of the estimate */
+            render(run, lane, &frame, &stats);
+            run->work_done = done;
+        }
+        if (!lane->failed && render(run, lane, &frame, &stats) && !lane_note_times(lane, &stats)) {
+            snprintf(lane->reason, sizeof lane->reason, "memory ran out");
+            lane->failed = true;
+        }
+    }
+}
+
+static void run_lanes(struct bench_run *run, const struct bench_case *c) {
+    const struct bench_settings *s = run->settings;
+    run->sink.keep = true;
+    if (!make_renderers(run)) {
+        run->failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < run->lane_count; i++) {
+        uint32_t decide = is_auto(&run->lanes[i]) ? AUTO_FRAMES : 0;
+        warm_up(run, &run->lanes[i], s->warm_up > decide ? s->warm_up : decide);
+    }
+    uint32_t points = run->path.count < s->frames ? run->path.count : s->frames;
+    uint32_t checks = s->checks < points ? s->checks : points, before = UINT32_MAX;
+    for (uint32_t i = 0; i < (checks ? checks : 1) && !stopped(run); i++) {
+        uint32_t point = checks > 1 ? (uint32_t)((uint64_t)i * (points - 1) / (checks - 1)) : 0;
+        if (point != before) check_point(run, point, checks > 0, i == 0 && wants_pictures(run, c));
+        before = point;
+    }
+    for (uint32_t i = 0; i < run->lane_count; i++) warm_up(run, &run->lanes[i], 1);
+    for (uint32_t round = 0; round < s->frames && !stopped(run); round++) time_round(run, round);
+    run->sink.keep = false;
+}
+
+/* What was measured replaces what an earlier run left unfinished. */
+static void keep_results(struct bench_run *run, const struct bench_case *c) {
+    json_t *results = json_object_get(run->data->root, "results"), *skipped = json_object_get(run->data->root, "skipped");
+    fnl_scene_info info = {0};
+    fnl_scene_query_info(run->scene, &info);
+    for (uint32_t i = 0; i < run->lane_count; i++) {
+        struct lane *lane = &run->lanes[i];
+        json_t *key = bench_key(c, lane->candidate);
+        if (lane->failed) {
+            json_object_set_new(key, "reason", json_string(lane->reason));
+            json_array_append_new(skipped, key);
+            continue;
+        }
+        if (lane->measured == 0) {
+            json_decref(key);
+            continue;
+        }
+        json_t *before = bench_find(run->data, c, lane->candidate);
+        lane_add_result(lane, key, &info, run->shared, run->settings->frames);
+        if (before) {
+            json_object_clear(before);
+            json_object_update(before, key);
+            json_decref(key);
+        } else {
+            json_array_append_new(results, key);
+        }
+    }
+}
+
+static void announce_case(const struct bench_run *run, const struct bench_case *c) {
+    char lights[32] = "";
+    if (run->settings->quiet || isatty(STDERR_FILENO)) return;
+    if (c->lights >= 0) snprintf(lights, sizeof lights, ", lights %lld", (long long)c->lights);
+    fprintf(stderr, "case %u of %u: %s%s, %ux%u, MSAA %u: %u ways\n", run->case_index + 1, run->plan->case_count, c->scene, lights,
+            c->width, c->height, c->msaa, run->lane_count);
+}
+
+static void run_case(struct bench_run *run, const struct bench_case *c) {
+    run->lanes = calloc(c->candidate_count + 1, sizeof *run->lanes);
+    run->lane_count = 0;
+    if (!run->lanes) {
+        run->failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (!is_measured(run, c, &c->candidates[i]) &&
+            !lane_init(&run->lanes[run->lane_count++], c, &c->candidates[i], run->settings->frames))
+            run->failed = true;
+    if (run->lane_count > 0 && !run->failed) {
+        if (!prepare_scene(run, c) || !prepare_path(run, c)) {
+            run->failed = true;
+        } else {
+            announce_case(run, c);
+            run_lanes(run, c);
+            keep_results(run, c);
+            bench_save(run->settings->output, run->data, false);
+        }
+    }
+    for (uint32_t i = 0; i < run->lane_count; i++) lane_finish(&run->lanes[i]);
+    free(run->lanes);
+    run->lanes = NULL;
+}
+
+/* ---- the whole ---- */
+
+static json_t *describe_device(const fnl_device_info *info) {
+    char api[32];
+    snprintf(api, sizeof api, "%u.%u", info->api_version_major, info->api_version_minor);
+    return json_pack("{s:s,s:s,s:s,s:s,s:I}", "name", info->name, "driver", info->driver, "type",
+                     fnl_device_type_name(info->type), "vulkan", api, "memory_bytes", (json_int_t)info->memory_bytes);
+}
+
+static json_t *describe_settings(const struct bench_run *run) {
+    const struct bench_settings *s = run->settings;
+    const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
+    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up, "checks",
+                     (json_int_t)s->checks, "reference", fnl_light_lists_name(s->reference), "camera", camera,
+                     "camera_path", s->camera_path ? s->camera_path : "");
+}
+
+/* Numbers of different devices or settings must not stand side by side. */
+static bool agrees(const json_t *root, const char *part, const json_t *now) {
+    const json_t *before = json_object_get(root, part);
+    const char *key;
+    json_t *value;
+    bool good = true;
+    json_object_foreach((json_t *)now, key, value) {
+        const json_t *old = json_object_get(before, key);
+        if (json_equal(old, value)) continue;
+        char *a = old ? json_dumps(old, JSON_ENCODE_ANY) : NULL, *b = json_dumps(value, JSON_ENCODE_ANY);
+        fprintf(stderr, "fanal: error: --resume: %s %s was %s, now it is %s\n", part, key, a ? a : "unknown", b ? b : "?");
+        free(a);
+        free(b);
+        good = false;
+    }
+    return good;
+}
+
+static bool begin_data(struct bench_run *run) {
+    json_t *root = run->data->root, *device = describe_device(&run->info), *settings = describe_settings(run);
+    char program[64], date[64];
+    time_t now = time(NULL);
+    struct tm utc;
+    snprintf(program, sizeof program, "fanal %s", fnl_version());
+    strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", gmtime_r(&now, &utc));
+    json_t *version = json_pack("{s:s}", "version", program);
+    bool good = json_object_size(root) == 0 || (json_object_get(root, "results") && agrees(root, "device", device) &&
+                                                agrees(root, "settings", settings) && agrees(root, "program", version));
+    if (good) {
+        json_object_set(root, "program", version);
+        json_object_set_new(root, "date", json_string(date));
+        json_object_set(root, "device", device);
+        json_object_set(root, "settings", settings);
+        json_object_set(root, "skipped", run->plan->skipped);
+        if (!json_object_get(root, "results")) json_object_set_new(root, "results", json_array());
+    }
+    json_decref(version);
+    json_decref(device);
+    json_decref(settings);
+    return good;
+}
+
+static bool create_device(struct bench_run *run) {
+    fnl_device_params params = fnl_device_params_default();
+    const char *name = run->settings->device;
+    params.host = run->host;
+    params.validate = run->settings->validate;
+    if (name) {
+        char *end;
+        long index = strtol(name, &end, 10);
+        if (*name && !*end)
+            params.index = index < 0 || index > INT32_MAX ? INT32_MAX : (int32_t)index; /* no machine has that one */
+        else
+            params.name = name;
+    }
+    return fnl_device_create(&params, &run->device) == FNL_OK && fnl_device_query_info(run->device, &run->info) == FNL_OK;
+}
+
+enum bench_end bench_measure(const struct bench_settings *settings, const struct bench_plan *plan, struct bench_data *data) {
+    struct bench_run run = {.settings = settings, .plan = plan, .data = data, .host = fnl_host_default()};
+    run.host.user = &run.sink;
+    run.host.log = receive_log;
+    enum bench_end end = BENCH_REFUSED;
+    if (create_device(&run) && begin_data(&run)) {
+        catch_interrupts(true);
+        run.started = lane_now();
+        count_work(&run);
+        for (run.case_index = 0; run.case_index < plan->case_count && !stopped(&run); run.case_index++)
+            run_case(&run, &plan->cases[run.case_index]);
+        end_progress(&run);
+        catch_interrupts(false);
+        end = run.failed ? BENCH_FAILED : interrupted ? BENCH_INTERRUPTED : BENCH_DONE;
+        if (settings->validate && fnl_device_validation_count(run.device)) {
+            fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
+                    (unsigned long long)fnl_device_validation_count(run.device));
+            end = BENCH_FAILED;
+        }
+    }
+    bench_path_destroy(&run.path);
+    fnl_device_destroy(&run.device);
+    fnl_scene_destroy(&run.scene);
+    return end;
+}

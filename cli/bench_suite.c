@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* Experiments of the literature, rebuilt: ratios of two ways to render one scene, beside the ratios of the source. Times of another
+ * machine mean nothing here, so every quantity is a ratio within one run. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct setup {
+    fnl_shading shading;
+    fnl_light_lists lists;
+    const char *options;
+};
+
+/* ours = quantity(a) / quantity(b), and should be at most (or at least) `limit`. */
+struct row {
+    const char *quantity;
+    const char *metric; /* a time or a number of a result; "fill" or "shell": the list passes with this in their name */
+    const char *scene;
+    int64_t lights_a, lights_b; /* -1: as the scene has them */
+    struct setup a, b;
+    bool at_least;
+    double source, limit;
+};
+
+struct bench_suite {
+    const char *name, *title;
+    uint32_t width, height;
+    const struct row *rows;
+    uint32_t row_count;
+};
+
+/* ---- Ishmukhametov: Efficient Tile-Based Deferred Shading Pipeline, DigiPen 2013: four walls ---- */
+
+#define VOLUMES {FNL_SHADING_DEFERRED_VOLUMES, FNL_LISTS_ALL, ""}
+#define TILED {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, ""}
+#define BACKFACE {FNL_SHADING_DEFERRED, FNL_LISTS_BACKFACE, ""}
+#define WALL(number, volumes_tiled, backface_tiled, volumes_backface)                                                       \
+    {"test " #number ": light volumes / tiled", "gpu_ms", "builtin:wall?test=" #number, -1, -1, VOLUMES, TILED, true,        \
+     volumes_tiled, volumes_tiled},                                                                                         \
+        {"test " #number ": tiled with back faces / tiled", "gpu_ms", "builtin:wall?test=" #number, -1, -1, BACKFACE, TILED, \
+         false, backface_tiled, backface_tiled},                                                                            \
+        {"test " #number ": light volumes / tiled with back faces", "gpu_ms", "builtin:wall?test=" #number, -1, -1, VOLUMES, \
+         BACKFACE, true, volumes_backface, volumes_backface}
+
+static const struct row thesis_rows[] = {WALL(1, 1.18, 1.053, 1.12), WALL(2, 1.60, 0.853, 1.87), WALL(3, 2.17, 0.667, 3.26),
+                                         WALL(4, 2.36, 0.603, 3.91)};
+
+/* ---- Ortegren, Persson: Clustered Shading: Assigning Lights Using Conservative Rasterization, GPU Pro 7 ---- */
+
+/* Grids of 24 x 12 and 48 x 24 tiles at 1536 x 768; the second letter tells exponential from linear slices. */
+#define GRID(lists, size, slices, distribution)                                                                              \
+    {FNL_SHADING_DEFERRED, lists, "cluster-size=" #size ",slices=" #slices ",distribution=" distribution}
+#define RASTER(size, slices) GRID(FNL_LISTS_RASTER, size, slices, "exponential")
+#define RASTER_LINEAR(size, slices) GRID(FNL_LISTS_RASTER, size, slices, "linear")
+#define HALL "builtin:hall"
+#define EACH_GRID(lights)                                                                                                    \
+    {"24x12x32: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                      \
+     RASTER_LINEAR(64, 32), RASTER(64, 32), true, NAN, 0},                                                                   \
+        {"24x12x64: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
+         RASTER_LINEAR(64, 64), RASTER(64, 64), true, NAN, 0},                                                               \
+        {"24x12x128: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                 \
+         RASTER_LINEAR(64, 128), RASTER(64, 128), true, NAN, 0},                                                             \
+        {"48x24x32: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
+         RASTER_LINEAR(32, 32), RASTER(32, 32), true, NAN, 0},                                                               \
+        {"48x24x64: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
+         RASTER_LINEAR(32, 64), RASTER(32, 64), true, NAN, 0},                                                               \
+        {"48x24x128: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                 \
+         RASTER_LINEAR(32, 128), RASTER(32, 128), true, NAN, 0}
+
+static const struct row clustered_rows[] = {
+    EACH_GRID(1024),
+    EACH_GRID(2048),
+    EACH_GRID(4096),
+    {"assignment, 24x12x128, 4096 lights / tiled culling", "lists_ms", HALL, 4096, 4096, RASTER(64, 128), TILED, false, 1.05,
+     1.05},
+    {"lights per pixel, 24x12x128 / 96x48 tiles, 4096 lights", "per_pixel", HALL, 4096, 4096, RASTER(64, 128), TILED, false, 1,
+     1},
+    {"fill, 48x24x128 / 24x12x32, 4096 lights", "fill", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 32), false, 6.5, 6.5},
+    {"shell, 48x24x32 / 24x12x32, 4096 lights", "shell", HALL, 4096, 4096, RASTER(32, 32), RASTER(64, 32), false, 1, 1.1},
+    {"assignment, 24x12x128, 4096 / 2048 lights", "lists_ms", HALL, 4096, 2048, RASTER(64, 128), RASTER(64, 128), false, 2, 2},
+    {"shading, 48x24x128 / 24x12x64, 4096 lights", "shading_ms", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 64), false,
+     0.717, 0.717},
+    {"memory, 48x24x128 / 24x12x64, 4096 lights", "list_used_bytes", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 64), false,
+     6.6, 6.6},
+    {"shading, 24x12x128 / 48x24x32 (as many clusters), 4096 lights", "shading_ms", HALL, 4096, 4096, RASTER(64, 128),
+     RASTER(32, 32), false, 1, 1},
+};
+
+/* ---- Mikkelsen: Fine Pruned Tiled Light Lists, GPU Pro 7 ---- */
+
+#define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, "tile-bounds=projected,cone-tests=off"}
+#define FINE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, ""}
+#define INTERIOR "builtin:hall"
+
+static const struct row fine_rows[] = {
+    {"deferred lighting, coarse / fine, 100 lights", "shading_ms", INTERIOR, 100, 100, COARSE, FINE, true, 3.86, 3.86},
+    {"lists and lighting, coarse / fine, 100 lights", "lists_ms+shading_ms", INTERIOR, 100, 100, COARSE, FINE, true, 1.64,
+     1.64},
+    {"list build, fine / coarse, 100 lights", "lists_ms", INTERIOR, 100, 100, FINE, COARSE, false, 3.4, 3.4},
+    {"lights per pixel, fine / coarse, 100 lights", "per_pixel", INTERIOR, 100, 100, FINE, COARSE, false, 1, 1},
+};
+
+static const struct bench_suite suites[] = {
+    {"thesis", "Ishmukhametov 2013: light volumes, tiles, and tiles that drop lights behind their surfaces", 1280, 720,
+     thesis_rows, sizeof thesis_rows / sizeof *thesis_rows},
+    {"clustered", "Ortegren and Persson 2016: clusters by conservative rasterisation", 1536, 768, clustered_rows,
+     sizeof clustered_rows / sizeof *clustered_rows},
+    {"fine-pruned", "Mikkelsen 2016: fine pruned tiles", 1920, 1080, fine_rows, sizeof fine_rows / sizeof *fine_rows},
+};
+enum { SUITE_COUNT = sizeof suites / sizeof *suites };
+
+const char *bench_suite_name(int index) { return index >= 0 && index < SUITE_COUNT ? suites[index].name : NULL; }
+
+const struct bench_suite *bench_suite_find(const char *name) {
+    for (int i = 0; i < SUITE_COUNT; i++)
+        if (strcmp(suites[i].name, name) == 0) return &suites[i];
+    return NULL;
+}
+
+/* ---- plan ---- */
+
+static struct bench_case case_of(const struct bench_suite *suite, const struct row *row, int64_t lights, uint32_t width,
+                                 uint32_t height) {
+    return (struct bench_case){.scene = row->scene,
+                               .lights = lights,
+                               .width = width ? width : suite->width,
+                               .height = height ? height : suite->height,
+                               .msaa = 1};
+}
+
+static struct bench_candidate candidate_of(const struct setup *setup) {
+    return (struct bench_candidate){setup->shading, setup->lists, (char *)setup->options};
+}
+
+bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan) {
+    for (uint32_t i = 0; i < suite->row_count; i++) {
+        const struct row *row = &suite->rows[i];
+        const struct setup *setups[2] = {&row->a, &row->b};
+        for (int side = 0; side < 2; side++) {
+            struct bench_case wanted = case_of(suite, row, side ? row->lights_b : row->lights_a, width, height);
+            struct bench_case *to = bench_plan_case(plan, &wanted);
+            struct bench_candidate candidate = candidate_of(setups[side]);
+            if (!to || !bench_plan_candidate(plan, to, &candidate)) return false;
+        }
+    }
+    return true;
+}
+
+/* ---- what came of it ---- */
+
+static double passes_named(const json_t *result, const char *word) {
+    const json_t *pass;
+    size_t i;
+    double sum = 0;
+    bool any = false;
+    json_array_foreach(json_object_get(result, "passes"), i, pass) {
+        const char *name = json_string_value(json_object_get(pass, "name"));
+        const char *role = json_string_value(json_object_get(pass, "role"));
+        if (!name || !role || strcmp(role, "lists") != 0 || !strstr(name, word)) continue;
+        sum += bench_number(pass, "median", 0);
+        any = true;
+    }
+    return any ? sum : NAN;
+}
+
+static double quantity_of(const json_t *result, const char *metric) {
+    if (strcmp(metric, "fill") == 0 || strcmp(metric, "shell") == 0) return passes_named(result, metric);
+    if (strcmp(metric, "lists_ms+shading_ms") == 0)
+        return bench_median(result, "lists_ms") + bench_median(result, "shading_ms");
+    double median = bench_median(result, metric);
+    return isnan(median) ? bench_number(result, metric, NAN) : median;
+}
+
+/* How far the ratio may be off: the medians are, by about their MAD. */
+static double spread_of(const json_t *result, const char *metric) {
+    const json_t *times = json_object_get(result, metric);
+    double median = bench_number(times, "median", 0);
+    return median > 0 ? bench_number(times, "mad", 0) / median : 0;
+}
+
+static json_t *conclude_row(const struct bench_suite *suite, const struct row *row, uint32_t width, uint32_t height,
+                            const struct bench_data *data) {
+    struct bench_case at = case_of(suite, row, row->lights_a, width, height), bt = case_of(suite, row, row->lights_b, width, height);
+    struct bench_candidate ac = candidate_of(&row->a), bc = candidate_of(&row->b);
+    const json_t *a = bench_find(data, &at, &ac), *b = bench_find(data, &bt, &bc);
+    double ours = a && b ? quantity_of(a, row->metric) / quantity_of(b, row->metric) : NAN;
+    bool known = isfinite(ours), wrong = json_is_false(json_object_get(a, "equal")) || json_is_false(json_object_get(b, "equal"));
+    const char *verdict = !known                                                            ? "not measured"
+                          : wrong                                                           ? "wrong picture"
+                          : isnan(row->source)                                              ? "no number in the source"
+                          : (row->at_least ? ours >= row->limit : ours <= row->limit) ? "reached"
+                                                                                            : "missed";
+    json_t *json = json_pack("{s:s,s:s,s:s,s:s}", "quantity", row->quantity, "scene", row->scene, "comparison",
+                             row->at_least ? ">=" : "<=", "verdict", verdict);
+    json_object_set_new(json, "source", isnan(row->source) ? json_null() : json_real(row->source));
+    json_object_set_new(json, "limit", isnan(row->source) ? json_null() : json_real(row->limit));
+    json_object_set_new(json, "ours", known ? json_real(ours) : json_null());
+    json_object_set_new(json, "spread",
+                        known ? json_real(ours * (spread_of(a, row->metric) + spread_of(b, row->metric))) : json_null());
+    return json;
+}
+
+void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data) {
+    json_t *rows = json_array();
+    for (uint32_t i = 0; i < suite->row_count; i++)
+        json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
+    json_object_set_new(data->root, "suite",
+                        json_pack("{s:s,s:s,s:o}", "name", suite->name, "title", suite->title, "rows", rows));
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/* results.json and results.csv, and reading them again. */
+#include "bench.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- results ---- */
+
+static const char *const case_keys[] = {"scene", "asked_lights", "width", "height", "msaa"};
+static const char *const candidate_keys[] = {"shading", "lists", "options"};
+
+json_t *bench_key(const struct bench_case *where, const struct bench_candidate *what) {
+    json_t *key = json_pack("{s:s,s:o,s:i,s:i,s:i}", "scene", where->scene, "asked_lights",
+                            where->lights < 0 ? json_null() : json_integer(where->lights), "width", (int)where->width,
+                            "height", (int)where->height, "msaa", (int)where->msaa);
+    if (key && what) {
+        json_object_set_new(key, "shading", json_string(fnl_shading_name(what->shading)));
+        json_object_set_new(key, "lists", json_string(fnl_light_lists_name(what->lists)));
+        json_object_set_new(key, "options", json_string(what->options));
+    }
+    return key;
+}
+
+bool bench_same_case(const json_t *a, const json_t *b) {
+    for (size_t i = 0; i < sizeof case_keys / sizeof *case_keys; i++)
+        if (!json_equal(json_object_get(a, case_keys[i]), json_object_get(b, case_keys[i]))) return false;
+    return true;
+}
+
+json_t *bench_find(const struct bench_data *data, const struct bench_case *where, const struct bench_candidate *what) {
+    json_t *key = bench_key(where, what), *found = NULL, *result;
+    size_t i;
+    json_array_foreach(json_object_get(data->root, "results"), i, result) {
+        bool same = bench_same_case(result, key);
+        for (size_t k = 0; k < sizeof candidate_keys / sizeof *candidate_keys; k++)
+            same = same && json_equal(json_object_get(result, candidate_keys[k]), json_object_get(key, candidate_keys[k]));
+        if (same) found = result;
+    }
+    json_decref(key);
+    return found;
+}
+
+static const char *string_of(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+void bench_describe(const json_t *result, char *text, size_t capacity) {
+    const char *options = string_of(result, "options");
+    snprintf(text, capacity, "%s, %s lists%s%s%s", string_of(result, "shading"), string_of(result, "lists"),
+             *options ? " (" : "", options, *options ? ")" : "");
+}
+
+void bench_describe_case(const json_t *result, char *text, size_t capacity) {
+    char lights[32] = "", msaa[32] = "";
+    double count = bench_number(result, "lights", bench_number(result, "asked_lights", -1)),
+           samples = bench_number(result, "msaa", 1);
+    if (count >= 0) snprintf(lights, sizeof lights, " with %.0f light%s", count, count == 1 ? "" : "s");
+    if (samples > 1) snprintf(msaa, sizeof msaa, ", MSAA %.0f", samples);
+    snprintf(text, capacity, "%s%s, %.0fx%.0f%s", string_of(result, "scene"), lights, bench_number(result, "width", 0),
+             bench_number(result, "height", 0), msaa);
+}
+
+double bench_number(const json_t *object, const char *key, double otherwise) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : otherwise;
+}
+
+double bench_median(const json_t *result, const char *key) {
+    return bench_number(json_object_get(result, key), "median", NAN);
+}
+
+/* ---- files ---- */
+
+static bool complain(const char *path) {
+    fprintf(stderr, "fanal: error: %s: cannot be written: %s\n", path, strerror(errno));
+    return false;
+}
+
+bool bench_prepare_folder(const char *folder) {
+    char path[4096];
+    if (snprintf(path, sizeof path, "%s/writable.part", folder) >= (int)sizeof path) {
+        fputs("fanal: error: --output: the name of the folder is too long\n", stderr);
+        return false;
+    }
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) return complain(folder);
+    FILE *file = fopen(path, "w"); /* hours of measuring must not end at a folder that cannot be written to */
+    if (!file) return complain(folder);
+    fclose(file);
+    unlink(path);
+    return true;
+}
+
+bool bench_save_file(const char *folder, const char *name, const char *text, size_t size) {
+    char path[4096], temporary[4112];
+    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return false;
+    snprintf(temporary, sizeof temporary, "%s.part", path);
+    FILE *file = fopen(temporary, "wb");
+    bool good = file && fwrite(text, 1, size, file) == size;
+    if (file) good = fclose(file) == 0 && good;
+    if (good && rename(temporary, path) == 0) return true;
+    complain(path);
+    unlink(temporary);
+    return false;
+}
+
+/* ---- CSV, after RFC 4180 ---- */
+
+struct text {
+    char *bytes;
+    size_t length, capacity;
+    bool failed;
+};
+
+static void append(struct text *t, const char *bytes, size_t length) {
+    if (t->length + length + 1 > t->capacity) {
+        size_t capacity = 2 * t->capacity + length + 4096;
+        char *bigger = realloc(t->bytes, capacity);
+        if (!bigger) {
+            t->failed = true;
+            return;
+        }
+        t->bytes = bigger;
+        t->capacity = capacity;
+    }
+    memcpy(t->bytes + t->length, bytes, length);
+    t->length += length;
+}
+
+static void append_field(struct text *t, const json_t *value) {
+    char number[64] = "";
+    const char *text = number;
+    if (json_is_string(value))
+        text = json_string_value(value);
+    else if (json_is_integer(value))
+        snprintf(number, sizeof number, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+    else if (json_is_real(value))
+        snprintf(number, sizeof number, "%.9g", json_real_value(value));
+    else if (json_is_boolean(value))
+        text = json_is_true(value) ? "true" : "false";
+    bool quote = strpbrk(text, ",\"\r\n") != NULL;
+    if (quote) append(t, "\"", 1);
+    for (; *text; text++) {
+        if (*text == '"') append(t, "\"", 1);
+        append(t, text, 1);
+    }
+    if (quote) append(t, "\"", 1);
+}
+
+/* A column is a key, or "times.statistic". */
+static const char *const columns[] = {
+    "scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "lights_in_view", "frames", "frame_ms.median",
+    "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad", "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95",
+    "gpu_ms.mad", "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad", "wall_ms.median", "lists_ms.median",
+    "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median", "evaluations",
+    "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel", "list_bytes", "list_used_bytes", "list_entries",
+    "cells", "overflow_cells", "dropped", "triangles", "equal", "differing_pixels", "max_difference"};
+
+static bool save_csv(const char *folder, const json_t *root) {
+    enum { COUNT = sizeof columns / sizeof *columns };
+    struct text t = {0};
+    const json_t *result;
+    size_t i;
+    for (int c = 0; c < COUNT; c++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s", columns[c]);
+        for (char *dot = strchr(name, '.'); dot; dot = NULL) *dot = '_';
+        if (c) append(&t, ",", 1);
+        append(&t, name, strlen(name));
+    }
+    append(&t, "\r\n", 2);
+    json_array_foreach(json_object_get(root, "results"), i, result) {
+        for (int c = 0; c < COUNT; c++) {
+            char name[64];
+            snprintf(name, sizeof name, "%s", columns[c]);
+            char *statistic = strchr(name, '.');
+            if (statistic) *statistic++ = 0;
+            const json_t *value = json_object_get(result, name);
+            if (c) append(&t, ",", 1);
+            append_field(&t, statistic ? json_object_get(value, statistic) : value);
+        }
+        append(&t, "\r\n", 2);
+    }
+    bool good = !t.failed && bench_save_file(folder, "results.csv", t.bytes, t.length);
+    free(t.bytes);
+    return good;
+}
+
+static bool save_json(const char *folder, const json_t *root) {
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    bool good = text && bench_save_file(folder, "results.json", text, strlen(text));
+    free(text);
+    return good;
+}
+
+static bool save_page(const char *folder, const struct bench_data *data) {
+    size_t size;
+    char *text = bench_page_create(data, &size);
+    bool good = text && bench_save_file(folder, "report.html", text, size);
+    free(text);
+    return good;
+}
+
+bool bench_save(const char *folder, const struct bench_data *data, bool page) {
+    bool good = save_json(folder, data->root) && save_csv(folder, data->root) && (!page || save_page(folder, data));
+    return good;
+}
+
+/* ---- reading again ---- */
+
+static char *read_file(const char *folder, const char *name) {
+    char path[4096];
+    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return NULL;
+    FILE *file = fopen(path, "rb");
+    if (!file) return NULL;
+    fseek(file, 0, SEEK_END);
+    long size = ftell(file);
+    rewind(file);
+    char *text = size >= 0 ? malloc((size_t)size + 1) : NULL;
+    size_t got = text ? fread(text, 1, (size_t)size, file) : 0;
+    if (text) text[got] = 0;
+    fclose(file);
+    return text;
+}
+
+/* The page holds the pictures in an element of their own; without a page the new one goes without the old pictures. */
+static json_t *load_pictures(const char *folder) {
+    static const char start[] = "<script type=\"application/json\" id=\"pictures\">";
+    char *page = read_file(folder, "report.html"), *from = page ? strstr(page, start) : NULL;
+    json_t *pictures = NULL;
+    if (from) {
+        from += sizeof start - 1;
+        char *end = strstr(from, "</script>");
+        if (end) pictures = json_loadb(from, (size_t)(end - from), 0, NULL);
+    }
+    free(page);
+    return pictures;
+}
+
+bool bench_load(const char *folder, struct bench_data *data) {
+    char *text = read_file(folder, "results.json");
+    json_error_t error = {0};
+    *data = (struct bench_data){0};
+    if (!text) return true;
+    data->root = json_loads(text, 0, &error);
+    free(text);
+    const json_t *results = json_object_get(data->root, "results"), *result;
+    bool good = json_is_array(results);
+    size_t i;
+    json_array_foreach(results, i, result)
+        good = good && *string_of(result, "scene") && *string_of(result, "lists") && *string_of(result, "shading");
+    if (!good) {
+        fprintf(stderr, "fanal: error: %s/results.json: these are no results of fanal bench%s%s\n", folder,
+                *error.text ? ": " : "", error.text);
+        return false;
+    }
+    data->pictures = load_pictures(folder);
+    return true;
+}
