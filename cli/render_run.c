@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <strings.h>
 #include <unistd.h>
 
@@ -195,14 +196,21 @@ static bool note_frame(struct render_report *report, uint32_t index, const fnl_f
     return true;
 }
 
-/* Lets auto decide before anything is timed; a single frame takes what is remembered or likely. */
+static double seconds_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Lets auto decide before anything is timed, but not for long; a single frame takes what is remembered or likely. */
 static bool settle_choice(const struct render_options *o, fnl_renderer *renderer, fnl_frame *frame) {
-    enum { MOST_FRAMES = 100 };
+    const double most_seconds = 20;
+    double start = seconds_now();
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) return true;
     fnl_frame_stats stats = {.choosing = true};
     fnl_frame trial = *frame;
     trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
-    for (uint32_t i = 0; o->frame_count > 1 && stats.choosing && i < MOST_FRAMES; i++) {
+    for (uint32_t i = 0; o->frame_count > 1 && stats.choosing && seconds_now() < start + most_seconds; i++) {
         show_progress(o, "choosing", i, 60);
         if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
             return false;

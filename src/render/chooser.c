@@ -299,8 +299,11 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
         start(c, at, c->choice);
     }
     c->frames++;
-    if (pinned || c->state != CHOOSER_MEASURING) return c->choice;
-
+    if (pinned && c->state == CHOOSER_MEASURING) { /* the best of what has been measured by now */
+        uint32_t second, best = best_of(c, &second);
+        return best < CHOOSER_CANDIDATES ? c->candidates[best].choice : c->choice;
+    }
+    if (c->state != CHOOSER_MEASURING) return c->choice;
     if (c->pending_count == CHOOSER_PENDING) return c->choice;
     uint32_t next = CHOOSER_CANDIDATES;
     for (uint32_t i = 0; i < c->candidate_count; i++) {
