@@ -96,6 +96,8 @@ static const struct setting {
     const char *(*name_of)(int i); /* of names */
 } settings[] = {
 #define FIELD(field) offsetof(fnl_list_options, field)
+    {"frustum-cull", "on or off: leave out lights that are out of the view beforehand (on)", FIELD(frustum_cull),
+     SETTING_SWITCH, 0, 0, NULL},
     {"tile-size", "8, 16, 32 or 64 pixels (16)", FIELD(tile_size), SETTING_INTEGER, 8, 64, NULL},
     {"tile-bounds", "planes, box or projected (box)", FIELD(tile_bounds), SETTING_NAME, 0, 0, tile_bounds_name},
     {"min-depth", "on or off: leave out lights before the nearest pixel of a tile (on)", FIELD(min_depth), SETTING_SWITCH, 0,

@@ -66,6 +66,8 @@ typedef enum fnl_slices {
 
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
+    bool frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
+                            deferred-volumes; without it lights_in_view counts all */
     uint32_t tile_size;          /**< pixels, 8, 16, 32 or 64; default 16. Lists of tiles */
     fnl_tile_bounds tile_bounds; /**< default FNL_TILE_BOUNDS_BOX. tiled, halfz, 2.5d */
     bool min_depth,

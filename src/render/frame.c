@@ -4,6 +4,7 @@
 #include "passes/post/post_shared.h"
 #include "passes/shade/classify.h"
 #include "passes/shade/shade.h"
+#include "passes/shade/volumes.h"
 #include "render/renderer_internal.h"
 
 /* What the parts of a frame hand to each other. */
@@ -22,7 +23,8 @@ struct frame_state {
     graph_image color;
 };
 
-static bool is_deferred(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED; }
+static bool has_volumes(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED_VOLUMES; }
+static bool is_deferred(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED || has_volumes(frame); }
 static bool has_prepass(const fnl_frame *frame) {
     return is_deferred(frame) ? frame->gbuffer_prepass : frame->shading == FNL_SHADING_FORWARD_PREPASS;
 }
@@ -30,6 +32,11 @@ static bool has_blend(const struct frame_state *f) {
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
         if (f->scene->geometry.buckets[i].blend) return true;
     return false;
+}
+
+static VkFormat radiance_format(const struct frame_state *f) {
+    if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
+    return has_volumes(f->frame) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
 static graph_image create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
@@ -43,7 +50,7 @@ static fnl_result add_view(struct frame_state *f) {
     f->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
-    f->view.hdr_max = f->frame->outputs & FNL_OUTPUT_RADIANCE ? FLT_MAX : 65504.0f;
+    f->view.hdr_max = radiance_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
     if (!slice.data) return gpu_status(f->r->device);
     memcpy(slice.data, &f->view, sizeof f->view);
@@ -87,20 +94,44 @@ static void execute_clear(const struct graph_context *context, const void *data)
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
 }
 
+static bool shows_volumes(const fnl_frame *frame) { return has_volumes(frame) && frame->debug == FNL_DEBUG_LIGHTS; }
+
 static void add_counters(struct frame_state *f) {
-    if (!f->frame->count_lights) return;
-    struct clear_data clear = {graph_import_buffer(f->graph, "light counters", &f->r->counters), f->r->counters.size};
+    if (!f->frame->count_lights && !shows_volumes(f->frame)) return;
+    struct clear_data clear = {.size = f->frame->width * f->frame->height * 8ull};
+    clear.buffer = f->frame->count_lights ? graph_import_buffer(f->graph, "light counters", &f->r->counters)
+                                          : graph_create_buffer(f->graph, "light counters", clear.size);
     struct graph_pass *pass =
         graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
     f->counters = clear.buffer;
 }
 
+/* Everything but local lights in one pass over the screen, then a volume for each of those. */
+static void add_volumes(struct frame_state *f, struct shade_input input, bool prepass, graph_image depth) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
+    if (has_blend(f)) {
+        add_lists(f, depth, (graph_image){0});
+        f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
+    } else {
+        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+    }
+    struct light_input none = f->scene->lights;
+    none.local_count = 0;
+    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
+    input.lights = &base;
+    deferred_add(f->graph, &input, &gbuffer, NULL, f->radiance, depth);
+    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull};
+    graph_buffer totals = volumes_add(f->graph, f->r->device, &input, &volumes, &gbuffer, f->radiance, depth);
+    if (!has_blend(f)) {
+        f->lights.totals = f->blend_lights.totals = totals;
+        f->lights.totals_known = false;
+    }
+}
+
 static void add_shading(struct frame_state *f) {
     uint32_t samples = f->frame->msaa;
-    VkFormat format =
-        f->frame->outputs & FNL_OUTPUT_RADIANCE ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
-    f->radiance = create_image(f, "radiance", format, samples);
+    f->radiance = create_image(f, "radiance", radiance_format(f), samples);
     graph_image depth = create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, samples);
     vec3 background = f->r->scene->background;
     struct shade_input input = {.scene = &f->scene->geometry,
@@ -113,7 +144,9 @@ static void add_shading(struct frame_state *f) {
                                 .background = {background.x, background.y, background.z}};
     bool prepass = has_prepass(f->frame);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
-    if (is_deferred(f->frame)) {
+    if (has_volumes(f->frame)) {
+        add_volumes(f, input, prepass, depth);
+    } else if (is_deferred(f->frame)) {
         struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
         add_lists(f, depth, gbuffer.normal);
         struct shade_classes classes = {0};
@@ -128,6 +161,7 @@ static void add_shading(struct frame_state *f) {
     }
     if (has_blend(f)) {
         input.lights = &f->blend_lights;
+        if (!f->frame->count_lights) input.counters = (graph_buffer){0};
         forward_add(f->graph, &input, GEOMETRY_BLEND, false, f->radiance, depth);
     }
 }
@@ -155,11 +189,13 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     if (f->frame->debug == FNL_DEBUG_NONE) {
         tonemap_add(f->graph, f->radiance, f->color, &params);
     } else {
-        graph_buffer overdraw = {0};
+        struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
-            overdraw =
-                overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
-        debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, overdraw, f->view_address, f->color, swap);
+            counts = (struct debug_counts){overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
+                                                        f->frame->width, f->frame->height),
+                                           1};
+        if (shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
+        debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
     }
 }
 
@@ -274,7 +310,7 @@ static void add_counts(struct frame_state *f) {
     graph_keep(host);
     graph_use_buffer(host, counts, GRAPH_READ_HOST);
     if (draws.id) graph_use_buffer(host, draws, GRAPH_READ_HOST);
-    if (f->counters.id) graph_use_buffer(host, f->counters, GRAPH_READ_HOST);
+    if (f->frame->count_lights) graph_use_buffer(host, f->counters, GRAPH_READ_HOST);
 }
 
 /* What is known before the GPU has run. */

@@ -125,7 +125,6 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
     }
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT || !builders[lists].add) return false;
-    if (shading == FNL_SHADING_DEFERRED_VOLUMES) return false;
     if (builders[lists].limits & FORWARD_ONLY)
         return shading == FNL_SHADING_FORWARD || shading == FNL_SHADING_FORWARD_PREPASS;
     if (builders[lists].limits & PREPASS_ONLY) return shading == FNL_SHADING_FORWARD_PREPASS;
@@ -135,6 +134,7 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
 void lists_add(struct lists_context *c) {
     const struct builder *builder = &builders[c->frame->lists];
     c->input->queue = builder->queue;
+    c->input->keep_unseen = !c->frame->list_options.frustum_cull;
     c->blend_lights = (struct light_list){0};
     builder->add(c);
     if (!c->blend_lights.header) c->blend_lights = c->lights;

@@ -47,7 +47,8 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
 }
 
 fnl_list_options fnl_list_options_default(void) {
-    return (fnl_list_options){.tile_size = 16,
+    return (fnl_list_options){.frustum_cull = true,
+                              .tile_size = 16,
                               .tile_bounds = FNL_TILE_BOUNDS_BOX,
                               .min_depth = true,
                               .max_depth = true,

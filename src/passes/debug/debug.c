@@ -85,7 +85,7 @@ graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scen
 struct view_data {
     uint32_t mode, kind, width, height;
     struct aov_images aov;
-    graph_buffer overdraw;
+    struct debug_counts counts;
     VkDeviceAddress view, lights;
     graph_image target;
     bool swap;
@@ -96,28 +96,29 @@ static void execute_view(const struct graph_context *context, const void *data) 
     struct gpu_compute_params params = {.shader = &shader_debug_view_comp, .constant_count = 1, .constants = {d->kind}};
     struct gpu_debug_push push = {.view = d->view,
                                   .lights = d->lights,
-                                  .overdraw = d->overdraw.id ? graph_address(context, d->overdraw) : 0,
+                                  .counts = d->counts.buffer.id ? graph_address(context, d->counts.buffer) : 0,
                                   .albedo = graph_sampled(context, d->aov.albedo),
                                   .normal = graph_sampled(context, d->aov.normal),
                                   .position = graph_sampled(context, d->aov.position),
                                   .target = graph_storage(context, d->target),
                                   .swap = d->swap,
-                                  .mode = d->mode};
+                                  .mode = d->mode,
+                                  .count_stride = d->counts.buffer.id ? d->counts.stride : 0};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
-                    graph_buffer overdraw, VkDeviceAddress view, graph_image target, bool swap) {
+                    struct debug_counts counts, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {mode,     lights->kind, image.width,    image.height, *aov,
-                             overdraw, view,         lights->header, target,       swap};
+    struct view_data data = {mode,   lights->kind, image.width,    image.height, *aov,
+                             counts, view,         lights->header, target,       swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->position, GRAPH_SAMPLE_COMPUTE);
-    if (overdraw.id) graph_use_buffer(pass, overdraw, GRAPH_READ_COMPUTE);
+    if (counts.buffer.id) graph_use_buffer(pass, counts.buffer, GRAPH_READ_COMPUTE);
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
     graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
 }

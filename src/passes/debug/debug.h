@@ -18,8 +18,14 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
 graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height);
 
-/** Writes the view `mode` (GPU_DEBUG_…) to a storage image. `overdraw` is needed by GPU_DEBUG_OVERDRAW alone. */
+/** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of lights where shading does not go by the list. */
+struct debug_counts {
+    graph_buffer buffer; /* id 0: none */
+    uint32_t stride;
+};
+
+/** Writes the view `mode` (GPU_DEBUG_…) to a storage image. */
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
-                    graph_buffer overdraw, VkDeviceAddress view, graph_image target, bool swap);
+                    struct debug_counts counts, VkDeviceAddress view, graph_image target, bool swap);
 
 #endif

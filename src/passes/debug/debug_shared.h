@@ -18,13 +18,14 @@
 struct gpu_debug_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) lights;
-    ADDRESS(uint_array) overdraw; /* fragments per pixel, for GPU_DEBUG_OVERDRAW */
+    ADDRESS(uint_array) counts;   /* of debug_counts */
     uint albedo;                  /* sampled: base colour, roughness */
     uint normal;                  /* sampled: normal, view depth */
     uint position;                /* sampled: world position, draw item + 1 */
     uint target;                  /* storage */
     uint swap;                    /* 1: red and blue change places */
     uint mode;
+    uint count_stride;            /* 0: no counts */
 };
 
 #endif

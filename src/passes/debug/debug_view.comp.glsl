@@ -58,12 +58,14 @@ void main() {
     if (mode == GPU_DEBUG_NORMAL) color = sky ? vec3(0.0) : normal.xyz * 0.5 + 0.5;
     if (mode == GPU_DEBUG_DEPTH) color = sky ? vec3(0.0) : vec3(1.0 / (1.0 + 0.05 * normal.w));
     if (mode == GPU_DEBUG_ROUGHNESS) color = sky ? vec3(0.0) : vec3(albedo.a);
-    if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)])) *
-                                            float(push.overdraw.at[uint(pixel.y) * push.view.view.size.x + uint(pixel.x)] != 0u);
+    uint counted = 0u;
+    if (push.count_stride != 0u) counted = push.counts.at[(uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * push.count_stride];
+    if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(counted)) * float(counted != 0u);
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);
         light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
         uint count = sky && LIST_KIND != GPU_LIST_TILES ? 0u : lights_count(push.lights, point);
+        if (push.count_stride != 0u) count = counted;
         vec3 map = count == 0u ? vec3(0.0) : heat(count_level(count));
         color = mode == GPU_DEBUG_LIGHT_COUNT ? mix(vec3(grey), map, 0.8) : vec3(grey) * 0.5;
         if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {

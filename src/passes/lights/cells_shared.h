@@ -38,6 +38,7 @@ struct gpu_lights_push {
     ADDRESS(uint_array) ids;       /* local lights in view, ascending */
     ADDRESS(bound_array) bounds;   /* of the lights in ids */
     uint light_count;              /* local lights */
+    uint cull;                     /* 0: all count as in view that light anything */
 };
 
 struct gpu_cells_push {

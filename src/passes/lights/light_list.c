@@ -51,7 +51,8 @@ static void execute_lights(const struct graph_context *context, const void *data
                                    .sums = graph_address(context, d->in_view.sums),
                                    .ids = gathers ? graph_address(context, d->in_view.ids) : 0,
                                    .bounds = gathers ? graph_address(context, d->in_view.bounds) : 0,
-                                   .light_count = d->input.local_count};
+                                   .light_count = d->input.local_count,
+                                   .cull = !d->input.keep_unseen};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u));

@@ -19,6 +19,7 @@ struct light_input {
     uint32_t directional_count, local_count;
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
+    bool keep_unseen;       /* lights out of the view count as in view */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
 

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shade/volumes.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "passes/shade/volumes_shared.h"
+#include "scene_shared.h"
+#include "shaders.h"
+
+_Static_assert(VOLUME_INDEX_COUNT == VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES, "both solids");
+
+VkFormat volumes_format(const gpu_device *device) {
+    return gpu_format_supports(device, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT)
+               ? VK_FORMAT_R32G32B32A32_SFLOAT
+               : VK_FORMAT_R16G16B16A16_SFLOAT;
+}
+
+static uint32_t *add_triangle(uint32_t *at, uint32_t a, uint32_t b, uint32_t c) {
+    at[0] = a;
+    at[1] = b;
+    at[2] = c;
+    return at + 3;
+}
+
+void volumes_indices(uint32_t out[VOLUME_INDEX_COUNT]) {
+    const uint32_t row = VOLUME_SIDE + 1;
+    for (uint32_t y = 0; y < VOLUME_SIDE; y++)
+        for (uint32_t x = 0; x < VOLUME_SIDE; x++) {
+            uint32_t a = y * row + x, b = a + 1, c = b + row, d = a + row;
+            if ((x < VOLUME_SIDE / 2) == (y < VOLUME_SIDE / 2)) { /* diagonals lie along the folds */
+                out = add_triangle(out, a, b, d);
+                out = add_triangle(out, b, c, d);
+            } else {
+                out = add_triangle(out, a, b, c);
+                out = add_triangle(out, a, c, d);
+            }
+        }
+    const uint32_t near = VOLUME_SPHERE_VERTICES, far = near + VOLUME_RING;
+    for (uint32_t i = 0; i < VOLUME_RING; i++) {
+        uint32_t next = (i + 1) % VOLUME_RING;
+        out = add_triangle(out, near + i, far + i, far + next);
+        out = add_triangle(out, near + i, far + next, near + next);
+        if (i < 2) continue;
+        out = add_triangle(out, near, near + i - 1, near + i);
+        out = add_triangle(out, far, far + i, far + i - 1);
+    }
+}
+
+/* ---- which volumes ---- */
+
+struct cull_data {
+    struct light_input lights;
+    VkDeviceAddress view, list;
+    graph_buffer sums, ids, draws;
+    bool cull, fills;
+};
+
+static void execute_cull(const struct graph_context *context, const void *data) {
+    const struct cull_data *d = data;
+    struct gpu_compute_params params = {.shader = d->fills ? &shader_volumes_fill_comp : &shader_volumes_mark_comp};
+    struct gpu_volumes_push push = {.view = d->view,
+                                    .list = d->list,
+                                    .sums = graph_address(context, d->sums),
+                                    .ids = d->fills ? graph_address(context, d->ids) : 0,
+                                    .draws = d->fills ? graph_address(context, d->draws) : 0,
+                                    .light_count = d->lights.local_count,
+                                    .cull = d->cull};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
+}
+
+/* ---- drawing them ---- */
+
+struct draw_data {
+    struct gbuffer gbuffer;
+    graph_image depth;
+    VkDeviceAddress view, list;
+    graph_buffer counters, ids, draws;
+    struct gpu_slice indices;
+    VkFormat format;
+};
+
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct draw_data *d = data;
+    if (!d->indices.data) return; /* the device carries a sticky error */
+    /* Back faces alone, and only those that are not in front of the surface: depth is reversed. */
+    struct gpu_graphics_params state = {.vertex = &shader_volumes_vert,
+                                        .fragment = &shader_volumes_frag,
+                                        .constant_count = 2,
+                                        .constants = {GPU_LIST_ALL, d->counters.id != 0},
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                        .cull = VK_CULL_MODE_FRONT_BIT,
+                                        .color_count = 1,
+                                        .color_formats = {d->format},
+                                        .blends = {GPU_BLEND_ADD},
+                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_clamp = true,
+                                        .depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL,
+                                        .samples = 1};
+    struct gpu_volume_push push = {.view = d->view,
+                                   .list = d->list,
+                                   .ids = graph_address(context, d->ids),
+                                   .counters = d->counters.id ? graph_address(context, d->counters) : 0,
+                                   .depth = graph_sampled(context, d->depth),
+                                   .color = graph_sampled(context, d->gbuffer.color),
+                                   .normal = graph_sampled(context, d->gbuffer.normal),
+                                   .dielectric = graph_sampled(context, d->gbuffer.dielectric)};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_bind_indices(context->commands, d->indices.buffer, d->indices.offset);
+    gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, d->draws), 0, 2);
+}
+
+struct totals_data {
+    graph_buffer sums, totals;
+    uint64_t offset;
+};
+
+static void execute_totals(const struct graph_context *context, const void *data) {
+    const struct totals_data *d = data;
+    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->offset, totals,
+                    offsetof(struct light_totals, in_view), 4);
+    gpu_fill_buffer(context->commands, totals, offsetof(struct light_totals, entries),
+                    sizeof(struct light_totals) - offsetof(struct light_totals, entries), 0);
+}
+
+graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance,
+                         graph_image depth) {
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("volumes");
+    const struct light_input *lights = volumes->lights;
+    const uint32_t count = lights->local_count;
+    struct light_list list = light_list_all_add(graph, device, lights);
+    struct cull_data cull = {.lights = *lights, .view = input->view, .list = list.header, .cull = volumes->cull};
+    cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
+    cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
+    cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
+    struct graph_pass *pass =
+        graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
+    graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, cull.sums, 2 * count + 1);
+    cull.fills = true;
+    pass = graph_add_pass(graph, "volumes fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
+    graph_use_buffer(pass, cull.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, cull.ids, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, cull.draws, GRAPH_WRITE_COMPUTE);
+
+    struct draw_data draw = {.gbuffer = *gbuffer,
+                             .depth = depth,
+                             .view = input->view,
+                             .list = list.header,
+                             .counters = input->counters,
+                             .ids = cull.ids,
+                             .draws = cull.draws,
+                             .indices = gpu_frame_allocate(device, VOLUME_INDEX_COUNT * 4),
+                             .format = graph_image_info(graph, radiance).format};
+    if (draw.indices.data) volumes_indices(draw.indices.data);
+    pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+    graph_use_buffer(pass, lights->buffer, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, cull.ids, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, cull.draws, GRAPH_INDIRECT);
+    graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, gbuffer->color, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, gbuffer->normal, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, gbuffer->dielectric, GRAPH_SAMPLE_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+    graph_depth_read_only(pass, depth);
+
+    struct totals_data totals = {cull.sums, graph_create_buffer(graph, "volume totals", sizeof(struct light_totals)),
+                                 2ull * count * 4};
+    pass = graph_add_pass(graph, "volume counts", GRAPH_QUEUE_GRAPHICS, execute_totals, &totals, sizeof totals);
+    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
+    return totals.totals;
+}

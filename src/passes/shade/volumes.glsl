@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The solids that stand for lights in deferred shading by volumes.
+#ifndef VOLUMES_GLSL
+#define VOLUMES_GLSL
+
+#include "view.glsl"
+#include "lights/iterate.glsl"
+
+layout(buffer_reference) buffer volume_draws;
+
+#include "passes/shade/volumes_shared.h"
+
+// Cosine between axis and rim of a spot's cone; rounding of the ramp may light a hair more.
+float volume_cosine(gpu_light light) { return -light.spot_offset / light.spot_scale - 4e-7; }
+
+// Wide cones fit into a sphere better than into a pyramid.
+bool volume_is_cone(gpu_light light) { return light.kind == GPU_LIGHT_SPOT && volume_cosine(light) > 0.5; }
+
+#endif

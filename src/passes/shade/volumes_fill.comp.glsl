@@ -1,0 +1,31 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Writes which light each instance is, ascending, and the two indirect draws.
+#include "common.glsl"
+#include "passes/shade/volumes.glsl"
+#include "scene.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer volume_draws { gpu_draw at[]; };
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_volumes_push push; };
+
+void main() {
+    uint index = LINEAR_INVOCATION;
+    uint count = push.light_count;
+    if (index < 2u * count) {
+        uint slot = push.sums.at[index];
+        if (push.sums.at[index + 1u] != slot) push.ids.at[slot] = index < count ? index : index - count;
+    }
+    if (index < 2u) {
+        uint first = push.sums.at[index * count];
+        gpu_draw draw;
+        draw.index_count = index == 0u ? VOLUME_SPHERE_INDICES : VOLUME_CONE_INDICES;
+        draw.instance_count = push.sums.at[(index + 1u) * count] - first;
+        draw.first_index = index == 0u ? 0u : VOLUME_SPHERE_INDICES;
+        draw.vertex_offset = 0;
+        draw.first_instance = first;
+        push.draws.at[index] = draw;
+    }
+}

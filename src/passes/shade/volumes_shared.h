@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_VOLUMES_SHARED_H
+#define FNL_PASSES_VOLUMES_SHARED_H
+
+#include "shared.h"
+
+/* Vertices and indices of the two solids. A sphere is a square of cells folded into an octahedron and blown up: its vertices are the
+   corners of the cells. A cone is a pyramid with its tip cut off: eight vertices near, eight far. */
+#define VOLUME_SIDE 6u /* cells; even, so that folds lie on diagonals */
+#define VOLUME_SPHERE_VERTICES ((VOLUME_SIDE + 1u) * (VOLUME_SIDE + 1u))
+#define VOLUME_SPHERE_INDICES (VOLUME_SIDE * VOLUME_SIDE * 6u)
+#define VOLUME_RING 8u
+#define VOLUME_CONE_INDICES (VOLUME_RING * 6u + (VOLUME_RING - 2u) * 6u)
+/* The farthest face of the sphere's solid is this far from the middle when its vertices are at 1, and the cosine of pi / VOLUME_RING. */
+#define VOLUME_SPHERE_INSIDE 0.92475f
+#define VOLUME_CONE_INSIDE 0.92387f
+
+/* Spheres are sorted before cones; each kind ascends by light. */
+struct gpu_volumes_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(uint_array) sums;   /* kind * light_count + light, and one more: 1 for the volumes drawn, then their prefix sum */
+    ADDRESS(uint_array) ids;    /* instance -> local light */
+    ADDRESS(volume_draws) draws;
+    uint light_count;           /* local lights */
+    uint cull;                  /* 0: lights out of the view are drawn too */
+};
+
+struct gpu_volume_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(const_uint_array) ids;
+    ADDRESS(uint_array) counters;
+    uint depth;                 /* bindless indices of the G-buffer */
+    uint color;
+    uint normal;
+    uint dielectric;
+};
+
+#endif

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+/** Deferred shading by light volumes against deferred shading by one loop, and the solids themselves. */
+#include "passes/shade/volumes.h"
+#include "passes/shade/volumes_shared.h"
+#include "tests/render_harness.h"
+
+/* ---- the solids ---- */
+
+static vec3 unfold(float x, float y) { /* octahedral_decode() of shaders/common.glsl */
+    vec3 n = {x, y, 1 - fabsf(x) - fabsf(y)};
+    if (n.z < 0) {
+        n.x = (1 - fabsf(y)) * (x < 0 ? -1.0f : 1.0f);
+        n.y = (1 - fabsf(x)) * (y < 0 ? -1.0f : 1.0f);
+    }
+    return vec3_normalize(n);
+}
+
+static vec3 vertex_of(uint32_t vertex, float tangent) {
+    const int side = (int)VOLUME_SIDE, row = side + 1;
+    if (vertex < VOLUME_SPHERE_VERTICES)
+        return unfold((float)(2 * ((int)vertex % row) - side) / (float)side,
+                      (float)(2 * ((int)vertex / row) - side) / (float)side);
+    vertex -= VOLUME_SPHERE_VERTICES;
+    float angle = (float)(vertex % VOLUME_RING) * (2 * PI / (float)VOLUME_RING);
+    bool far = vertex >= VOLUME_RING;
+    float across = (far ? tangent : 0) + 0.002f;
+    /* side, up = side x direction, direction of a light that shines along -z */
+    return (vec3){across * cosf(angle), across * sinf(angle), far ? -1.0f : 0.001f};
+}
+
+/* Both are closed, convex and turned outwards: a ray that enters meets one back face, so a pixel is never lit twice by one light. */
+static void test_solids(void **state) {
+    UNUSED(state);
+    uint32_t indices[VOLUME_INDEX_COUNT];
+    volumes_indices(indices);
+    for (int cone = 0; cone < 2; cone++) {
+        const uint32_t first = cone ? VOLUME_SPHERE_INDICES : 0, end = cone ? VOLUME_INDEX_COUNT : VOLUME_SPHERE_INDICES;
+        const vec3 inside = {0, 0, cone ? -0.5f : 0};
+        double nearest = 9;
+        uint32_t twins = 0;
+        for (uint32_t i = first; i < end; i += 3) {
+            vec3 p[3];
+            for (int k = 0; k < 3; k++) p[k] = vertex_of(indices[i + (uint32_t)k], 0.5f);
+            vec3 normal = vec3_cross(vec3_sub(p[1], p[0]), vec3_sub(p[2], p[0]));
+            assert_true(vec3_length(normal) > 1e-9f);
+            normal = vec3_normalize(normal);
+            double distance = (double)vec3_dot(normal, vec3_sub(p[0], inside));
+            assert_true(distance > 0);
+            nearest = fmin(nearest, distance);
+            for (uint32_t j = first; j < end; j++)
+                assert_true((double)vec3_dot(normal, vec3_sub(vertex_of(indices[j], 0.5f), inside)) < distance + 1e-5);
+            for (int k = 0; k < 3; k++) /* each edge is some other face's, the other way round, to the bit */
+                for (uint32_t j = first; j < end; j += 3)
+                    for (uint32_t m = 0; m < 3; m++) {
+                        vec3 a = vertex_of(indices[j + m], 0.5f), b = vertex_of(indices[j + (m + 1) % 3], 0.5f);
+                        vec3 c = p[(k + 1) % 3], d = p[k];
+                        twins += a.x == c.x && a.y == c.y && a.z == c.z && b.x == d.x && b.y == d.y && b.z == d.z;
+                    }
+        }
+        assert_int_equal(twins, end - first);
+        if (!cone) assert_true(nearest >= (double)VOLUME_SPHERE_INSIDE && nearest < (double)VOLUME_SPHERE_INSIDE + 1e-4);
+    }
+    assert_true((double)VOLUME_CONE_INSIDE <= cos(3.14159265358979 / VOLUME_RING));
+}
+
+/* ---- pictures ---- */
+
+/* Shoots both orders. Every light that reaches a surface is found there (SUP): the useful evaluations are the same. */
+static void check(struct stage *stage, const char *what) {
+    fnl_frame frame = stage->frame;
+    frame.count_lights = true;
+    frame.lists = FNL_LISTS_ALL;
+    frame.shading = FNL_SHADING_DEFERRED;
+    struct shot all = stage_shoot(stage, &frame);
+    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    struct shot volumes = stage_shoot(stage, &frame), again = stage_shoot(stage, &frame);
+    print_message("  %s: %d/255, %llu evaluations of %llu, %llu of use\n", what,
+                  greatest_difference(&all.color, &volumes.color), (unsigned long long)volumes.stats.evaluations,
+                  (unsigned long long)all.stats.evaluations, (unsigned long long)volumes.stats.evaluations_useful);
+    assert_int_equal(count_broken(&volumes.radiance), 0);
+    assert_true(greatest_difference(&all.color, &volumes.color) <= 1);
+    assert_int_equal(volumes.stats.evaluations_useful, all.stats.evaluations_useful);
+    assert_true(volumes.stats.evaluations >= volumes.stats.evaluations_useful);
+    assert_true(volumes.stats.evaluations <= all.stats.evaluations);
+    assert_int_equal(count_differing(&volumes.radiance, &again.radiance), 0);
+    frame.list_options.frustum_cull = false;
+    struct shot unculled = stage_shoot(stage, &frame);
+    assert_int_equal(count_differing(&volumes.radiance, &unculled.radiance), 0);
+    assert_true(unculled.stats.lights_in_view >= volumes.stats.lights_in_view);
+    shot_free(&all);
+    shot_free(&volumes);
+    shot_free(&again);
+    shot_free(&unculled);
+}
+
+static void test_scenes_TD_3(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *source;
+        float ev;
+    } scenes[] = {{"builtin:wall?test=2", 4},     {"builtin:hall?lights=256", 3}, {"builtin:spheres?lights=100", 5},
+                  {"builtin:lamps", 5},           {"builtin:nearplane", 5},       {"builtin:onetile?lights=300", 5},
+                  {"builtin:glass?lights=40", 5}, {"builtin:sky", 5},             {"builtin:spheres?lights=0", 5},
+                  {"builtin:spheres?lights=1", 5}};
+    for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
+        struct stage stage = stage_open(scenes[i].source, 0);
+        stage.frame.ev = scenes[i].ev;
+        check(&stage, scenes[i].source);
+        stage_close(&stage);
+    }
+}
+
+static void test_cameras_TD_3(void **state) {
+    UNUSED(state);
+    static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide", "one pixel"};
+    struct stage stage = stage_open("builtin:spheres?lights=150", 0);
+    const fnl_frame start = stage.frame;
+    for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
+        stage.frame = start;
+        fnl_camera *camera = &stage.frame.camera;
+        if (kind == 0) {
+            fnl_light_params light;
+            assert_int_equal(fnl_scene_query_light(stage.scene, 5, &light), FNL_OK);
+            camera->position = light.position;
+            camera->position.x += 1e-3f;
+        } else if (kind == 1) {
+            camera->orthographic = true;
+            camera->vertical_extent = 8;
+            camera->far_distance = 9; /* in the midst of lights: their far sides are beyond it */
+        } else if (kind == 2) {
+            camera->shift = (fnl_vec2){0.7f, -0.4f};
+        } else if (kind == 3) {
+            camera->up = (fnl_vec3){0.2f, -1, 0};
+            camera->vertical_fov = 2.6f;
+        } else {
+            stage.frame.width = stage.frame.height = 1;
+        }
+        check(&stage, names[kind]);
+    }
+    stage_close(&stage);
+}
+
+/* Hard edges of cones and of the other shapes, wide cones, lights without end. */
+static void test_shapes_TD_3(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    struct random_state random = {4};
+    for (uint32_t i = 0; i < 60; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + i % (FNL_LIGHT_KIND_COUNT - FNL_LIGHT_POINT));
+        light.position = (fnl_vec3){random_range(&random, -4, 4), random_range(&random, 0.2f, 4), random_range(&random, -4, 4)};
+        light.direction = vec3_normalize(
+            (vec3){random_range(&random, -1, 1), random_range(&random, -1, 0.2f), random_range(&random, -1, 1)});
+        light.range = i == 7 ? 1e6f : random_range(&random, 1, 7);
+        light.intensity = light.kind == FNL_LIGHT_BOX ? 2 : random_range(&random, 1, 5);
+        light.outer_cone_angle = random_range(&random, 0.05f, 1.5f);
+        light.inner_cone_angle = light.outer_cone_angle * 0.999f;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    check(&stage, "all shapes");
+    stage.frame.width = 77;
+    stage.frame.height = 119;
+    check(&stage, "all shapes, odd size");
+    stage_close(&stage);
+}
+
+/* 55, 183, 583 and 1083 lights of the four walls are in view, no more, with culling, and all without. */
+static void test_walls_in_view_TD_8(void **state) {
+    UNUSED(state);
+    static const uint32_t visible[] = {55, 183, 583, 1083}, total[] = {1500, 1600, 2000, 2500};
+    for (uint32_t test = 0; test < 4; test++) {
+        char source[32];
+        snprintf(source, sizeof source, "builtin:wall?test=%u", test + 1);
+        struct stage stage = stage_open(source, 0);
+        stage.frame.width = 160;
+        stage.frame.height = 90;
+        for (int tiled = 0; tiled < 2; tiled++) {
+            fnl_frame frame = stage.frame;
+            frame.shading = tiled ? FNL_SHADING_DEFERRED : FNL_SHADING_DEFERRED_VOLUMES;
+            frame.lists = FNL_LISTS_TILED;
+            struct shot culled = stage_shoot(&stage, &frame);
+            frame.list_options.frustum_cull = false;
+            struct shot all = stage_shoot(&stage, &frame);
+            assert_int_equal(culled.stats.lights_in_view, visible[test]);
+            assert_int_equal(all.stats.lights_in_view, total[test]);
+            assert_int_equal(count_differing(&culled.radiance, &all.radiance), 0);
+            shot_free(&culled);
+            shot_free(&all);
+        }
+        stage_close(&stage);
+    }
+}
+
+/* One light before a wall: the heat map of volumes shows a disc of ones. */
+static void test_heat_map_TD_12(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:wall?test=1&lights=0", 0);
+    fnl_light_params light = fnl_light_params_default();
+    fnl_light_id id;
+    light.position = (fnl_vec3){0, 9, -19};
+    light.range = 2;
+    assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    stage.frame.outputs = FNL_OUTPUT_COLOR;
+    stage.frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    stage.frame.debug = FNL_DEBUG_LIGHTS;
+    struct shot view = stage_shoot(&stage, &stage.frame);
+    stage.frame.count_lights = true;
+    struct shot counted = stage_shoot(&stage, &stage.frame);
+    assert_int_equal(count_differing(&view.color, &counted.color), 0);
+    uint64_t blue = 0;
+    for (uint32_t y = 0; y + 14 < view.color.height; y++)
+        for (uint32_t x = 0; x < view.color.width; x++) {
+            const uint8_t *p = (const uint8_t *)view.color.pixels + ((size_t)y * view.color.width + x) * 4;
+            blue += p[2] > 100 && p[0] < 100;
+        }
+    assert_int_equal(blue, counted.stats.evaluations);
+    assert_true(blue > counted.stats.evaluations_useful && counted.stats.evaluations_useful > 100);
+    shot_free(&view);
+    shot_free(&counted);
+    stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_solids, harness_check),
+        cmocka_unit_test_teardown(test_scenes_TD_3, harness_check),
+        cmocka_unit_test_teardown(test_cameras_TD_3, harness_check),
+        cmocka_unit_test_teardown(test_shapes_TD_3, harness_check),
+        cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
+        cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
