@@ -17,7 +17,7 @@
 static void print_help(void) {
     puts("Usage: fanal render SCENE -o OUT.png|OUT.exr [-o ...] [OPTIONS]\n"
          "\n"
-         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall wall spheres pole lamps grass "
+         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole lamps grass "
          "onetile\n"
          "nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
          "\n"

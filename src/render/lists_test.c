@@ -321,6 +321,7 @@ static void test_same_lists_forward_and_deferred_ES_58(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         SCENE("hall", "builtin:hall?lights=256", 0, 3, 4),
+        SCENE("interior", "builtin:interior", 0, 5, 4),
         SCENE("city", "builtin:city?lights=512", 0, 3, 1),
         SCENE("spheres", "builtin:spheres", 0, 5, 4),
         SCENE("pole", "builtin:pole", 0, 5, 4),

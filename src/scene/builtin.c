@@ -11,6 +11,7 @@
 static const struct builtin_scene scenes[] = {
     {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},
     {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
+    {"interior", {LIGHTS(96), SEED}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
@@ -114,7 +115,7 @@ void builtin_flush(struct builtin *b) {
     }
 }
 
-static void add_light(struct builtin *b, const fnl_light_params *light) {
+void builtin_light(struct builtin *b, const fnl_light_params *light) {
     if (!b->failed && scene_add_light(b->scene, light, SCENE_NONE) == SCENE_NONE) b->failed = true;
 }
 
@@ -131,7 +132,7 @@ static fnl_light_params light_at(vec3 position, vec3 color, float intensity, flo
 
 void builtin_point(struct builtin *b, vec3 position, vec3 color, float intensity, float range) {
     fnl_light_params light = light_at(position, color, intensity, range);
-    add_light(b, &light);
+    builtin_light(b, &light);
 }
 
 void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, float intensity, float range, float angle) {
@@ -140,7 +141,7 @@ void builtin_spot(struct builtin *b, vec3 position, vec3 direction, vec3 color, 
     light.direction = vec3_normalize(direction);
     light.outer_cone_angle = angle;
     light.inner_cone_angle = 0.6f * angle;
-    add_light(b, &light);
+    builtin_light(b, &light);
 }
 
 void builtin_fill(struct builtin *b, uint64_t count, vec3 low, vec3 high, float overlap, float range) {

@@ -77,6 +77,7 @@ const struct builtin_scene *builtin_scene_at(uint32_t index);
 
 void builtin_make_city(struct builtin *b, const uint64_t *values);
 void builtin_make_hall(struct builtin *b, const uint64_t *values);
+void builtin_make_interior(struct builtin *b, const uint64_t *values);
 void builtin_make_wall(struct builtin *b, const uint64_t *values);
 void builtin_make_spheres(struct builtin *b, const uint64_t *values);
 void builtin_make_pole(struct builtin *b, const uint64_t *values);
@@ -115,6 +116,8 @@ mat4 builtin_at(float x, float y, float z, float yaw, float scale);
 /** Makes one node per placed mesh. Called once, by builtin_load. */
 void builtin_flush(struct builtin *b);
 
+/** Any light; direction and up are unit and at right angles. */
+void builtin_light(struct builtin *b, const fnl_light_params *light);
 /** Candela and metres; `color` is scaled to a maximum of 1 by the caller. */
 void builtin_point(struct builtin *b, vec3 position, vec3 color, float intensity, float range);
 /** `angle`: half angle of the cone in radians; full intensity within 60% of it. */

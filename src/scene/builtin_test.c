@@ -51,7 +51,9 @@ static void check_scene(const fnl_scene *scene) {
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const fnl_light_params *light = &scene->lights.data[i].params;
         assert_true(vec3_finite(light->position) && isfinite(light->range) && light->range > 0 && light->intensity > 0);
-        assert_true(light->kind != FNL_LIGHT_SPOT || unit(light->direction));
+        assert_true(light->kind == FNL_LIGHT_POINT || unit(light->direction));
+        if (light->kind == FNL_LIGHT_WEDGE || light->kind == FNL_LIGHT_BOX)
+            assert_true(unit(light->up) && fabsf(vec3_dot(light->up, light->direction)) < 1e-5f);
     }
     assert_true(scene->cameras.count > 0 && scene->nodes.count > 0);
     struct box bounds = scene_bounds(scene);
@@ -81,7 +83,10 @@ static uint64_t scene_hash(const fnl_scene *scene) {
         const fnl_light_params *l = &scene->lights.data[i].params;
         float values[] = {(float)l->kind, l->position.x,  l->position.y,       l->position.z,      l->direction.x,
                           l->direction.y, l->direction.z, l->color[0],         l->color[1],        l->color[2],
-                          l->intensity,   l->range,       l->inner_cone_angle, l->outer_cone_angle};
+                          l->intensity,   l->range,       l->inner_cone_angle, l->outer_cone_angle,
+                          l->up.x,        l->up.y,        l->up.z,             l->length,
+                          l->box_size.x,  l->box_size.y,  l->box_size.z,       l->wedge_angles[0],
+                          l->wedge_angles[1]};
         h = hash_bytes(values, sizeof values, h);
     }
     return h;
@@ -341,6 +346,24 @@ static void test_wall_holds_the_counts_of_TD_7(void **state) {
     }
 }
 
+/* Few lights are already of all shapes, and most reach through their room and beyond. */
+static void test_interior_has_large_lights_of_all_shapes_FP_6(void **state) {
+    UNUSED(state);
+    static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120"};
+    for (uint32_t i = 0; i < COUNT_OF(texts); i++) {
+        fnl_scene *scene = load(texts[i]);
+        uint32_t kinds[FNL_LIGHT_KIND_COUNT] = {0}, large = 0;
+        for (uint32_t k = 0; k < scene->lights.count; k++) {
+            const fnl_light_params *l = &scene->lights.data[k].params;
+            kinds[l->kind]++;
+            large += l->range >= 5;
+        }
+        for (int kind = FNL_LIGHT_POINT; kind < FNL_LIGHT_KIND_COUNT; kind++) assert_true(kinds[kind] >= 4);
+        assert_true(kinds[FNL_LIGHT_DIRECTIONAL] == 0 && large * 10 >= scene->lights.count * 7);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_scene_is_sound_and_the_same_twice),
@@ -352,6 +375,7 @@ int main(void) {
         cmocka_unit_test(test_shapes_are_closed),
         cmocka_unit_test(test_onetile_stays_in_its_tile),
         cmocka_unit_test(test_wall_holds_the_counts_of_TD_7),
+        cmocka_unit_test(test_interior_has_large_lights_of_all_shapes_FP_6),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
