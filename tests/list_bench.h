@@ -16,6 +16,7 @@ struct list_request {
     const struct gpu_light *lights; /* local ones */
     uint32_t light_count;
     const float *depth; /* reversed, one per pixel; NULL: none. For tiles */
+    const float *front; /* of the nearest blended surfaces, likewise; NULL: the list is of opaque ones */
     struct tiled_params tiled;
     struct clustered_params clustered;
 };
@@ -56,6 +57,7 @@ void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double 
 
 struct reference_cell {
     double planes[4][4], low[3], high[3];
+    double edges[4]; /* left, right, bottom, top: x or y divided by view depth (orthographic: x or y) */
     bool empty;
 };
 
@@ -65,12 +67,22 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
 /** The light's bounding sphere against the four planes (and near and far), and with `box` against the box too. */
 bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack,
                        bool box);
+/** Least and greatest x / depth of the part of a disk that lies beyond the near plane, found among all points where they can be. */
+void reference_slopes(double x, double depth, double radius, double near, double out[2]);
+/** The light's screen rectangle and depth range against the cell's, when r->tiled.bounds says so; else planes, with or without the box. */
+bool reference_takes(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack);
+/**
+ * How far apart a spot's cone and the cell are at least, metres: positive only where a plane lies between them. 0: they may touch, or
+ * the light has no cone.
+ */
+double reference_cone_gap(const struct reference_cell *cell, const struct list_request *request, uint32_t light);
 /** Whether the sphere touches the frustum of the view, near plane included. */
 bool reference_in_view(const struct list_request *request, uint32_t light);
 
 /**
- * Fails unless each list holds all lights that touch its cell by the planes-and-box test, and none that a slightly wider
- * test would reject. Cells that overflowed are left out.
+ * Fails unless each list holds all lights that touch its cell by the test that the request asks for, and none that a slightly wider
+ * test would reject. With cone tests a light may be missing where a plane lies between its cone and the cell. Cells that overflowed
+ * are left out.
  */
 void reference_check(const struct list_request *request, const struct list_copy *list);
 

@@ -30,21 +30,33 @@ static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c-
 static struct tiled_params tiled_params(const struct lists_context *c) {
     struct tiled_params params = tiled_params_default();
     params.tile_size = c->frame->list_options.tile_size;
+    params.bounds = (enum tile_bounds)c->frame->list_options.tile_bounds;
+    params.cone_tests = c->frame->list_options.cone_tests;
     params.min_depth = c->frame->list_options.min_depth;
     params.max_depth = c->frame->list_options.max_depth;
     params.pool_capacity = c->pool_capacity;
     return params;
 }
 
+_Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FNL_TILE_BOUNDS_PROJECTED,
+               "tile_bounds has the values of fnl_tile_bounds");
+
+/* Glass stands in front of what the depth shows: it gets tiles of its own (ES-44). */
+static void add_blend_tiles(struct lists_context *c, const struct lights_in_view *visible, const struct tiled_params *opaque) {
+    if (!c->depth.id || !c->has_blend) return;
+    struct tiled_params params = *opaque;
+    struct graph_image_params image = graph_image_info(c->graph, c->depth);
+    image.name = "blend depth";
+    params.front = graph_create_image(c->graph, &image);
+    blend_depth_add(c->graph, c->scene, c->draws, c->input->view, params.front);
+    c->blend_lights = tiled_add(c->graph, c->device, c->input, visible, c->depth, &params);
+}
+
 static void add_tiled(struct lists_context *c) {
     struct lights_in_view visible = in_view(c);
     struct tiled_params params = tiled_params(c);
     c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
-    if (c->depth.id && c->has_blend) { /* glass stands in front of what the depth shows (ES-44) */
-        params.min_depth = false;
-        params.second = true;
-        c->blend_lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
-    }
+    add_blend_tiles(c, &visible, &params);
 }
 
 /* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */

@@ -68,6 +68,7 @@ struct prepass_data {
     struct geometry_draws draws;
     VkDeviceAddress view;
     uint32_t samples;
+    enum geometry_set set;
 };
 
 static void execute_prepass(const struct graph_context *context, const void *data) {
@@ -77,15 +78,24 @@ static void execute_prepass(const struct graph_context *context, const void *dat
                                         .depth_write = true,
                                         .depth_compare = VK_COMPARE_OP_GREATER,
                                         .samples = d->samples};
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, &shader_depth_frag,
+    geometry_draw(context, d->scene, &d->draws, d->set, &state, &shader_depth_frag,
                   (struct gpu_geometry_push){.view = d->view});
 }
 
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth) {
-    struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples};
+    struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_OPAQUE};
     struct graph_pass *pass =
         graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+}
+
+void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                     VkDeviceAddress view, graph_image depth) {
+    struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_BLEND};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "blend depth", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_BLEND);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }

@@ -64,6 +64,10 @@ uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_s
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth);
 
+/** Depth of the nearest blended surfaces alone, whatever is opaque before them; clears first. */
+void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                     VkDeviceAddress view, graph_image depth);
+
 /** The depth format of all passes and its reversed comparison. */
 #define GEOMETRY_DEPTH_FORMAT VK_FORMAT_D32_SFLOAT
 

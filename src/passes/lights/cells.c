@@ -26,11 +26,13 @@ static void execute_step(const struct graph_context *context, const void *data) 
                                   .chunk_count = d->chunk_count,
                                   .capacity = d->build.pool_capacity,
                                   .flags = d->build.flags,
-                                  .depth = GPU_NO_DEPTH};
+                                  .depth = GPU_NO_DEPTH,
+                                  .front = GPU_NO_DEPTH};
     if (d->step == STEP_BOUNDS) {
         struct gpu_compute_params params = {
             .shader = d->build.bounds_shader, .constant_count = 2, .constants = {GPU_LIST_ALL, d->build.bounds_samples}};
         if (d->build.depth.id) push.depth = graph_sampled(context, d->build.depth);
+        if (d->build.front.id) push.front = graph_sampled(context, d->build.front);
         gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
         if (d->build.bounds_groups_y)
@@ -43,6 +45,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
                                             d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
     push.visible_sums = graph_address(context, d->in_view.sums);
     push.bounds = graph_address(context, d->in_view.bounds);
+    push.reaches = graph_address(context, d->in_view.reaches);
     push.sums = graph_address(context, d->sums);
     push.overflow = graph_address(context, d->overflow);
     if (d->step == STEP_FILL) {
@@ -95,6 +98,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
 
     struct graph_pass *pass = graph_add_pass(graph, names->bounds, input->queue, execute_step, &data, sizeof data);
     if (build->depth.id) graph_use_image(pass, build->depth, GRAPH_SAMPLE_COMPUTE);
+    if (build->front.id) graph_use_image(pass, build->front, GRAPH_SAMPLE_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
 
     data.step = STEP_COUNT;
@@ -102,6 +106,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
 
@@ -114,6 +119,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);

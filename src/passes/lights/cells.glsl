@@ -8,11 +8,13 @@
 
 layout(buffer_reference) buffer bound_array;
 layout(buffer_reference) buffer bounds_array;
+layout(buffer_reference) buffer reach_array;
 
 #include "passes/lights/cells_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bound_array { gpu_bound at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer reach_array { gpu_reach at[]; };
 
 // Tests are widened by this much, relatively, so that rounding never loses a light.
 const float CELL_SLACK = 1e-4;
@@ -46,13 +48,17 @@ gpu_cell_bounds cell_bounds(view_block v, vec2 low, vec2 high, float near, float
     return b;
 }
 
+float cell_radius(gpu_bound light) { return light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2); }
+
 // Sphere against planes, then against the box (RTR 4, 20.3). Keeps the light when anything is NaN.
 bool cell_touches(gpu_cell_bounds b, gpu_bound light) {
-    float radius = light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2);
+    float radius = cell_radius(light);
     for (int i = 0; i < 4; i++)
         if (dot(b.planes[i].xyz, light.center) + b.planes[i].w < -radius) return false;
     vec3 outside = max(max(b.low - light.center, light.center - b.high), vec3(0.0));
     return !(dot(outside, outside) > radius * radius) && !(b.low.z > b.high.z);
 }
+
+#include "passes/lights/cells_reach.glsl"
 
 #endif

@@ -24,12 +24,15 @@ struct cells_build {
     const struct gpu_shader *bounds_shader;
     uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */
-    graph_image depth;                         /* or id 0 */
+    graph_image depth, front;                  /* or id 0 */
     uint32_t flags;                            /* CELLS_… */
     uint32_t pool_capacity;
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
     VkDeviceAddress header_address;
 };
+
+/** The CELLS_… flags that the parameters of tiles ask for. */
+uint32_t tiled_flags(const struct tiled_params *params);
 
 /** Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). */
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,

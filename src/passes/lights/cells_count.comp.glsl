@@ -8,6 +8,8 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
+#include "passes/lights/cells_takes.glsl"
+
 void main() {
     uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
     if (cell > push.cell_count || (cell == push.cell_count && chunk > 0u)) return;
@@ -20,6 +22,6 @@ void main() {
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
     uint count = 0u;
     for (uint i = chunk * push.chunk_size; i < end; i++)
-        if (cell_touches(bounds, push.bounds.at[i])) count++;
+        if (cell_takes(bounds, i)) count++;
     push.sums.at[cell * push.chunk_count + chunk] = count;
 }

@@ -8,6 +8,8 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
+#include "passes/lights/cells_takes.glsl"
+
 void main() {
     uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
     if (cell >= push.cell_count) return;
@@ -24,5 +26,5 @@ void main() {
     gpu_cell_bounds bounds = push.cells.at[cell];
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
     for (uint i = chunk * push.chunk_size; i < end; i++)
-        if (cell_touches(bounds, push.bounds.at[i])) push.ids.at[slot++] = push.visible_ids.at[i];
+        if (cell_takes(bounds, i)) push.ids.at[slot++] = push.visible_ids.at[i];
 }

@@ -21,6 +21,18 @@ struct gpu_bound {
     float radius;
 };
 
+/* What a sphere alone says too loosely, one for each gpu_bound: view space, widened so that rounding loses nothing. */
+struct gpu_reach {
+    vec3 apex;           /* of the cone that holds a spot or a wedge */
+    float range;         /* metres from the apex; 0: no cone, only the sphere bounds the light */
+    vec3 axis;           /* unit */
+    float cosine;        /* of the half angle, 0 .. 1 */
+    float sine;
+    float slack;         /* metres */
+    vec2 low;            /* rectangle on the screen round the sphere: x and y divided by view depth (orthographic: x and y) */
+    vec2 high;
+};
+
 /*
  * What a cell encloses, in view space: between four planes (inside is dot(normal, p) + d >= 0, unit normals) and in a box. z is
  * negative in front of the viewer. low.z > high.z: the cell is empty and takes no light.
@@ -37,6 +49,7 @@ struct gpu_lights_push {
     ADDRESS(uint_array) sums;      /* one per local light and one more: 1 for those in view, then their prefix sum */
     ADDRESS(uint_array) ids;       /* local lights in view, ascending */
     ADDRESS(bound_array) bounds;   /* of the lights in ids */
+    ADDRESS(reach_array) reaches;  /* of the same */
     uint light_count;              /* local lights */
     uint cull;                     /* 0: all count as in view that light anything */
 };
@@ -48,6 +61,7 @@ struct gpu_cells_push {
     ADDRESS(const_uint_array) visible_sums; /* its element light_count is the number of lights in view */
     ADDRESS(const_uint_array) visible_ids;
     ADDRESS(bound_array) bounds;
+    ADDRESS(reach_array) reaches;
     ADDRESS(uint_array) sums;      /* cell * chunk_count + chunk, and one more: counts, then their prefix sum */
     ADDRESS(uint_array) ids;       /* the pool */
     ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
@@ -58,9 +72,13 @@ struct gpu_cells_push {
     uint capacity;                 /* of the pool */
     uint depth;                    /* tiles: bindless index of the depth image, or GPU_NO_DEPTH */
     uint flags;
+    uint front;                    /* tiles: bindless index of the depth of the nearest blended surfaces, or GPU_NO_DEPTH */
 };
 #define GPU_NO_DEPTH 0xffffffffu
 #define CELLS_MIN_DEPTH 1u         /* flags: lights nearer than the nearest pixel of the tile are left out */
-#define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest; with both flags, all lights of tiles that are all sky; without the first one, sky has no farthest */
+#define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest */
+#define CELLS_CONES 4u             /* spots and wedges are tested as cones, once their sphere touches */
+#define CELLS_PLANES 8u            /* spheres are tested against planes alone, not against the box */
+#define CELLS_RECTANGLE 16u        /* … by their rectangle on the screen and their depth range */
 
 #endif

@@ -9,6 +9,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     graph_use_buffer(pass, list->lights, use);
     if (list->cells.id) graph_use_buffer(pass, list->cells, use);
     if (list->ids.id) graph_use_buffer(pass, list->ids, use);
+    if (list->extra.id) graph_use_buffer(pass, list->extra, use);
 }
 
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
@@ -51,6 +52,7 @@ static void execute_lights(const struct graph_context *context, const void *data
                                    .sums = graph_address(context, d->in_view.sums),
                                    .ids = gathers ? graph_address(context, d->in_view.ids) : 0,
                                    .bounds = gathers ? graph_address(context, d->in_view.bounds) : 0,
+                                   .reaches = gathers ? graph_address(context, d->in_view.reaches) : 0,
                                    .light_count = d->input.local_count,
                                    .cull = !d->input.keep_unseen};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
@@ -65,6 +67,7 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     data.in_view.sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull);
     data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
     data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
+    data.in_view.reaches = graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach));
     light_list_header(device, input, &data.header);
     struct graph_pass *pass = graph_add_pass(graph, "lights mark", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
@@ -76,5 +79,6 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.in_view.bounds, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, data.in_view.reaches, GRAPH_WRITE_COMPUTE);
     return data.in_view;
 }

@@ -28,6 +28,7 @@ struct light_list {
     VkDeviceAddress header;  /* struct gpu_light_list */
     graph_buffer lights;     /* light_input.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
+    graph_buffer extra;      /* or id 0 */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
@@ -51,19 +52,34 @@ struct lights_in_view {
     graph_buffer sums;   /* local_count + 1; the last is the number in view */
     graph_buffer ids;    /* ascending */
     graph_buffer bounds; /* struct gpu_bound, view space */
+    graph_buffer reaches; /* struct gpu_reach, view space */
 };
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 
+/** How a sphere is tested against a tile. */
+enum tile_bounds {
+    TILE_PLANES,    /* four side planes and two depths (ES-38) */
+    TILE_BOX,       /* the planes, then the box round the tile's piece of the view (ES-39) */
+    TILE_RECTANGLE, /* the sphere's rectangle on the screen against the tile's, and two depths (ES-15) */
+};
+
 struct tiled_params {
     uint32_t tile_size;        /* pixels, a multiple of 8; default 16 */
+    enum tile_bounds bounds;   /* default TILE_BOX */
     bool min_depth, max_depth; /* cull lights in front of the nearest / behind the farthest pixel (ES-43); default true */
+    bool cone_tests;           /* spots and wedges whose sphere touches are tested as cones (ES-40); default true */
     uint32_t pool_capacity;    /* entries that the ids of all tiles may take; default 2^20 */
-    bool second;               /* another list of the same frame (transparent surfaces); default false */
+    /**
+     * For the list of blended surfaces (ES-44): the depth of the nearest of them, with as many samples as `depth`. Tiles then reach from
+     * the nearest blended surface that shows to the farthest opaque one behind such surfaces, or to infinity where there is sky; tiles
+     * without any are empty. id 0 (default): a list of what `depth` holds.
+     */
+    graph_image front;
 };
 struct tiled_params tiled_params_default(void);
 /**
- * Tiles of the screen (Olsson & Assarsson 2011, Harada 2012). `depth` is the depth of everything that will look lights up (id 0: none,
- * then tiles reach from the viewer to infinity); single- or multisampled.
+ * Tiles of the screen (Olsson & Assarsson 2011, Harada 2012). `depth` is the depth of everything opaque (id 0: none, then tiles reach
+ * from the viewer to infinity); single- or multisampled.
  */
 struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);

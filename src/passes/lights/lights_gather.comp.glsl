@@ -15,6 +15,13 @@ void main() {
     if (push.sums.at[index + 1u] == slot) return;
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
     push.ids.at[slot] = index;
-    push.bounds.at[slot].center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
-    push.bounds.at[slot].radius = light.bound_radius + float(BOUND_ROUNDING) * (length(light.bound_center) + length(push.view.view.eye));
+    gpu_bound bound;
+    bound.center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
+    bound.radius = light.bound_radius + float(BOUND_ROUNDING) * (length(light.bound_center) + length(push.view.view.eye));
+    push.bounds.at[slot] = bound;
+    gpu_reach reach;
+    reach_cone(light, push.view.view.world_to_view,
+               float(BOUND_ROUNDING) * (length(light.position) + length(push.view.view.eye)), reach);
+    reach_rectangle(push.view, bound, reach);
+    push.reaches.at[slot] = reach;
 }

@@ -91,34 +91,151 @@ static void test_sizes_and_counts_ES_37(void **state) {
         }
 }
 
-/* Planes alone keep many lights that the box rejects: the GPU's lists are those of both tests. */
-static void test_box_rejects_ES_38_ES_39(void **state) {
+/* Each test keeps the lights that its own geometry says, at all sizes of tiles; the box rejects many that planes keep. */
+static void test_bounds_and_tile_sizes_ES_15_ES_37_ES_38_ES_39(void **state) {
     UNUSED(state);
     struct random_state random = {11};
-    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    list_random_lights(&view, &random, LIGHTS, params, lights);
-    float *depth = list_random_depth(&view, &random);
-    struct list_request r = request_of(&view, depth, LIGHTS);
-    struct list_copy list = list_build(&r);
-    uint64_t planes = 0, both = 0, entries = list_entries(&list);
-    for (uint32_t c = 0; c < list.cell_count; c++) {
-        struct reference_cell cell = reference_cell_of(&r, &list.grid, c, 0);
-        for (uint32_t i = 0; i < LIGHTS; i++) {
-            if (!reference_in_view(&r, i)) continue;
-            bool by_planes = reference_touches(&cell, &r, i, 0, false), by_both = reference_touches(&cell, &r, i, 0, true);
-            assert_true(by_planes || !by_both);
-            planes += by_planes;
-            both += by_both;
+    uint64_t by_planes = 0, by_box = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT + kind);
+        list_random_lights(&view, &random, LIGHTS, params, lights);
+        float *depth = list_random_depth(&view, &random);
+        for (uint32_t size = 8; size <= 64; size *= 2) {
+            struct list_request r = request_of(&view, kind == 4 ? NULL : depth, LIGHTS);
+            r.tiled.tile_size = size;
+            r.tiled.cone_tests = false;
+            uint64_t entries[3];
+            for (int bounds = TILE_PLANES; bounds <= TILE_RECTANGLE; bounds++) {
+                r.tiled.bounds = (enum tile_bounds)bounds;
+                struct list_copy list = list_build(&r);
+                list_check_form(&list, LIGHTS);
+                reference_check(&r, &list);
+                if (r.depth) check_surface_points(&r, &list);
+                entries[bounds] = list_entries(&list);
+                list_free(&list);
+            }
+            by_planes += entries[TILE_PLANES];
+            by_box += entries[TILE_BOX];
+            assert_true(entries[TILE_BOX] <= entries[TILE_PLANES]);
+            print_message("%s, tiles of %u: %llu entries by planes, %llu with the box, %llu by rectangles\n",
+                          list_view_names[kind], size, (unsigned long long)entries[TILE_PLANES],
+                          (unsigned long long)entries[TILE_BOX], (unsigned long long)entries[TILE_RECTANGLE]);
         }
+        free(depth);
     }
-    print_message("entries of the tiles: %llu by planes, %llu by planes and box, %llu on the GPU\n",
-                  (unsigned long long)planes, (unsigned long long)both, (unsigned long long)entries);
-    assert_true((double)both < 0.9 * (double)planes);
-    assert_true(entries >= both && (double)entries <= (double)both * 1.01 + 8);
-    reference_check(&r, &list);
-    check_surface_points(&r, &list);
-    list_free(&list);
-    free(depth);
+    assert_true((double)by_box < 0.9 * (double)by_planes);
+}
+
+/* No point of a sphere that lies beyond the near plane is seen outside of its rectangle, and the rectangle is no larger than it must be. */
+static void test_rectangle_of_sphere_ES_15(void **state) {
+    UNUSED(state);
+    enum { SPHERES = 2000, AROUND = 720 };
+    struct random_state random = {21};
+    uint32_t crossing = 0, inside = 0;
+    for (uint32_t i = 0; i < SPHERES; i++) {
+        double near = 0.1, radius = exp2((double)random_range(&random, -3, 3)), slopes[2], low = INFINITY, high = -INFINITY;
+        double x = (double)random_range(&random, -6, 6), depth = near + (double)random_range(&random, -1, 2) * radius;
+        if (depth + radius < near * 1.01) continue;
+        reference_slopes(x, depth, radius, near, slopes);
+        for (int k = 0; k < AROUND; k++) { /* the disk that the sphere is, seen along the other axis */
+            double at[2] = {x + radius * cos(k * 2 * M_PI / AROUND), depth + radius * sin(k * 2 * M_PI / AROUND)};
+            if (at[1] < near) { /* the rim's point is cut off: the cut's own is in its place */
+                if (depth - radius > near) continue;
+                at[0] = fmin(fmax(at[0], x - sqrt(radius * radius - (near - depth) * (near - depth))),
+                             x + sqrt(radius * radius - (near - depth) * (near - depth)));
+                at[1] = near;
+            }
+            assert_true(at[0] / at[1] >= slopes[0] - 1e-9 * fabs(slopes[0]) && at[0] / at[1] <= slopes[1] + 1e-9 * fabs(slopes[1]));
+            low = fmin(low, at[0] / at[1]);
+            high = fmax(high, at[0] / at[1]);
+        }
+        crossing += depth - radius < near;
+        inside += x * x + depth * depth < radius * radius;
+        assert_true(high - low >= 0.98 * (slopes[1] - slopes[0]));
+    }
+    assert_true(crossing > 200 && inside > 50);
+}
+
+/* ---- cones ---- */
+
+static void make_spots(struct random_state *random, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        params[i].kind = FNL_LIGHT_SPOT;
+        params[i].direction = vec3_normalize(
+            vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+        params[i].range = exp2f(random_range(random, -2, 4.5f));
+        params[i].outer_cone_angle = i % 16 == 0 ? PI / 2 : i % 16 == 1 ? 0.002f : exp2f(random_range(random, -5, 0.6f));
+        params[i].inner_cone_angle = i % 3 ? params[i].outer_cone_angle * 0.5f : params[i].outer_cone_angle;
+        lights[i] = device_light(&params[i]);
+    }
+}
+
+/* Of 10^5 cones whose sphere touches a tile none is dropped that touches it too, nor one that lights a surface point; of those that
+   do not touch few are kept. */
+static void test_cones_ES_40(void **state) {
+    UNUSED(state);
+    enum { SPOTS = 700 };
+    struct random_state random = {31};
+    uint64_t spheres = 0, kept = 0, needless = 0, lit = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++)
+        for (int with_depth = 0; with_depth < 2; with_depth++) {
+            struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+            list_random_lights(&view, &random, SPOTS, params, lights);
+            make_spots(&random, SPOTS);
+            float *depth = with_depth ? list_random_depth(&view, &random) : NULL;
+            struct list_request r = request_of(&view, depth, SPOTS);
+            if (with_depth) r.tiled.tile_size = 8;
+            struct list_copy list = list_build(&r);
+            list_check_form(&list, SPOTS);
+            reference_check(&r, &list); /* whatever is missing lies beyond a plane */
+            if (with_depth) lit += check_surface_points(&r, &list);
+            for (uint32_t c = 0; c < list.cell_count; c++) {
+                struct reference_cell cell = reference_cell_of(&r, &list.grid, c, 0);
+                for (uint32_t i = 0; i < SPOTS; i++) {
+                    if (!reference_takes(&cell, &r, i, 0)) continue;
+                    spheres++;
+                    if (!list_holds(&list, c, i)) continue;
+                    kept++;
+                    needless += (kept % 8 == 0) * 8u * (reference_cone_gap(&cell, &r, i) > 0.01 * (double)params[i].range);
+                }
+            }
+            list_free(&list);
+            free(depth);
+        }
+    print_message("%llu spheres touch, %llu cones are kept, about %llu of them needlessly; %llu lit pairs\n",
+                  (unsigned long long)spheres, (unsigned long long)kept, (unsigned long long)needless, (unsigned long long)lit);
+    assert_true(spheres > 100000 && lit > 20000);
+    assert_true((double)kept < 0.7 * (double)spheres);
+    assert_true((double)needless < 0.05 * (double)kept);
+}
+
+/* A narrow beam across the picture is in few of the tiles that its sphere covers. */
+static void test_narrow_cone_ES_40(void **state) {
+    UNUSED(state);
+    fnl_camera camera = fnl_camera_default();
+    camera.position = vec3_make(0, 0, 0);
+    camera.target = vec3_make(0, 0, -1);
+    struct gpu_view view = view_from_camera(&camera, 320, 180);
+    params[0] = fnl_light_params_default();
+    params[0].kind = FNL_LIGHT_SPOT;
+    params[0].position = vec3_make(-6, -3, -14);
+    params[0].direction = vec3_normalize(vec3_make(2, 1, 0));
+    params[0].range = 12;
+    params[0].outer_cone_angle = 0.06f;
+    params[0].inner_cone_angle = 0.03f;
+    lights[0] = device_light(&params[0]);
+    uint64_t tiles[2];
+    for (int cones = 0; cones < 2; cones++) {
+        struct list_request r = request_of(&view, NULL, 1);
+        r.tiled.cone_tests = cones;
+        struct list_copy list = list_build(&r);
+        reference_check(&r, &list);
+        tiles[cones] = list_entries(&list);
+        list_free(&list);
+    }
+    print_message("a narrow cone is in %llu tiles, its sphere in %llu\n", (unsigned long long)tiles[1],
+                  (unsigned long long)tiles[0]);
+    assert_true(tiles[1] > 4 && tiles[1] * 5 < tiles[0]);
 }
 
 /* ---- the figure: 6 x 6 tiles, A sees lights 1 and 2, B all three, C the third ---- */
@@ -195,6 +312,46 @@ static void test_figure_ES_43(void **state) {
     }
 }
 
+/* A window before a wall, before the sky and behind the wall: its list has the lamps that hang between it and what is behind. */
+static void test_window_and_lamps_ES_44(void **state) {
+    UNUSED(state);
+    enum { OPEN = 2 * 6 + 1, SKY = 2 * 6 + 3, HIDDEN = 2 * 6 + 5, BETWEEN = 1, BEHIND = 2, BEFORE = 4, FAR = 8 };
+    fnl_camera camera = fnl_camera_default();
+    struct gpu_view view = view_from_camera(&camera, SIDE, SIDE);
+    static float depth[SIDE * SIDE], front[SIDE * SIDE];
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            uint32_t tile = y / TILE * 6 + x / TILE, at = y * SIDE + x;
+            bool hole = tile == SKY && x % TILE > 8;
+            depth[at] = hole ? 0 : depth_of_view_depth(&view, 20);
+            front[at] = 0;
+            if ((tile == OPEN || tile == SKY) && y % 3) front[at] = depth_of_view_depth(&view, 5);
+            if (tile == HIDDEN) front[at] = depth_of_view_depth(&view, 25);
+        }
+    static const uint32_t tiles[] = {OPEN, SKY, HIDDEN};
+    for (uint32_t t = 0; t < COUNT_OF(tiles); t++) {
+        double x = tiles[t] % 6 + 0.5, y = tiles[t] / 6 + 0.5;
+        place(&view, 0, x, y, 7, 2);    /* lights the window's far side */
+        place(&view, 1, x, y, 25, 0.4); /* behind the wall */
+        place(&view, 2, x, y, 2, 0.4);  /* too far before the window */
+        place(&view, 3, x, y, 200, 0.4);
+        struct list_request r = request_of(&view, depth, 4);
+        r.front = front;
+        struct list_copy list = list_build(&r);
+        list_check_form(&list, 4);
+        reference_check(&r, &list);
+        static const uint32_t want[] = {BETWEEN, BETWEEN | BEHIND | FAR, 0};
+        assert_int_equal(bits_of(&list, tiles[t]), want[t]);
+        assert_int_equal(list.cells[0].count, 0); /* no window there */
+        list_free(&list);
+        r.tiled.min_depth = false;
+        list = list_build(&r);
+        reference_check(&r, &list);
+        assert_int_equal(bits_of(&list, tiles[t]), want[t] ? want[t] | BEFORE : 0);
+        list_free(&list);
+    }
+}
+
 /* A pool that is too small: exact counts, whole lists up to it, all lights beyond. */
 static void test_overflow_ES_37(void **state) {
     UNUSED(state);
@@ -266,7 +423,11 @@ int main(void) {
         cmocka_unit_test_teardown(test_figure_ES_43, harness_check),
         cmocka_unit_test_teardown(test_sets_ES_37, harness_check),
         cmocka_unit_test_teardown(test_sizes_and_counts_ES_37, harness_check),
-        cmocka_unit_test_teardown(test_box_rejects_ES_38_ES_39, harness_check),
+        cmocka_unit_test_teardown(test_bounds_and_tile_sizes_ES_15_ES_37_ES_38_ES_39, harness_check),
+        cmocka_unit_test_teardown(test_rectangle_of_sphere_ES_15, harness_check),
+        cmocka_unit_test_teardown(test_cones_ES_40, harness_check),
+        cmocka_unit_test_teardown(test_narrow_cone_ES_40, harness_check),
+        cmocka_unit_test_teardown(test_window_and_lamps_ES_44, harness_check),
         cmocka_unit_test_teardown(test_overflow_ES_37, harness_check),
         cmocka_unit_test_teardown(test_broken_lights, harness_check),
     };
