@@ -62,7 +62,7 @@ demo)
     build/fanal render "builtin:city?lights=4096" --size 1280x720 --msaa 4 --exposure 2.7 -o demo.png
     ;;
 test)
-    setup ${clang:+--clang}
+    setup --page ${clang:+--clang}
     folder=build options=()
     if [ -n "$clang" ]; then folder+=/clang; options+=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++); fi
     if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi

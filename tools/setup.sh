@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs the Debian packages that Fanal needs and that are missing: tools/setup.sh [--clang]. Part of build.sh, which
+# Installs the Debian packages that Fanal needs and that are missing: tools/setup.sh [--clang] [--page]. Part of build.sh, which
 # says how to skip it.
 set -euo pipefail
 
@@ -12,11 +12,16 @@ packages=(
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
     libcmocka-dev vulkan-validationlayers                                            # to test
 )
-[ "${1:-}" = --clang ] && packages+=(clang libclang-rt-dev) # for the fuzzers and `test --clang`
 
 say() { echo "setup: $*"; }
 
 . /etc/os-release 2>/dev/null || ID=unknown
+for option in "$@"; do
+    case $option in
+    --clang) packages+=(clang libclang-rt-dev) ;;            # for the fuzzers and `test --clang`
+    --page) [ "$ID" != debian ] || packages+=(chromium) ;;   # to test the page of 'fanal bench'; Ubuntu has none as a package
+    esac
+done
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     say "this system (${PRETTY_NAME:-$ID}) has no apt; it needs what Debian calls:"
     say "  ${packages[*]}"

@@ -1,0 +1,127 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# `fanal bench` as a user meets it: messages, files, resuming, Ctrl-C. Usage: bench_test.sh FANAL
+set -u
+fanal=$1
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+
+# expect STATUS PATTERN ARGUMENTS…: the status, and a line of stderr or stdout that matches.
+expect() {
+    local status=$1 pattern=$2 got
+    shift 2
+    "$fanal" bench "$@" >"$work/out" 2>&1
+    got=$?
+    [ $got = "$status" ] || fail "bench $*: exit $got, not $status: $(head -c 400 "$work/out")"
+    [ -z "$pattern" ] || grep -qE -- "$pattern" "$work/out" || fail "bench $*: no line with '$pattern': $(head -c 400 "$work/out")"
+}
+# check FOLDER KEY=VALUE…: what check_bench.cmake finds in the results.
+check() {
+    local folder=$1 pair options=()
+    shift
+    for pair in "$@"; do options+=("-D$pair"); done
+    cmake "-DFOLDER=$folder" "${options[@]}" -P "$here/check_bench.cmake" || fail "$folder: not as it should be ($*)"
+}
+
+# Bad options name themselves and what they take; nothing is measured or written.
+out="$work/none"
+expect 0 'Examples:' --help
+expect 0 'Lists: all tiled' --help
+expect 2 'at least one scene' -o "$out"
+expect 2 'give -o DIR' builtin:spheres
+expect 2 "shading: 'x' is not one of forward forward-prepass deferred" builtin:spheres --shading x -o "$out"
+expect 2 "lists: 'x' is not one of all tiled" builtin:spheres --lists tiled,x -o "$out"
+expect 2 "reference: 'x' is not one of all tiled" builtin:spheres --reference x -o "$out"
+expect 2 "lights: '-1' is not a whole number from 0 to" builtin:spheres --lights 4,-1 -o "$out"
+expect 2 "lights: '' is not a whole number" builtin:spheres --lights 4, -o "$out"
+expect 2 "sizes: '12' is not a size" builtin:spheres --sizes 12 -o "$out"
+expect 2 "sizes: '64x0' is not a size" builtin:spheres --sizes 64x64,64x0 -o "$out"
+expect 2 "msaa: '3' is not one of 1 2 4 8" builtin:spheres --msaa 1,3 -o "$out"
+expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
+expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
+expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
+expect 2 "suite: 'x' is not one of thesis clustered fine-pruned" --suite x -o "$out"
+expect 2 'brings its own scenes' builtin:spheres --suite thesis -o "$out"
+expect 2 'chooses shading' --suite thesis --lists tiled -o "$out"
+expect 2 "list-option: .*x" builtin:spheres --list-option x=1 -o "$out"
+expect 2 'unrecognized option|unknown option|invalid option' builtin:spheres --nonsense -o "$out"
+expect 2 'nowhere' builtin:spheres builtin:nowhere -o "$out"
+expect 2 'missing.gltf: cannot be opened' "$work/missing.gltf" -o "$out"
+[ ! -e "$out" ] || fail 'a folder was made for nothing'
+touch "$work/file"
+expect 2 'file/x: cannot be written' builtin:spheres -o "$work/file/x"
+expect 2 'file: cannot be written' builtin:spheres -o "$work/file"
+tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
+# shellcheck disable=SC2086
+{
+    expect 2 'nobody' builtin:spheres $tiny --camera nobody -o "$work/a"
+    expect 2 'path.txt: cannot be opened' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
+    printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2\n' >"$work/path.txt"
+    expect 2 'path.txt:3: not .seconds eye.x' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
+    rm -rf "$work/a"
+
+    # A matrix: zero lights too, and a name with a comma for the CSV.
+    expect 0 'Fastest on builtin:spheres with 16 lights' builtin:spheres "builtin:sky?seed=2&lights=5" --sizes 48x27,33x17 --lights 0,16 \
+        --shading deferred,forward --lists brute,tiled,clustered --list-option tile-size=8,slices=16 --frames 3 -o "$work/a"
+    check "$work/a" RESULTS=48 SKIPPED=0 EQUAL=48 FRAMES=3
+    ls "$work/a" | tr '\n' ' ' | grep -qx 'report.html results.csv results.json ' || fail "more files than three: $(ls "$work/a")"
+
+    # Again with --resume: nothing is measured, no number changes.
+    cp "$work/a/results.json" "$work/before.json"
+    matrix='builtin:spheres builtin:sky?seed=2&lights=5 --sizes 48x27,33x17 --lights 0,16 --list-option tile-size=8,slices=16 --frames 3'
+    expect 0 '' $matrix --shading deferred,forward --lists brute,tiled,clustered -o "$work/a" --resume
+    grep -q '^case' "$work/out" && fail 'resuming measured something'
+    diff <(grep -v '"date"' "$work/before.json") <(grep -v '"date"' "$work/a/results.json") >/dev/null || fail 'resuming changed results'
+    # What is new or was cut off is measured, and only that.
+    expect 0 'case 1 of 8.* 2 ways' $matrix --shading deferred,forward --lists brute,tiled,clustered,clustered-cpu -o "$work/a" --resume
+    check "$work/a" RESULTS=64 SKIPPED=0 EQUAL=64 FRAMES=3
+    sed -i '0,/"complete": true/s//"complete": false/' "$work/a/results.json"
+    expect 0 'case 1 of 8.* 1 ways' $matrix --shading deferred,forward --lists brute,tiled,clustered -o "$work/a" --resume
+    [ "$(grep -c '^case' "$work/out")" = 1 ] || fail 'resuming measured more than what was cut off'
+    check "$work/a" RESULTS=64 SKIPPED=0 EQUAL=64 FRAMES=3
+    # Other settings, another device, something else in the file: refused, and the file stays.
+    cp "$work/a/results.json" "$work/before.json"
+    expect 2 'settings frames was 3, now it is 4' $matrix --frames 4 -o "$work/a" --resume
+    sed -i '/"device"/,/}/s/"name": "[^"]*"/"name": "another"/' "$work/a/results.json"
+    expect 2 'device name was "another", now it is' $matrix -o "$work/a" --resume
+    grep -q '"another"' "$work/a/results.json" || fail 'a refused file was overwritten'
+    echo '{"results": 1}' >"$work/a/results.json"
+    expect 2 'these are no results of fanal bench' $matrix -o "$work/a" --resume
+    # A picture that was wrong stays wrong, in words and in the exit status.
+    cp "$work/before.json" "$work/a/results.json"
+    sed -i '0,/"equal": true/s//"equal": false/' "$work/a/results.json"
+    expect 1 'WRONG PICTURE on .*pixels differ' $matrix --shading deferred,forward --lists brute,tiled,clustered -o "$work/a" --resume
+    grep -q 'WRONG PICTURE' "$work/a/report.html" || fail 'the page does not tell of a wrong picture'
+
+    # Pairs that do not fit are listed with a reason; MSAA pictures are compared too.
+    expect 0 'deferred, tiled lists.*: deferred shading has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading deferred,forward -o "$work/m"
+    check "$work/m" RESULTS=6 SKIPPED=2 EQUAL=6 FRAMES=2
+    expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m"
+    check "$work/m" RESULTS=2 SKIPPED=0 EQUAL=0 FRAMES=2
+
+    # Paths: from a file, and around the scene.
+    printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
+    expect 0 '' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/p"
+    expect 0 '' builtin:spheres $tiny --camera-path orbit --frames 4 --validate -o "$work/o"
+    grep -q '"pictures_compared": 3' "$work/o/results.json" || fail 'three points of a path should be compared'
+
+    # Ctrl-C: what was measured is there, the exit status tells, and --resume goes on.
+    "$fanal" bench builtin:spheres --sizes 16x9,17x9 --shading deferred --lists brute,tiled --frames 100000 --checks 0 -o "$work/i" \
+        >"$work/out" 2>&1 &
+    bench=$!
+    for _ in $(seq 300); do grep -q '^case 1' "$work/out" && break; sleep 0.1; done
+    sleep 3
+    kill -INT $bench
+    wait $bench
+    status=$?
+    [ $status = 130 ] || fail "Ctrl-C: exit $status, not 130: $(cat "$work/out")"
+    grep -q 'Interrupted' "$work/out" || fail 'Ctrl-C was not told of'
+    check "$work/i" RESULTS=2 SKIPPED=0 EQUAL=0
+    [ -e "$work/i/report.html" ] || fail 'no page after Ctrl-C'
+    grep -q '"complete": false' "$work/i/results.json" || fail 'a case that was cut off is not marked'
+}
+[ $failures = 0 ] && echo 'all checks of fanal bench passed'
+exit $((failures > 0))
