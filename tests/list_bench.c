@@ -153,6 +153,8 @@ struct list_copy list_build(const struct list_request *request) {
     struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
     struct light_list list = request->builder == LIST_TILED
                                  ? tiled_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_BVH
+                                 ? bvh_add(graph, device, &input, &in_view, &request->clustered)
                                  : clustered_add(graph, device, &input, &in_view, &request->clustered);
     struct list_readback readback;
     list_readback_add(graph, &list, &readback);
@@ -533,7 +535,7 @@ bool reference_in_view(const struct list_request *request, uint32_t light) {
 void reference_check(const struct list_request *request, const struct list_copy *list) {
     enum { SAID = 5 };
     uint32_t missing = 0, needless = 0;
-    bool cones = request->builder == LIST_TILED && request->tiled.cone_tests;
+    bool cones = request->builder == LIST_TILED ? request->tiled.cone_tests : request->clustered.cone_tests;
     bool *in_view = malloc(request->light_count + 1);
     assert_non_null(in_view);
     for (uint32_t light = 0; light < request->light_count; light++) in_view[light] = reference_in_view(request, light);

@@ -8,7 +8,7 @@
 
 #include "tests/render_harness.h"
 
-enum list_builder { LIST_TILED, LIST_CLUSTERED, LIST_CLUSTERED_CPU };
+enum list_builder { LIST_TILED, LIST_CLUSTERED, LIST_CLUSTERED_CPU, LIST_BVH };
 
 struct list_request {
     enum list_builder builder;

@@ -78,6 +78,7 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
         isinf(options->cluster_near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->cluster_near;
     params.near = fminf(params.near, params.far * 0.5f);
     params.linear = options->distribution == FNL_SLICES_LINEAR;
+    params.cone_tests = options->cone_tests;
     params.pool_capacity = c->pool_capacity;
     return params;
 }
@@ -86,6 +87,12 @@ static void add_clustered(struct lists_context *c) {
     struct lights_in_view visible = in_view(c);
     struct clustered_params params = cluster_params(c);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
+}
+
+static void add_bvh(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct clustered_params params = cluster_params(c);
+    c->lights = bvh_add(c->graph, c->device, c->input, &visible, &params);
 }
 
 static void add_clustered_cpu(struct lists_context *c) {
@@ -124,9 +131,9 @@ static const struct builder {
     [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_BVH] = {NULL, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ZBIN] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
 };
 
 bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {

@@ -5,6 +5,7 @@
 
 #include "fanal/renderer.h"
 #include "passes/geometry/geometry.h"
+#include "passes/lights/bvh.h"
 #include "passes/lights/clustered.h"
 #include "passes/lights/light_list.h"
 #include "render/device_scene.h"

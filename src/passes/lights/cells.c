@@ -77,6 +77,23 @@ static void execute_totals(const struct graph_context *context, const void *data
                     offsetof(struct light_totals, overflow_cells), 4);
 }
 
+graph_buffer cells_totals_add(struct graph *graph, const struct cells_names *names, const struct light_input *input,
+                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
+                              graph_buffer overflow) {
+    struct totals_data totals = {.sums = sums,
+                                 .overflow = overflow,
+                                 .lights = in_view->sums,
+                                 .totals = graph_create_buffer(graph, names->totals_buffer, sizeof(struct light_totals)),
+                                 .sums_offset = (sum_count - 1) * 4ull,
+                                 .lights_offset = input->local_count * 4ull};
+    struct graph_pass *pass = graph_add_pass(graph, names->totals, input->queue, execute_totals, &totals, sizeof totals);
+    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
+    return totals.totals;
+}
+
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build) {
     const struct cells_names *names = build->names;
@@ -124,18 +141,6 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
 
-    struct totals_data totals = {.sums = data.sums,
-                                 .overflow = data.overflow,
-                                 .lights = in_view->sums,
-                                 .totals = graph_create_buffer(graph, names->totals_buffer, sizeof(struct light_totals)),
-                                 .sums_offset = (sum_count - 1) * 4ull,
-                                 .lights_offset = input->local_count * 4ull};
-    pass = graph_add_pass(graph, names->totals, input->queue, execute_totals, &totals, sizeof totals);
-    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
-
     return (struct light_list){.lights = input->buffer,
                                .header = build->header_address,
                                .cells = data.cells,
@@ -144,5 +149,5 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .byte_count = data.cell_count * sizeof(struct gpu_cell) + build->pool_capacity * 4ull,
                                .fixed_bytes = data.cell_count * sizeof(struct gpu_cell),
                                .entry_bytes = 4,
-                               .totals = totals.totals};
+                               .totals = cells_totals_add(graph, names, input, in_view, data.sums, sum_count, data.overflow)};
 }

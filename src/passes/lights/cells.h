@@ -38,4 +38,9 @@ uint32_t tiled_flags(const struct tiled_params *params);
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build);
 
+/** Gathers the counts of a frame into a struct light_totals: the last of `sum_count` sums is the number of entries. */
+graph_buffer cells_totals_add(struct graph *graph, const struct cells_names *names, const struct light_input *input,
+                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
+                              graph_buffer overflow);
+
 #endif

@@ -5,7 +5,7 @@
 #include "shaders.h"
 
 struct clustered_params clustered_params_default(void) {
-    return (struct clustered_params){.tile_size = 64, .slices = 32, .near = 0.5f, .far = 100, .pool_capacity = 1u << 20};
+    return (struct clustered_params){.tile_size = 64, .slices = 32, .near = 0.5f, .far = 100, .cone_tests = true, .pool_capacity = 1u << 20};
 }
 
 void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t height, const struct clustered_params *params) {
@@ -26,6 +26,7 @@ struct light_list clustered_add(struct graph *graph, gpu_device *device, const s
     struct cells_build build = {.names = &names,
                                 .bounds_shader = &shader_clustered_bounds_comp,
                                 .bounds_samples = 1,
+                                .flags = params->cone_tests ? CELLS_CONES : 0,
                                 .pool_capacity = params->pool_capacity,
                                 .bounds_groups_x = 1};
     build.header = light_list_header(device, input, &build.header_address);

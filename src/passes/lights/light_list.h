@@ -90,6 +90,7 @@ struct clustered_params {
     float near,
         far; /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
     bool linear;            /* slices of equal depth between near and far; default false: each as many times deeper as the last */
+    bool cone_tests;        /* spots and wedges whose sphere touches are tested as cones; default true */
     uint32_t pool_capacity; /* default 2^20 */
 };
 struct clustered_params clustered_params_default(void);
