@@ -149,6 +149,38 @@ static void test_cameras(void **state) {
     stage_close(&stage);
 }
 
+/* Lights of all shapes, a third of them cut by hulls, seen from outside and from inside of one of each shape. */
+static void test_light_shapes(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    fnl_scatter_params scatter = fnl_scatter_params_default();
+    scatter.count = 60;
+    for (int k = FNL_LIGHT_POINT; k < FNL_LIGHT_KIND_COUNT; k++) scatter.shares[k] = 1;
+    assert_int_equal(fnl_scene_scatter_light_shapes(stage.scene, &scatter), FNL_OK);
+    struct random_state random = {6};
+    for (uint32_t i = 0; i < scatter.count; i += 3) {
+        fnl_light_id id = {i, stage.scene->lights.data[i].generation};
+        const fnl_light_params *light = &stage.scene->lights.data[i].params;
+        vec3 corners[20];
+        for (uint32_t k = 0; k < COUNT_OF(corners); k++)
+            corners[k] = vec3_add(light->position, vec3_make(random_range(&random, -2, 2), random_range(&random, -2, 2),
+                                                             random_range(&random, -2, 2)));
+        assert_int_equal(fnl_scene_set_light_hull(stage.scene, id, corners, COUNT_OF(corners)), FNL_OK);
+    }
+    check_orders(&stage, stage.frame);
+    for (uint32_t i = 1; i <= 5; i++) { /* without hulls: 1, 2, 4, 5, 7 */
+        const fnl_light_params *light = &stage.scene->lights.data[i + (i > 2) + (i > 4)].params;
+        fnl_frame frame = stage.frame;
+        frame.width = 75;
+        frame.height = 53;
+        frame.shading = i & 1 ? FNL_SHADING_DEFERRED : FNL_SHADING_FORWARD_PREPASS;
+        frame.camera.position = vec3_add_scaled(light->position, light->direction, light->kind == FNL_LIGHT_BOX ? 0 : 0.2f * light->range);
+        struct shot all = check_lists(&stage, frame);
+        shot_free(&all);
+    }
+    stage_close(&stage);
+}
+
 /* A mirrored instance among lights. */
 static void test_mirrored_instance(void **state) {
     UNUSED(state);
@@ -334,6 +366,7 @@ int main(void) {
         SCENE("FlightHelmet", "FlightHelmet/FlightHelmet.gltf", 500, 2, 1),
         cmocka_unit_test_teardown(test_odd_size, harness_check),
         cmocka_unit_test_teardown(test_cameras, harness_check),
+        {"ES-1: EQ of lights of all shapes and hulls, seen from within", test_light_shapes, NULL, harness_check, NULL},
         cmocka_unit_test_teardown(test_mirrored_instance, harness_check),
         cmocka_unit_test_teardown(test_light_counts, harness_check),
         cmocka_unit_test_teardown(test_overflow_ES_37, harness_check),
