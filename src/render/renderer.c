@@ -34,6 +34,16 @@ const char *fnl_slices_name(fnl_slices slices) {
     return NAME_OF(names, slices);
 }
 
+const char *fnl_raster_path_name(fnl_raster_path path) {
+    static const char *const names[] = {"auto", "hardware", "software"};
+    return (uint32_t)path < FNL_RASTER_COUNT ? names[path] : NULL;
+}
+
+const char *fnl_raster_nodes_name(fnl_raster_nodes nodes) {
+    static const char *const names[] = {"array", "links64", "links32"};
+    return (uint32_t)nodes < FNL_RASTER_NODES_COUNT ? names[nodes] : NULL;
+}
+
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
     static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
     _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
@@ -53,6 +63,8 @@ fnl_list_options fnl_list_options_default(void) {
                               .min_depth = true,
                               .max_depth = true,
                               .cone_tests = true,
+                              .fine_pruning = true,
+                              .fine_masks = 1,
                               .cluster_size = 64,
                               .slices = 32,
                               .cluster_near = INFINITY,
@@ -121,6 +133,11 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
     r->chooses = !frame->pin_choice && !frame->count_lights; /* counting slows a frame down */
 }
 
+/* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */
+static bool chosen_apart(const fnl_renderer *r, const char *pass) {
+    return r->asked.shading != FNL_SHADING_AUTO && (strcmp(pass, "gbuffer") == 0 || strcmp(pass, "depth prepass") == 0);
+}
+
 /* Hands the chooser the times that have come in. */
 static void feed_chooser(fnl_renderer *r) {
     for (uint64_t wanted; (wanted = chooser_wants(&r->chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
@@ -129,7 +146,8 @@ static void feed_chooser(fnl_renderer *r) {
         double sum = -1;
         if (graph_query_timers(r->graph, wanted, &timers, &count) && count > 0) {
             sum = 0;
-            for (uint32_t i = 0; i < count; i++) sum += timers[i].milliseconds;
+            for (uint32_t i = 0; i < count; i++)
+                if (!chosen_apart(r, timers[i].name)) sum += timers[i].milliseconds;
         }
         chooser_feed(&r->chooser, sum);
     }
