@@ -32,17 +32,28 @@ struct light_point {
 };
 const uint LIGHT_NO_ITEM = 0xffffffffu;
 
-struct light_cursor {
-    uint next, end; // positions
-    bool direct;    // a position is a light, not an index into ids
-};
-
 uint slice_of(light_list_block l, float view_depth) {
     float slice = (l.list.linear == 1u ? view_depth : log2(view_depth)) * l.list.slice_scale + l.list.slice_bias;
     return uint(clamp(slice, 0.0, float(l.list.slices - 1u)));
 }
 
 uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_size, uvec2(l.list.tiles_x, l.list.tiles_y) - 1u); }
+
+#include "lights/bins.glsl"
+
+struct light_cursor {
+    uint next, end; // positions
+    bool direct;    // a position is a light, not an index into ids
+    bins_cursor bins; // of GPU_LIST_BINS alone
+};
+
+light_cursor cursor_over(uint next, uint end, bool direct) {
+    light_cursor c;
+    c.next = next;
+    c.end = end;
+    c.direct = direct;
+    return c;
+}
 
 uint cell_of(light_list_block l, light_point p) {
     uvec2 tile = tile_of(l, p.pixel);
@@ -51,16 +62,27 @@ uint cell_of(light_list_block l, light_point p) {
 }
 
 light_cursor lights_begin(light_list_block l, light_point p) {
-    light_cursor c = light_cursor(0u, l.list.local_count, true);
+    light_cursor c = cursor_over(0u, l.list.local_count, true);
     if (LIST_KIND == GPU_LIST_ALL) return c;
+    if (LIST_KIND == GPU_LIST_BINS) {
+        uvec2 tile = tile_of(l, p.pixel);
+        c.bins = bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth);
+        return c;
+    }
     gpu_cell cell = l.list.cells.at[cell_of(l, p)];
     if (cell.count == GPU_CELL_ALL) return c;
-    return light_cursor(cell.offset, cell.offset + cell.count, false);
+    return cursor_over(cell.offset, cell.offset + cell.count, false);
 }
 
 // Moves on; false at the end. `light` is an index into list.lights.
 bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
     light = 0u;
+    if (LIST_KIND == GPU_LIST_BINS) {
+        uint id;
+        if (!bins_next(l, c.bins, id)) return false;
+        light = l.list.directional_count + id;
+        return true;
+    }
     if (c.next >= c.end) return false;
     uint id = c.next++;
     if (!c.direct) id = l.list.ids.at[id];

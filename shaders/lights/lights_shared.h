@@ -79,6 +79,7 @@ struct gpu_light_list {
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
+    ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights */
 };
 
 #endif

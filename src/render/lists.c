@@ -23,6 +23,8 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
 
 /* ---- the builders ---- */
 
+enum { ZBIN_BINS_PER_SLICE = 4 }; /* bins cost a mask each, not a cell for each tile: there may be more than slices of clusters */
+
 static struct lights_in_view in_view(struct lists_context *c) { return lights_in_view_add(c->graph, c->device, c->input); }
 
 static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c->graph, c->device, c->input); }
@@ -95,6 +97,18 @@ static void add_bvh(struct lists_context *c) {
     c->lights = bvh_add(c->graph, c->device, c->input, &visible, &params);
 }
 
+static void add_zbin(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct clustered_params clusters = cluster_params(c);
+    struct zbin_params params = {.tile_size = c->frame->list_options.tile_size,
+                                 .bins = clusters.slices * ZBIN_BINS_PER_SLICE,
+                                 .near = clusters.near,
+                                 .far = clusters.far,
+                                 .linear = clusters.linear,
+                                 .pool_capacity = c->pool_capacity};
+    c->lights = zbin_add(c->graph, c->device, c->input, &visible, &params);
+}
+
 static void add_clustered_cpu(struct lists_context *c) {
     const struct light_input *input = c->input;
     struct clustered_params params = cluster_params(c);
@@ -132,7 +146,7 @@ static const struct builder {
     [FNL_LISTS_FINE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_ZBIN] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
 };
 

@@ -70,7 +70,7 @@ void main() {
         color = mode == GPU_DEBUG_LIGHT_COUNT ? mix(vec3(grey), map, 0.8) : vec3(grey) * 0.5;
         if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {
             uint tile_size = push.lights.list.tile_size;
-            if (LIST_KIND == GPU_LIST_CLUSTERS && !sky) {
+            if ((LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_BINS) && !sky) {
                 uint slice = slice_of(push.lights, normal.w);
                 vec3 hue = abs(fract(float(slice) * 0.381966 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
                 color = mix(color, clamp(hue, 0.0, 1.0), 0.45);

@@ -98,6 +98,23 @@ struct clustered_params clustered_params_default(void);
 struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                 const struct lights_in_view *in_view, const struct clustered_params *params);
 
+struct zbin_params {
+    uint32_t tile_size;     /* pixels; default 16. Doubled while the table would take more than 64 MiB */
+    uint32_t bins;          /* 1 .. 65536; default 128 */
+    float near, far;        /* view depths, metres, as those of clusters; default 0.5, 100 */
+    bool linear;            /* equal depths; default false: each is as many times deeper as the last */
+    uint32_t pool_capacity; /* words of 32 lights that the masks of all tiles and bins may take; default 2^20 */
+};
+struct zbin_params zbin_params_default(void);
+/**
+ * Tiles times bins of depth, each a bit mask over the lights in view (Drobot 2017): a pixel visits what is in both. Needs no depth. Cost:
+ * two atomic operations for each tile and each bin that a light touches; per pixel two reads for each 32 lights that its tile and its bin
+ * share. In the source lights are numbered by depth, so that a bin is a range of numbers; here they keep the order of their index, which all
+ * lists promise, so a bin is a mask as well.
+ */
+struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                           const struct lights_in_view *in_view, const struct zbin_params *params);
+
 /** Writes the header of a list whose buffers the graph owns; for builders, inside a pass. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
 

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Bit masks of tiles, cut by those of depth bins (GPU_LIST_BINS): how they lie in memory, and the walk through what both have.
+//
+// Tiles and bins are cells alike: sets of lights in view, which are numbered by ascending index. 32 lights are a word, 32 words a
+// group, 32 groups a top word. Zero words are not stored. The table (gpu_light_list.cells) begins with BINS_HEAD words: the number of
+// lights in view, groups and top words; then for each cell a state and its top words; then for each cell and group where its
+// words begin in the pool (gpu_light_list.ids), and which of the group's words are there. gpu_light_list.extra leads from lights in
+// view to lights.
+#ifndef LIGHTS_BINS_GLSL
+#define LIGHTS_BINS_GLSL
+
+const uint BINS_HEAD = 4u;
+const uint BINS_ALL = 1u; // state of a cell that the pool could not hold: all lights
+
+struct bins_cell {
+    uint state;
+    uint tops;    // index of its top words in the table
+    uint records; // … and of its groups
+};
+
+bins_cell bins_cell_of(uint cell, uint cell_count, uint group_count, uint top_count) {
+    uint state = BINS_HEAD + cell * (top_count + 1u);
+    return bins_cell(state, state + 1u, BINS_HEAD + cell_count * (top_count + 1u) + cell * group_count * 2u);
+}
+
+uint bins_slice(light_list_block l, float view_depth) { return slice_of(l, max(view_depth, 1e-30)); }
+
+struct bins_cursor {
+    bins_cell tile, bin;
+    bool whole_tile, whole_bin; // all lights
+    uint light_count, top_count;
+    uint top, group, word;                // where the walk is
+    uint groups_left, words_left, left;   // what is not visited yet: groups of the top word, words of the group, lights of the word
+    uint tile_words, bin_words;           // which words of the group there are
+    uint tile_offset, bin_offset;         // where they begin
+};
+
+bins_cursor bins_begin(light_list_block l, uint tile, float view_depth) {
+    const_uint_array table = const_uint_array(l.list.cells);
+    uint tile_count = l.list.tiles_x * l.list.tiles_y, cell_count = tile_count + l.list.slices;
+    bins_cursor c;
+    c.light_count = table.at[0];
+    uint group_count = table.at[1];
+    c.top_count = table.at[2];
+    c.tile = bins_cell_of(tile, cell_count, group_count, c.top_count);
+    c.bin = bins_cell_of(tile_count + bins_slice(l, view_depth), cell_count, group_count, c.top_count);
+    c.whole_tile = table.at[c.tile.state] == BINS_ALL;
+    c.whole_bin = table.at[c.bin.state] == BINS_ALL;
+    c.top = 0xffffffffu;
+    c.group = c.word = c.groups_left = c.words_left = c.left = c.tile_words = c.bin_words = c.tile_offset = c.bin_offset = 0u;
+    return c;
+}
+
+// Moves on; false at the end.
+bool bins_next(light_list_block l, inout bins_cursor c, out uint id) {
+    const_uint_array table = const_uint_array(l.list.cells);
+    id = 0u;
+    while (c.left == 0u) {
+        while (c.words_left == 0u) {
+            while (c.groups_left == 0u) {
+                if (++c.top >= c.top_count) {
+                    c.top = c.top_count;
+                    return false;
+                }
+                c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
+                                (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
+            }
+            c.group = c.top * 32u + uint(findLSB(c.groups_left));
+            c.groups_left &= c.groups_left - 1u;
+            if (c.group * 1024u >= c.light_count) { // only where both are all lights
+                c.top = c.top_count;
+                return false;
+            }
+            uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
+            c.tile_offset = table.at[tile_record];
+            c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
+            c.bin_offset = table.at[bin_record];
+            c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
+            c.words_left = c.tile_words & c.bin_words;
+        }
+        uint word = uint(findLSB(c.words_left)), before = (1u << word) - 1u;
+        c.words_left &= c.words_left - 1u;
+        c.word = c.group * 32u + word;
+        c.left = (c.whole_tile ? 0xffffffffu : l.list.ids.at[c.tile_offset + uint(bitCount(c.tile_words & before))]) &
+                 (c.whole_bin ? 0xffffffffu : l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))]);
+        if (c.word * 32u + 32u > c.light_count)
+            c.left &= c.word * 32u >= c.light_count ? 0u : (1u << (c.light_count - c.word * 32u)) - 1u;
+    }
+    id = l.list.extra.at[c.word * 32u + uint(findLSB(c.left))];
+    c.left &= c.left - 1u;
+    return true;
+}
+
+#endif

@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: MIT */
+/** The masks of tiles and depth bins, bit by bit: built on the device, compared with geometry in double precision. */
+#include "tests/list_bench.h"
+
+#include "passes/lights/zbin_shared.h"
+
+enum { LIGHTS = 1500, LIGHTS_MAX = 40000, WIDTH = 157, HEIGHT = 93 };
+
+static fnl_light_params params[LIGHTS_MAX];
+static struct gpu_light lights[LIGHTS_MAX];
+
+/* What the builder has made, unpacked: for each cell whether it holds each light. */
+struct masks {
+    struct gpu_light_list grid;
+    uint32_t tile_count, cell_count, visible_count;
+    uint8_t *holds; /* cell * light_count + light */
+    bool *all;      /* cells that use all lights */
+    struct light_totals totals;
+    uint64_t words;
+};
+
+static void masks_free(struct masks *m) {
+    free(m->holds);
+    free(m->all);
+}
+
+struct copy_data {
+    graph_buffer from[4], to[4];
+    uint64_t sizes[4];
+};
+
+static void execute_copies(const struct graph_context *context, const void *data) {
+    const struct copy_data *d = data;
+    for (int i = 0; i < 4; i++)
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
+                        d->sizes[i]);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+static struct masks unpack(const struct gpu_light_list *grid, uint32_t light_count, const uint32_t *table,
+                           const uint32_t *pool, const uint32_t *ids, struct light_totals totals) {
+    struct masks m = {.grid = *grid, .tile_count = grid->tiles_x * grid->tiles_y, .totals = totals};
+    m.cell_count = m.tile_count + grid->slices;
+    m.visible_count = table[0];
+    m.holds = calloc((size_t)m.cell_count * MAX(light_count, 1u), 1);
+    m.all = calloc(m.cell_count, sizeof *m.all);
+    assert_true(m.holds && m.all);
+    assert_int_equal(m.visible_count, totals.in_view);
+    assert_int_equal(table[1], DIVIDE_UP(m.visible_count, ZBIN_GROUP));
+    assert_int_equal(table[2], DIVIDE_UP(table[1], 32u));
+    uint32_t tops = table[2], groups = table[1], all_count = 0;
+    for (uint32_t i = 1; i < m.visible_count; i++) assert_true(ids[i - 1] < ids[i]);
+    for (uint32_t c = 0; c < m.cell_count; c++) {
+        const uint32_t *state = table + 4 + c * (tops + 1),
+                       *records = table + 4 + m.cell_count * (tops + 1) + c * groups * 2;
+        m.all[c] = *state != 0;
+        all_count += m.all[c];
+        for (uint32_t g = 0; g < groups; g++) {
+            assert_int_equal(state[1 + g / 32] >> g % 32 & 1, records[g * 2 + 1] != 0);
+            if (m.all[c]) {
+                memset(m.holds + (size_t)c * light_count, 1, light_count);
+                continue;
+            }
+            uint32_t place = records[g * 2];
+            assert_true(c + g == 0 || all_count || place == m.words);
+            for (uint32_t w = 0; w < 32; w++) {
+                if (!(records[g * 2 + 1] >> w & 1)) continue;
+                assert_true(pool[place] != 0);
+                for (uint32_t b = 0; b < 32; b++)
+                    if (pool[place] >> b & 1) {
+                        uint32_t slot = g * 1024 + w * 32 + b;
+                        assert_true(slot < m.visible_count);
+                        m.holds[(size_t)c * light_count + ids[slot]] = 1;
+                    }
+                place++;
+                m.words++;
+            }
+        }
+    }
+    assert_int_equal(totals.overflow_cells, all_count);
+    if (!all_count) assert_int_equal(totals.entries, m.words);
+    return m;
+}
+
+static struct masks build(const struct gpu_view *view, uint32_t light_count, const struct zbin_params *zbin) {
+    gpu_device *device = harness_device();
+    struct graph *graph;
+    struct gpu_buffer buffer;
+    uint64_t size = light_count * sizeof(struct gpu_light);
+    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
+    if (size) memcpy(buffer.mapped, lights, size);
+    graph_begin(graph);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_slice slice = gpu_frame_allocate(device, sizeof *view);
+    assert_non_null(slice.data);
+    memcpy(slice.data, view, sizeof *view);
+    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &buffer),
+                                .lights = buffer.address,
+                                .local_count = light_count,
+                                .view = slice.address,
+                                .width = view->size.x,
+                                .height = view->size.y};
+    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
+    struct light_list list = zbin_add(graph, device, &input, &in_view, zbin);
+    assert_int_equal(list.kind, GPU_LIST_BINS);
+
+    struct copy_data data = {.from = {list.cells, list.ids, list.extra, list.totals}};
+    static const char *const names[] = {"test table", "test words", "test ids", "test totals"};
+    struct gpu_buffer copies[4];
+    for (int i = 0; i < 4; i++) {
+        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
+        assert_int_equal(gpu_buffer_create(device, names[i], data.sizes[i], GPU_MEMORY_READBACK, &copies[i]), FNL_OK);
+        data.to[i] = graph_import_buffer(graph, names[i], &copies[i]);
+    }
+    struct graph_pass *pass =
+        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_copies, &data, sizeof data);
+    struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    for (int i = 0; i < 4; i++) {
+        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
+        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
+        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
+    }
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+
+    struct gpu_light_list grid = {.local_count = light_count};
+    clustered_grid(&grid, view->size.x, view->size.y,
+                   &(struct clustered_params){
+                       .tile_size = zbin->tile_size, .slices = zbin->bins, .near = zbin->near, .far = zbin->far});
+    struct light_totals totals;
+    memcpy(&totals, copies[3].mapped, sizeof totals);
+    struct masks m = unpack(&grid, light_count, copies[0].mapped, copies[1].mapped, copies[2].mapped, totals);
+    for (int i = 0; i < 4; i++) gpu_buffer_destroy(device, &copies[i]);
+    graph_destroy(&graph);
+    gpu_buffer_destroy(device, &buffer);
+    return m;
+}
+
+/* ---- the reference ---- */
+
+static double bin_start(const struct masks *m, uint32_t bin) {
+    return exp2(((double)bin - (double)m->grid.slice_bias) / (double)m->grid.slice_scale);
+}
+
+/* Bins hold what their depths meet; tiles hold nothing beyond their four planes. */
+static void check_masks(const struct gpu_view *view, uint32_t light_count, const struct masks *m) {
+    struct list_request tiles = {
+        .builder = LIST_TILED, .view = *view, .lights = lights, .light_count = light_count, .tiled = tiled_params_default()};
+    tiles.tiled.tile_size = m->grid.tile_size;
+    struct gpu_light_list grid = list_grid(&tiles);
+    for (uint32_t i = 0; i < light_count; i++) {
+        if (!reference_in_view(&tiles, i)) continue;
+        double seen[3],
+            at[3] = {(double)lights[i].bound_center.x, (double)lights[i].bound_center.y, (double)lights[i].bound_center.z};
+        for (int k = 0; k < 3; k++) {
+            seen[k] = (double)view->world_to_view.m[12 + k];
+            for (int j = 0; j < 3; j++) seen[k] += (double)view->world_to_view.m[j * 4 + k] * at[j];
+        }
+        double radius = (double)lights[i].bound_radius, low = -seen[2] - radius, high = -seen[2] + radius;
+        for (uint32_t b = 0; b < m->grid.slices; b++) {
+            double start = b ? bin_start(m, b) : -1e30, end = b + 1 < m->grid.slices ? bin_start(m, b + 1) : 1e30;
+            bool holds = m->holds[(size_t)(m->tile_count + b) * light_count + i];
+            if (low < end && high > start) assert_true(holds);
+            double slack = 1e-3 * (1 + fabs(low) + fabs(high) + radius);
+            if (low - slack > end || high + slack < start) assert_false(holds && !m->all[m->tile_count + b]);
+        }
+    }
+    for (uint32_t t = 0; t < m->tile_count; t++) {
+        struct reference_cell wide = reference_cell_of(&tiles, &grid, t, 1e-3);
+        for (uint32_t i = 0; i < light_count; i++)
+            if (m->holds[(size_t)t * light_count + i] && !m->all[t])
+                assert_true(reference_touches(&wide, &tiles, i, 2e-3, false));
+    }
+}
+
+/* SUP: points within each light; its tile's mask and its bin's have the light. */
+static uint64_t check_points(const struct gpu_view *view, uint32_t light_count, const struct masks *m,
+                             struct random_state *random) {
+    uint64_t lit = 0;
+    for (uint32_t i = 0; i < light_count; i++)
+        for (uint32_t n = 0; n < 60; n++) {
+            double point[3], seen[3];
+            const float *center = &lights[i].bound_center.x;
+            for (int k = 0; k < 3; k++)
+                point[k] = (double)center[k] + (double)lights[i].bound_radius * (double)random_range(random, -1, 1);
+            if (!light_reaches(&params[i], point)) continue;
+            for (int k = 0; k < 3; k++) {
+                seen[k] = (double)view->world_to_view.m[12 + k];
+                for (int j = 0; j < 3; j++) seen[k] += (double)view->world_to_view.m[j * 4 + k] * point[j];
+            }
+            double depth = -seen[2], spread = view->orthographic > 0.5f ? 1 : depth;
+            if (depth < (double)view->near_distance) continue;
+            double x = (seen[0] / spread - (double)view->ndc_offset.x) / (double)view->ndc_scale.x * 0.5 + 0.5;
+            double y = 0.5 - (seen[1] / spread - (double)view->ndc_offset.y) / (double)view->ndc_scale.y * 0.5;
+            if (!(x >= 0 && x < 1 && y >= 0 && y < 1)) continue;
+            uint32_t column = (uint32_t)(x * view->size.x) / m->grid.tile_size,
+                     row = (uint32_t)(y * view->size.y) / m->grid.tile_size;
+            double slice = log2(depth) * (double)m->grid.slice_scale + (double)m->grid.slice_bias;
+            uint32_t bin = (uint32_t)fmin(fmax(slice, 0), m->grid.slices - 1);
+            lit++;
+            assert_true(m->holds[(size_t)(row * m->grid.tiles_x + column) * light_count + i]);
+            assert_true(m->holds[(size_t)(m->tile_count + bin) * light_count + i]);
+        }
+    return lit;
+}
+
+static void test_masks_ES_64(void **state) {
+    UNUSED(state);
+    struct random_state random = {5};
+    uint64_t lit = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
+        list_random_lights(&view, &random, LIGHTS, params, lights);
+        struct zbin_params zbin = zbin_params_default();
+        if (kind == 1) zbin.bins = 7;
+        if (kind == 2) zbin.tile_size = 8;
+        struct masks m = build(&view, LIGHTS, &zbin), again = build(&view, LIGHTS, &zbin);
+        assert_int_equal(m.totals.overflow_cells, 0);
+        assert_int_equal(m.words, again.words);
+        assert_memory_equal(m.holds, again.holds, (size_t)m.cell_count * LIGHTS);
+        check_masks(&view, LIGHTS, &m);
+        lit += check_points(&view, LIGHTS, &m, &random);
+        masks_free(&m);
+        masks_free(&again);
+    }
+    print_message("%llu points lit\n", (unsigned long long)lit);
+    assert_true(lit > 5000);
+}
+
+/* Words, groups and top words that are just full, and just begun; screens of one pixel. */
+static void test_sizes_and_counts_ES_64(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {0, 1, 31, 32, 33, 1023, 1024, 1025, 2049, 33000};
+    static const uint32_t sizes[][2] = {{1, 1}, {17, 1}, {1, 33}, {67, 43}};
+    struct random_state random = {3};
+    for (uint32_t c = 0; c < COUNT_OF(counts); c++) {
+        const uint32_t *size = sizes[c % COUNT_OF(sizes)];
+        struct gpu_view view = list_random_view(0, &random, size[0], size[1]);
+        list_random_lights(&view, &random, counts[c], params, lights);
+        /* All in view, so that the words are full. */
+        for (uint32_t i = 0; i < counts[c] && c % 2; i++) {
+            lights[i].bound_center = view.eye;
+            lights[i].bound_radius = 1;
+        }
+        struct zbin_params zbin = zbin_params_default();
+        zbin.bins = 5;
+        struct masks m = build(&view, counts[c], &zbin);
+        if (c % 2) assert_int_equal(m.visible_count, counts[c]);
+        assert_int_equal(m.totals.overflow_cells, 0);
+        check_masks(&view, counts[c], &m);
+        masks_free(&m);
+    }
+}
+
+/* A light without a place is in every tile and bin: nothing hangs, nothing is lost. */
+static void test_broken_lights_ES_64(void **state) {
+    UNUSED(state);
+    struct random_state random = {9};
+    struct gpu_view view = list_random_view(0, &random, 67, 43);
+    list_random_lights(&view, &random, 40, params, lights);
+    lights[7].bound_center.x = NAN;
+    lights[21].bound_center = (vec3){NAN, NAN, NAN};
+    lights[33].bound_radius = INFINITY;
+    struct zbin_params zbin = zbin_params_default();
+    struct masks m = build(&view, 40, &zbin);
+    for (uint32_t c = 0; c < m.cell_count; c++) {
+        assert_true(m.holds[c * 40u + 21]);
+        assert_true(m.holds[c * 40u + 33]);
+        if (c < m.tile_count) assert_true(m.holds[c * 40u + 7]);
+    }
+    masks_free(&m);
+}
+
+/* Cells that the pool cannot hold use all lights; the count says what would have been needed. */
+static void test_overflow_CL_10_ES_64(void **state) {
+    UNUSED(state);
+    struct random_state random = {13};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    struct zbin_params zbin = zbin_params_default();
+    struct masks fits = build(&view, LIGHTS, &zbin);
+    zbin.pool_capacity = fits.totals.entries - 1;
+    struct masks tight = build(&view, LIGHTS, &zbin);
+    assert_true(tight.totals.overflow_cells >= 1 && tight.totals.overflow_cells < tight.cell_count);
+    assert_int_equal(tight.totals.entries, fits.totals.entries);
+    zbin.pool_capacity = 0;
+    struct masks none = build(&view, LIGHTS, &zbin);
+    assert_int_equal(none.totals.entries, fits.totals.entries);
+    for (uint32_t c = 0; c < fits.cell_count; c++) {
+        uint32_t held = 0;
+        for (uint32_t i = 0; i < LIGHTS; i++) held += fits.holds[(size_t)c * LIGHTS + i];
+        assert_int_equal(none.all[c], held > 0); /* an empty cell fits anywhere */
+        if (!tight.all[c]) assert_memory_equal(tight.holds + (size_t)c * LIGHTS, fits.holds + (size_t)c * LIGHTS, LIGHTS);
+    }
+    masks_free(&fits);
+    masks_free(&tight);
+    masks_free(&none);
+}
+
+/* Many lights that overlap: masks are a fraction of what clusters of twice the size take, for about the same evaluations. */
+static void test_memory_ES_64(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=0", 0);
+    fnl_scatter_params scatter = fnl_scatter_params_default();
+    scatter.count = 4096;
+    scatter.radius_scale = 8;
+    assert_int_equal(fnl_scene_scatter_light_shapes(stage.scene, &scatter), FNL_OK);
+    fnl_frame frame = stage.frame;
+    frame.width = 160;
+    frame.height = 90;
+    frame.count_lights = true;
+    frame.shading = FNL_SHADING_DEFERRED;
+    frame.lists = FNL_LISTS_CLUSTERED;
+    frame.list_options.cluster_size = 32;
+    struct shot clusters = stage_shoot(&stage, &frame);
+    shot_free(&clusters);
+    clusters = stage_shoot(&stage, &frame); /* the pool has grown */
+    frame.lists = FNL_LISTS_ZBIN;
+    frame.list_options = fnl_list_options_default();
+    struct shot bins = stage_shoot(&stage, &frame);
+    assert_int_equal(count_differing(&clusters.radiance, &bins.radiance), 0);
+    assert_int_equal(clusters.stats.overflow_cells + bins.stats.overflow_cells, 0);
+    double memory = (double)clusters.stats.list_used_bytes / (double)bins.stats.list_used_bytes;
+    double evaluations = (double)bins.stats.evaluations / (double)clusters.stats.evaluations;
+    print_message("4096 overlapping lights: clusters of 32 pixels take %.1f times the memory of tiles of 16 and bins, which "
+                  "visit %.3f "
+                  "times the lights\n",
+                  memory, evaluations);
+    assert_true(memory >= 20);
+    assert_true(evaluations <= 1.15);
+    shot_free(&clusters);
+    shot_free(&bins);
+    stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_masks_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_sizes_and_counts_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_broken_lights_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_overflow_CL_10_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_memory_ES_64, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
