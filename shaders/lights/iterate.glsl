@@ -40,11 +40,13 @@ uint slice_of(light_list_block l, float view_depth) {
 uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_size, uvec2(l.list.tiles_x, l.list.tiles_y) - 1u); }
 
 #include "lights/bins.glsl"
+#include "lights/fine.glsl"
 
 struct light_cursor {
     uint next, end; // positions
     bool direct;    // a position is a light, not an index into ids
     bins_cursor bins; // of GPU_LIST_BINS alone
+    fine_cursor fine; // of GPU_LIST_FINE alone
 };
 
 light_cursor cursor_over(uint next, uint end, bool direct) {
@@ -69,6 +71,10 @@ light_cursor lights_begin(light_list_block l, light_point p) {
         c.bins = bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth);
         return c;
     }
+    if (LIST_KIND == GPU_LIST_FINE) {
+        c.direct = !fine_begin(l, tile_of(l, p.pixel), p.pixel, p.position, c.fine);
+        return c;
+    }
     gpu_cell cell = l.list.cells.at[cell_of(l, p)];
     if (cell.count == GPU_CELL_ALL) return c;
     return cursor_over(cell.offset, cell.offset + cell.count, false);
@@ -80,6 +86,12 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
     if (LIST_KIND == GPU_LIST_BINS) {
         uint id;
         if (!bins_next(l, c.bins, id)) return false;
+        light = l.list.directional_count + id;
+        return true;
+    }
+    if (LIST_KIND == GPU_LIST_FINE && !c.direct) {
+        uint id;
+        if (!fine_next(l, c.fine, id)) return false;
         light = l.list.directional_count + id;
         return true;
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/lists.h"
 
+#include "passes/lights/fine.h"
+
 /* ---- life ---- */
 
 void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu_init(&state->clustered_cpu, host); }
@@ -13,6 +15,7 @@ void lists_finish(struct lists_state *state, gpu_device *device) {
 fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, o->tile_size == 8 || o->tile_size == 16 || o->tile_size == 32 || o->tile_size == 64);
     REQUIRE(host, (uint32_t)o->tile_bounds < FNL_TILE_BOUNDS_COUNT);
+    REQUIRE(host, o->fine_masks <= 2);
     REQUIRE(host, o->cluster_size >= 8 && o->cluster_size <= 256);
     REQUIRE(host, o->slices >= 1 && o->slices <= 1024);
     REQUIRE(host, (uint32_t)o->distribution < FNL_SLICES_COUNT);
@@ -43,14 +46,19 @@ static struct tiled_params tiled_params(const struct lists_context *c) {
 _Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FNL_TILE_BOUNDS_PROJECTED,
                "tile_bounds has the values of fnl_tile_bounds");
 
+static graph_image add_blend_depth(struct lists_context *c) {
+    struct graph_image_params params = graph_image_info(c->graph, c->depth);
+    params.name = "blend depth";
+    graph_image image = graph_create_image(c->graph, &params);
+    blend_depth_add(c->graph, c->scene, c->draws, c->input->view, image);
+    return image;
+}
+
 /* Glass stands in front of what the depth shows: it gets tiles of its own (ES-44). */
 static void add_blend_tiles(struct lists_context *c, const struct lights_in_view *visible, const struct tiled_params *opaque) {
     if (!c->depth.id || !c->has_blend) return;
     struct tiled_params params = *opaque;
-    struct graph_image_params image = graph_image_info(c->graph, c->depth);
-    image.name = "blend depth";
-    params.front = graph_create_image(c->graph, &image);
-    blend_depth_add(c->graph, c->scene, c->draws, c->input->view, params.front);
+    params.front = add_blend_depth(c);
     c->blend_lights = tiled_add(c->graph, c->device, c->input, visible, c->depth, &params);
 }
 
@@ -119,6 +127,23 @@ static void add_clustered_cpu(struct lists_context *c) {
                                   &c->view->world_to_view, &view, &params);
 }
 
+static void add_fine(struct lists_context *c) {
+    const fnl_list_options *options = &c->frame->list_options;
+    struct lights_in_view visible = in_view(c);
+    struct fine_params params = fine_params_default();
+    params.tile_size = options->tile_size;
+    params.pruning = options->fine_pruning;
+    params.mask_size = options->fine_masks;
+    params.exact_positions = c->frame->shading == FNL_SHADING_DEFERRED;
+    params.blend = c->has_blend;
+    if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
+    params.eye_distance = vec3_length(c->view->eye);
+    params.pool_capacity = c->pool_capacity;
+    struct fine_lists lists = fine_add(c->graph, c->device, c->input, &visible, c->depth, &params);
+    c->lights = lists.lights;
+    c->blend_lights = lists.blend;
+}
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
@@ -143,7 +168,7 @@ static const struct builder {
     [FNL_LISTS_ENHANCED] = {NULL, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_TREE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_FINE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Tiles with a bit mask per pixel, or per 2 x 2 pixels, over the tile's lights (GPU_LIST_FINE). gpu_light_list.extra holds the masks and
+// behind them, where shading may not be where depth says, the positions that the masks were made for.
+#ifndef LIGHTS_FINE_GLSL
+#define LIGHTS_FINE_GLSL
+
+const float FINE_POSITION_SLACK = 1e-5; // of the distances of position and eye from the world's origin
+
+// How far from the tested position a point may be.
+float fine_slack(light_list_block l, vec3 position) { return FINE_POSITION_SLACK * (length(position) + l.list.eye_distance); }
+
+// Where the words of a pixel of a tile begin. A tile's words begin behind those of all tiles before it: n entries take no more than
+// n / 32 + 1 words a pixel, so (entries before) / 32 + (tiles before) are enough for all of them.
+uint fine_mask_of(light_list_block l, uint cell, uint first, uvec2 pixel_in_tile, uint words) {
+    uint side = l.list.tile_size / l.list.mask_size;
+    uvec2 square = pixel_in_tile / l.list.mask_size;
+    return (first / 32u + cell) * side * side + (square.y * side + square.x) * words;
+}
+
+// Pixels of the tiles, tile by tile.
+uint fine_pixel_of(light_list_block l, uint tile, uvec2 pixel_in_tile) {
+    return (tile * l.list.tile_size + pixel_in_tile.y) * l.list.tile_size + pixel_in_tile.x;
+}
+
+// Whether the masks are those of the point: a surface that covers its pixel in part may be shaded elsewhere.
+bool fine_tested(light_list_block l, uint tile, uvec2 pixel_in_tile, vec3 position) {
+    if (l.list.positions == 0u) return true;
+    uint at = l.list.positions + fine_pixel_of(l, tile, pixel_in_tile) * 3u;
+    vec3 tested = vec3(uintBitsToFloat(l.list.extra.at[at]), uintBitsToFloat(l.list.extra.at[at + 1u]),
+                       uintBitsToFloat(l.list.extra.at[at + 2u]));
+    return distance(tested, position) <= 0.9 * fine_slack(l, tested);
+}
+
+struct fine_cursor {
+    uint first, end; // entries of the tile
+    uint word, bits; // where the next mask is, what is left of this one
+    bool masked;
+};
+
+// False: the cell takes all lights.
+bool fine_begin(light_list_block l, uvec2 tile, uvec2 pixel, vec3 position, out fine_cursor c) {
+    uint index = tile.y * l.list.tiles_x + tile.x, cell = l.list.first_cell + index;
+    uvec2 pixel_in_tile = pixel - tile * l.list.tile_size;
+    c = fine_cursor(0u, 0u, 0u, 0u, l.list.mask_size != 0u);
+    if (!fine_tested(l, index, pixel_in_tile, position)) {
+        if (l.list.other_cell == GPU_CELL_ALL) return false;
+        cell = l.list.other_cell + index;
+        c.masked = false;
+    }
+    gpu_cell at = l.list.cells.at[cell];
+    if (at.count == GPU_CELL_ALL) return false;
+    c.first = at.offset;
+    c.end = at.offset + at.count;
+    if (c.masked) c.word = fine_mask_of(l, cell, at.offset, pixel_in_tile, (at.count + 31u) / 32u);
+    return true;
+}
+
+// Moves on; false at the end. `first` runs over the entries, by words of the mask where there is one.
+bool fine_next(light_list_block l, inout fine_cursor c, out uint id) {
+    id = 0u;
+    if (!c.masked) {
+        if (c.first >= c.end) return false;
+        id = l.list.ids.at[c.first++];
+        return true;
+    }
+    while (c.bits == 0u) {
+        if (c.first >= c.end) return false;
+        c.bits = l.list.extra.at[c.word++];
+        c.first += 32u;
+    }
+    id = l.list.ids.at[c.first - 32u + uint(findLSB(c.bits))];
+    c.bits &= c.bits - 1u;
+    return true;
+}
+
+#endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/** The steps of the fine-pruned tiles. */
+#ifndef FNL_PASSES_FINE_SHARED_H
+#define FNL_PASSES_FINE_SHARED_H
+
+#include "shared.h"
+#include "lights/lights_shared.h"
+
+/* What a light in view covers of the screen. Nothing when rect.x > rect.z. */
+struct gpu_fine_box {
+    vec4 rect;           /* left, top, right, bottom in pixels from the top left, within the screen */
+    vec2 depth;          /* nearest and farthest view depth */
+    uint entity;         /* GPU_ENTITY_… */
+};
+
+/*
+ * View depths of the surfaces of a tile, near > far: there are none. Those of the opaque ones of all tiles come first; then, where they
+ * are told apart, those of the blended ones: from the nearest of them to what is opaque behind.
+ */
+struct gpu_fine_range {
+    float near;
+    float far;
+    uint sky;            /* 1: some pixel shows the sky; blended surfaces before it may stand at any depth */
+};
+
+/* Survivors of a tile that the count keeps for the fill; longer lists are found again. */
+#define FINE_FOUND 128u
+/* Positions are known to this part of their distance from the world's origin and from the eye. */
+#define FINE_SLACK 1e-5
+
+/* A byte of gpu_fine_push.lists for each list of the build. */
+#define FINE_LISTS 4
+#define FINE_MIN_DEPTH 1u  /* lights before the nearest surface of the tile are left out */
+#define FINE_MAX_DEPTH 2u  /* … and those beyond the farthest, where no sky is */
+#define FINE_PIXELS 4u     /* … and those that hold no pixel's position */
+#define FINE_BLENDED 8u    /* of blended surfaces: those of a pixel lie on a segment of its ray */
+#define FINE_ENTITY_SHIFT 4u /* two bits: GPU_ENTITY_… of the list */
+
+struct gpu_fine_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;         /* of the first list */
+    ADDRESS(const_uint_array) visible_sums; /* its element local_count is the number of lights in view */
+    ADDRESS(const_uint_array) visible_ids;
+    ADDRESS(bound_array) bounds;            /* their spheres */
+    ADDRESS(fine_box_array) boxes;
+    ADDRESS(fine_range_array) ranges;       /* one per tile */
+    ADDRESS(uint_array) marks;              /* a bit for each light in view, for each block of tiles, for each list */
+    ADDRESS(uint_array) found;              /* FINE_FOUND local lights a cell: the survivors, when there are no more */
+    ADDRESS(uint_array) sums;               /* one per cell and one more: counts, then their prefix sum */
+    ADDRESS(uint_array) overflow;           /* [0]: number of cells that did not fit */
+    ADDRESS(uint_array) ids;                /* the pool */
+    ADDRESS(uint_array) extra;              /* masks, then positions: see gpu_light_list */
+    uint depth;                             /* bindless index of the depth image */
+    uint front;                             /* … of that of the nearest blended surfaces */
+    uint capacity;                          /* of the pool */
+    uint block;                             /* tiles along a block's side */
+    uint lists;                             /* a byte each */
+};
+
+#endif

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// One group walks through the lights of one tile for one list. Lights come in ascending order: a batch of marks is compacted by prefix
+// sums over the threads, so nothing depends on the order in which threads run. No number of lights is too many: the marks are taken in
+// batches, and what a batch keeps is flushed before the next might not fit.
+#ifndef FINE_TILE_GLSL
+#define FINE_TILE_GLSL
+
+#include "passes/lights/fine_pixels.glsl"
+
+layout(constant_id = 2) const uint TILE_SIZE = 16u; // pixels
+
+layout(local_size_x = 8, local_size_y = 8) in; // each thread owns a square of the tile
+
+const uint THREADS = 64u, SIDE = TILE_SIZE / 8u, OWN = SIDE * SIDE;
+const uint HELD = 1024u, ROOM = 3072u; // a batch adds at most 2048
+
+shared uint held[ROOM]; // lights in view that touch the tile's box
+shared uint kept_bits[ROOM / 32u];
+shared uint sums[THREADS], parts[8];
+
+uint thread, flags, cell;
+vec3 positions[OWN];
+float slacks[OWN]; // how far off a position may be; negative: there is no surface
+vec4 segments[OWN]; // of blended surfaces: from the position in this direction so far
+
+// The sum of all threads before this one, and of all. Ends with a barrier behind it.
+uint sum_before(uint value, out uint total) {
+    sums[thread] = value;
+    barrier();
+    if (thread < 8u) {
+        uint part = 0u;
+        for (uint i = 0u; i < 8u; i++) part += sums[thread * 8u + i];
+        parts[thread] = part;
+    }
+    barrier();
+    uint sum = 0u;
+    total = 0u;
+    for (uint i = 0u; i < 8u; i++) {
+        sum += i < thread / 8u ? parts[i] : 0u;
+        total += parts[i];
+    }
+    for (uint i = thread & ~7u; i < thread; i++) sum += sums[i];
+    barrier();
+    return sum;
+}
+
+void take_positions() {
+    uvec2 first = gl_WorkGroupID.xy * TILE_SIZE + gl_LocalInvocationID.xy * SIDE;
+    for (uint i = 0u; i < OWN; i++) {
+        uvec2 pixel = first + uvec2(i % SIDE, i / SIDE);
+        positions[i] = vec3(0.0);
+        slacks[i] = -1.0;
+        if (any(greaterThanEqual(pixel, push.view.view.size))) continue;
+        float view_depth;
+        if ((flags & FINE_BLENDED) != 0u) {
+            float front, behind;
+            if (!fine_blended(pixel, front, behind)) continue;
+            view_depth = view_depth_of(push.view, front);
+            bool open = behind <= 0.0 && push.view.view.orthographic < 0.5; // up to the sky
+            vec3 a = fine_position(pixel, view_depth), b = fine_position(pixel, open ? view_depth * 2.0 : view_depth_of(push.view, behind));
+            float length_ab = distance(a, b);
+            positions[i] = a;
+            segments[i] = vec4(length_ab > 0.0 ? (b - a) / length_ab : vec3(0.0), open ? FINE_FAR : length_ab);
+            // Positions are interpolated, and nobody compares them.
+            slacks[i] = 4.0 * max(fine_slack(push.list, a), fine_slack(push.list, b));
+            continue;
+        }
+        bool sky;
+        if (!fine_pixel_depth(pixel, view_depth, sky)) continue;
+        positions[i] = fine_position(pixel, view_depth);
+        slacks[i] = fine_slack(push.list, positions[i]);
+    }
+}
+
+// ---- whether a light's volume holds a point ----
+
+// The supports of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
+struct fine_volume {
+    uint light, kind, hull_count, hull_first;
+    vec3 position, direction, side, size, center;
+    float range, spot_scale, spot_offset, radius;
+};
+
+fine_volume fine_volume_of(uint light) {
+    fine_volume v;
+    v.light = light;
+    v.position = push.list.list.lights.at[light].position;
+    v.range = push.list.list.lights.at[light].range;
+    v.kind = push.list.list.lights.at[light].kind;
+    v.hull_count = push.list.list.lights.at[light].hull_count;
+    v.direction = v.side = v.size = vec3(0.0);
+    v.spot_scale = v.spot_offset = 0.0;
+    v.hull_first = 0u;
+    if (v.kind != GPU_LIGHT_POINT) v.direction = push.list.list.lights.at[light].direction;
+    if (v.kind == GPU_LIGHT_SPOT) {
+        v.spot_scale = push.list.list.lights.at[light].spot_scale;
+        v.spot_offset = push.list.list.lights.at[light].spot_offset;
+    } else if (v.kind != GPU_LIGHT_POINT) {
+        v.side = push.list.list.lights.at[light].side;
+        v.size = push.list.list.lights.at[light].size;
+    }
+    v.center = vec3(0.0);
+    v.radius = 0.0;
+    if ((flags & FINE_BLENDED) != 0u) {
+        v.center = push.list.list.lights.at[light].bound_center;
+        v.radius = push.list.list.lights.at[light].bound_radius;
+    }
+    if (v.hull_count != 0u) v.hull_first = push.list.list.lights.at[light].hull_first;
+    return v;
+}
+
+bool fine_holds(fine_volume v, vec3 position, float slack) {
+    vec3 from = position - v.position;
+    float distance2 = dot(from, from), range = v.range + slack;
+    if (distance2 > range * range) return false;
+    slack += 2e-6 * v.range;
+    if (v.kind == GPU_LIGHT_SPOT) {
+        // A step of s at the distance d turns the ray by asin(s / d) at most, which is below 1.6 s / d.
+        float d = sqrt(distance2), along = dot(v.direction, from) + 1.6 * slack + 2e-6 * d;
+        if (along * v.spot_scale + v.spot_offset * d < 0.0) return false;
+    } else if (v.kind == GPU_LIGHT_CAPSULE) {
+        vec3 nearest = from - v.direction * clamp(dot(from, v.direction), -v.size.x, v.size.x);
+        float radius = v.size.y + slack;
+        if (dot(nearest, nearest) > radius * radius) return false;
+    } else if (v.kind >= GPU_LIGHT_WEDGE) {
+        vec3 at = vec3(dot(from, v.side), dot(from, cross(v.side, v.direction)), dot(from, v.direction));
+        vec3 limit = v.kind == GPU_LIGHT_WEDGE ? vec3(v.size.xy * (at.z + slack), v.range) : v.size;
+        if (v.kind == GPU_LIGHT_WEDGE && at.z < -slack) return false;
+        if (any(greaterThan(abs(at), limit * (1.0 + 2e-6) + slack))) return false;
+    }
+    for (uint i = 0u; i < v.hull_count; i++) {
+        vec4 plane = plane_array(push.list.list.lights).at[v.hull_first + i];
+        if (dot(plane.xyz, from) > plane.w + slack) return false;
+    }
+    return true;
+}
+
+// Whether the light may reach surfaces of a pixel. A segment is held when its middle is, by a volume that is wider by half of it; and its
+// nearest point to the centre of the light's sphere is in that.
+bool holds_own(fine_volume v, uint i) {
+    if (slacks[i] < 0.0) return false;
+    if ((flags & FINE_BLENDED) == 0u) return fine_holds(v, positions[i], slacks[i]);
+    vec4 s = segments[i];
+    vec3 to_center = v.center - positions[i], off = to_center - s.xyz * clamp(dot(to_center, s.xyz), 0.0, s.w);
+    float radius = v.radius * (1.0 + CELL_SLACK) + slacks[i];
+    if (dot(off, off) > radius * radius) return false;
+    return s.w > 1e6 || fine_holds(v, positions[i] + s.xyz * (0.5 * s.w), slacks[i] + 0.5 * s.w);
+}
+
+bool holds_any(uint light) {
+    fine_volume v = fine_volume_of(light);
+    for (uint i = 0u; i < OWN; i++)
+        if (holds_own(v, i)) return true;
+    return false;
+}
+
+// ---- the walk ----
+
+uint local_light(uint index) { return push.visible_ids.at[index]; }
+
+// Gives what is kept to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept.
+uint flush(uint count, uint_array out_ids, uint out_first, uint out_end) {
+    uint words = (count + 31u) / 32u;
+    for (uint w = thread; w < words; w += THREADS) kept_bits[w] = (flags & FINE_PIXELS) != 0u ? 0u : 0xffffffffu;
+    barrier();
+    if ((flags & FINE_PIXELS) != 0u) {
+        for (uint w = 0u; w < words; w++) {
+            uint bits = 0u, end = min(32u, count - w * 32u);
+            for (uint b = 0u; b < end; b++)
+                if (holds_any(push.list.list.directional_count + local_light(held[w * 32u + b]))) bits |= 1u << b;
+            if (bits != 0u) atomicOr(kept_bits[w], bits);
+        }
+        barrier();
+    }
+    uint kept = 0u;
+    for (uint base = 0u; base < words; base += THREADS) { // 96 words at most: twice
+        uint w = base + thread, bits = w < words ? kept_bits[w] : 0u, total;
+        if (w < words && count - w * 32u < 32u) bits &= (1u << (count - w * 32u)) - 1u;
+        uint at = out_first + kept + sum_before(uint(bitCount(bits)), total);
+        for (; bits != 0u; bits &= bits - 1u, at++)
+            if (at < out_end) out_ids.at[at] = local_light(held[w * 32u + uint(findLSB(bits))]);
+        kept += total;
+    }
+    barrier();
+    return kept;
+}
+
+uint walk(uint_array out_ids, uint out_first, uint out_end) {
+    uint list = gl_WorkGroupID.z, marks = fine_marks_of(list, gl_WorkGroupID.xy), words = (push.visible_sums.at[push.list.list.local_count] + 31u) / 32u;
+    uint kept = 0u, count = 0u;
+    vec2 depths = vec2(0.0, FINE_FAR);
+    if ((flags & (FINE_MIN_DEPTH | FINE_MAX_DEPTH)) != 0u)
+        depths = fine_depths(flags, fine_range_of(flags, gl_WorkGroupID.xy));
+    if (depths.x > depths.y) return 0u; // the whole group
+    vec4 rect = vec4(gl_WorkGroupID.xy * TILE_SIZE, min((gl_WorkGroupID.xy + 1u) * TILE_SIZE, push.view.view.size));
+    for (uint base = 0u; base < words; base += THREADS) {
+        uint w = base + thread, hits = 0u, total;
+        for (uint bits = w < words ? push.marks.at[marks + w] : 0u; bits != 0u; bits &= bits - 1u) {
+            uint bit = uint(findLSB(bits));
+            if (fine_touches(push.boxes.at[w * 32u + bit], flags, rect, depths)) hits |= 1u << bit;
+        }
+        uint at = count + sum_before(uint(bitCount(hits)), total);
+        for (; hits != 0u; hits &= hits - 1u) held[at++] = w * 32u + uint(findLSB(hits));
+        count += total;
+        barrier();
+        if (count > HELD) {
+            kept += flush(count, out_ids, out_first + kept, out_end);
+            count = 0u;
+        }
+    }
+    if (count > 0u) kept += flush(count, out_ids, out_first + kept, out_end);
+    return kept;
+}
+
+void begin_tile() {
+    thread = gl_LocalInvocationIndex;
+    flags = fine_flags(gl_WorkGroupID.z);
+    cell = gl_WorkGroupID.z * fine_tile_count() + gl_WorkGroupID.y * push.list.list.tiles_x + gl_WorkGroupID.x;
+}
+
+#endif
