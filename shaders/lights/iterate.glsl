@@ -57,7 +57,17 @@ light_cursor cursor_over(uint next, uint end, bool direct) {
     return c;
 }
 
+// The cell of a grid in world space; those at its border reach on to infinity.
+uint world_cell_of(light_list_block l, vec3 position) {
+    vec3 at = (position - l.list.origin) * l.list.inverse_size;
+    uvec3 size = uvec3(l.list.tiles_x, l.list.tiles_y, l.list.slices), cell = uvec3(0u);
+    for (int k = 0; k < 3; k++)
+        if (at[k] > 0.0) cell[k] = uint(min(at[k], float(size[k] - 1u))); // NaN: 0
+    return (cell.z * size.y + cell.y) * size.x + cell.x;
+}
+
 uint cell_of(light_list_block l, light_point p) {
+    if (LIST_KIND == GPU_LIST_WORLD) return world_cell_of(l, p.position);
     uvec2 tile = tile_of(l, p.pixel);
     uint slice = LIST_KIND == GPU_LIST_CLUSTERS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;

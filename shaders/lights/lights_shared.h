@@ -75,6 +75,8 @@ struct gpu_light_list {
     uint slices;         /* 1 for tiles */
     float slice_scale;   /* slice = log2(view depth) * scale + bias, clamped; view depth * scale + bias where linear is 1 */
     float slice_bias;
+    vec3 origin;         /* world: least corner of the grid */
+    float inverse_size;  /* world: cells a metre */
     uint linear;
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */

@@ -5,12 +5,18 @@
 
 /* ---- life ---- */
 
-void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu_init(&state->clustered_cpu, host); }
+void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu_init(&state->clustered_cpu, host);
+    world_grid_init(&state->world, host);
+    world_grid_init(&state->grid2d, host); }
 
 void lists_finish(struct lists_state *state, gpu_device *device) {
     UNUSED(device);
     clustered_cpu_finish(&state->clustered_cpu);
+    world_grid_finish(&state->world, device);
+    world_grid_finish(&state->grid2d, device);
 }
+
+void lists_forget(struct lists_state *state) { state->world.version = state->grid2d.version = UINT64_MAX; }
 
 fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, o->tile_size == 8 || o->tile_size == 16 || o->tile_size == 32 || o->tile_size == 64);
@@ -144,6 +150,20 @@ static void add_fine(struct lists_context *c) {
     c->blend_lights = lists.blend;
 }
 
+static void add_world_grid(struct lists_context *c, struct world_grid *grid, bool flat) {
+    const struct light_input *input = c->input;
+    struct world_grid_params params = world_grid_params_default();
+    params.flat = flat;
+    /* As for pools: a 32nd of the device's memory. */
+    params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
+    const struct gpu_light *lights = input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL;
+    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version, &c->device_scene->bounds,
+                               &params);
+}
+
+static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }
+static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
@@ -161,8 +181,8 @@ static const struct builder {
     [FNL_LISTS_MESH] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
     [FNL_LISTS_BATCHES] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
     [FNL_LISTS_MULTIPASS] = {NULL, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
-    [FNL_LISTS_GRID2D] = {NULL, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_WORLD] = {NULL, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_GRID2D] = {add_grid2d, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_WORLD] = {add_world, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_HALFZ] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_25D] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ENHANCED] = {NULL, GRAPH_QUEUE_ASYNC, 0},

@@ -8,14 +8,18 @@
 #include "passes/lights/bvh.h"
 #include "passes/lights/clustered.h"
 #include "passes/lights/light_list.h"
+#include "passes/lights/world_grid.h"
 #include "render/device_scene.h"
 #include "view_shared.h"
 
 /** What builders keep from frame to frame. */
 struct lists_state {
     struct clustered_cpu clustered_cpu;
+    struct world_grid world, grid2d;
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
+/** After a frame that failed: what was to be kept may never have reached the device. */
+void lists_forget(struct lists_state *state);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 

@@ -297,6 +297,7 @@ static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct f
         /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
         r->frame_number = 0;
         device_scene_forget(&r->device_scene);
+        lists_forget(&r->lists);
     }
     return result;
 }

@@ -70,13 +70,15 @@ void main() {
         color = mode == GPU_DEBUG_LIGHT_COUNT ? mix(vec3(grey), map, 0.8) : vec3(grey) * 0.5;
         if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {
             uint tile_size = push.lights.list.tile_size;
-            if ((LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_BINS) && !sky) {
-                uint slice = slice_of(push.lights, normal.w);
+            bool by_place = LIST_KIND == GPU_LIST_WORLD || LIST_KIND == GPU_LIST_ITEMS; // not by pixel
+            if ((LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_BINS || by_place) && !sky) {
+                uint slice = by_place ? cell_of(push.lights, point) : slice_of(push.lights, normal.w);
                 vec3 hue = abs(fract(float(slice) * 0.381966 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
                 color = mix(color, clamp(hue, 0.0, 1.0), 0.45);
             } else {
                 color = mix(color, map, 0.45);
             }
+            if (by_place) tile_size = 0xffffffffu;
             if (uint(pixel.x) % tile_size == 0u || uint(pixel.y) % tile_size == 0u) color = mix(color, vec3(1.0), 0.35);
         }
     }
