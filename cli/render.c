@@ -49,6 +49,7 @@ static void print_help(void) {
          "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
          "                             enhanced tree backface fine sparse bvh raster zbin\n"
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
+         "  --light-lod PIXELS         lights of a smaller radius on the screen are drawn as points and light nothing (0: off)\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
@@ -130,6 +131,7 @@ enum {
     O_LIGHT_SHAPES,
     O_LIGHT_SCALE,
     O_RANGE_ROUGHNESS,
+    O_LIGHT_LOD,
     O_EXPOSURE,
     O_TONEMAP,
     O_BACKGROUND,
@@ -210,6 +212,11 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
         o->scatter.radius_scale = (float)number;
         return true;
+    case O_LIGHT_LOD:
+        if (!argument_number("light-lod", value, &number)) return false;
+        if (!(number >= 0 && number <= 1e6)) return argument_bad("light-lod", value, "a number of pixels");
+        o->frame.light_lod = (float)number;
+        return true;
     case O_RANGE_ROUGHNESS:
         if (!argument_number("range-roughness", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
@@ -279,6 +286,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
                                              {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
                                              {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
+                                             {"light-lod", required_argument, NULL, O_LIGHT_LOD},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},
                                              {"tonemap", required_argument, NULL, O_TONEMAP},
                                              {"background", required_argument, NULL, O_BACKGROUND},

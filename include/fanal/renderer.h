@@ -151,6 +151,11 @@ typedef struct fnl_frame {
      * variant that has nothing else; 8, 4, or 0 (default): one shader for all. The picture is the same.
      */
     uint32_t class_blocks;
+    /**
+     * Lights whose bounding sphere has a smaller radius on the screen than this, pixels, >= 0, are drawn as points of as much light and
+     * light nothing; up to twice the size they fade. 0 (default): off.
+     */
+    float light_lod;
     bool gbuffer_prepass; /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/device_scene.h"
 
+#include "passes/lights/sprites.h"
+
 /* The smallest sphere round a cone and its spherical end: through apex and rim, or round the rim of a wide cone. */
 static void bound_cone(struct gpu_light *g, float cosine, float sine) {
     float along = cosine > 0.70710678f ? g->range / (2 * cosine) : g->range * cosine;
@@ -85,7 +87,7 @@ static void add_hull(struct device_scene *d, struct gpu_light *g, const struct l
 uint64_t device_lights_planes_offset(uint32_t light_count) { return DIVIDE_UP(light_count * sizeof(struct gpu_light), sizeof(vec4)) * sizeof(vec4); }
 
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d) {
-    d->light_data.count = d->plane_data.count = 0;
+    d->light_data.count = d->plane_data.count = d->bound_radii.count = 0;
     if (!array_reserve(&d->host, &d->light_data, scene->lights.count)) return FNL_ERROR_MEMORY;
     if (!array_reserve(&d->host, &d->plane_data, scene->hull_plane_count)) return FNL_ERROR_MEMORY;
     d->directional_count = 0;
@@ -106,6 +108,31 @@ fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d) 
         uint32_t base = (uint32_t)(device_lights_planes_offset(d->light_data.count) / 16);
         for (uint32_t i = 0; i < d->light_data.count; i++)
             if (d->light_data.data[i].hull_count) d->light_data.data[i].hull_first += base;
+    }
+    return FNL_OK;
+}
+
+/* What the GPU rounds differently stays in the lists: it finds no colour there. */
+#define FADE_SLACK 1e-4f
+
+static void unfade(struct device_scene *d) {
+    for (uint32_t i = 0; i < d->bound_radii.count; i++) d->light_data.data[i].bound_radius = d->bound_radii.data[i];
+    d->bound_radii.count = 0;
+}
+
+fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk) {
+    unfade(d);
+    if (!(lod > 0)) return FNL_OK;
+    if (d->faded_lights.size < d->lights.size) {
+        gpu_buffer_destroy(d->device, &d->faded_lights);
+        TRY(gpu_buffer_create(d->device, "faded lights", d->lights.size, GPU_MEMORY_DEVICE, &d->faded_lights));
+    }
+    if (!walk) return FNL_OK;
+    if (!array_reserve(&d->host, &d->bound_radii, d->light_data.count)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < d->light_data.count; i++) {
+        struct gpu_light *light = &d->light_data.data[i];
+        d->bound_radii.data[d->bound_radii.count++] = light->bound_radius;
+        if (i >= d->directional_count && light_fade(view, light, lod * (1 - FADE_SLACK)) == 0) light->bound_radius = 0;
     }
     return FNL_OK;
 }

@@ -29,6 +29,8 @@ static void free_structure(struct device_scene *d) {
 void device_scene_finish(struct device_scene *d) {
     free_structure(d);
     gpu_buffer_destroy(d->device, &d->lights);
+    gpu_buffer_destroy(d->device, &d->faded_lights);
+    array_free(&d->host, &d->bound_radii);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->node_instances);

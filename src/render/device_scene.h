@@ -10,6 +10,7 @@
 #include "passes/geometry/skin.h"
 #include "passes/lights/light_list.h"
 #include "scene/scene.h"
+#include "view_shared.h"
 
 /** One node that is skinned or morphed: its joint matrices and weights are sent with every frame. */
 struct device_deform {
@@ -38,6 +39,8 @@ struct device_scene {
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
     ARRAY(vec4) plane_data;             /* of the lights' hulls; behind the lights in their buffer */
     uint32_t directional_count;
+    struct gpu_buffer faded_lights; /* a copy for frames with light_lod; made when first asked for */
+    ARRAY(float) bound_radii;       /* of light_data before it was faded; empty: it is not */
 };
 
 void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
@@ -68,6 +71,11 @@ static inline bool device_node_draws(const struct scene_node *node) {
 /** The light array of a scene, directional ones first (device_lights.c). */
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
+/**
+ * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the
+ * lights where `walk` says that the frame has such lists, or to undo it.
+ */
+fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk);
 /** Where the planes of hulls begin in a buffer of so many lights, bytes. */
 uint64_t device_lights_planes_offset(uint32_t light_count);
 

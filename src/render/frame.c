@@ -4,6 +4,7 @@
 #include "passes/post/post_shared.h"
 #include "passes/shade/classify.h"
 #include "passes/shade/shade.h"
+#include "passes/lights/sprites.h"
 #include "passes/shade/volumes.h"
 #include "render/renderer_internal.h"
 
@@ -17,6 +18,7 @@ struct frame_state {
     VkDeviceAddress view_address;
     struct geometry_draws draws;
     graph_image radiance;
+    struct light_input whole_lights;        /* before small ones were faded */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
     struct aov_images aov;
@@ -62,6 +64,17 @@ static fnl_result add_view(struct frame_state *f) {
 }
 
 /* ---- light lists ---- */
+
+static bool lists_on_cpu(fnl_light_lists lists) { return lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_TREE; }
+
+static fnl_result fade_lights(struct frame_state *f) {
+    struct device_scene *d = &f->r->device_scene;
+    float lod = f->frame->light_lod;
+    TRY(device_lights_fade(d, &f->view, lod, lists_on_cpu(f->frame->lists)));
+    f->whole_lights = f->scene->lights;
+    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, d->plane_data.count, lod);
+    return FNL_OK;
+}
 
 static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
     struct lists_context context = {.graph = f->graph,
@@ -159,6 +172,7 @@ static void add_shading(struct frame_state *f) {
         add_lists(f, prepass ? depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
         forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
     }
+    if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, depth);
     if (has_blend(f)) {
         input.lights = &f->blend_lights;
         if (!f->frame->count_lights) input.counters = (graph_buffer){0};
@@ -338,6 +352,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
     TRY(add_view(&f));
+    TRY(fade_lights(&f));
     f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
     add_counters(&f);
     add_shading(&f);

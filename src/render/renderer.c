@@ -228,6 +228,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
+    REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
     REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
     REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
     if (!fnl_lists_supported(frame->shading, frame->lists)) {

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/lights/sprites.h"
+
+#include "passes/lights/sprites_shared.h"
+#include "shaders.h"
+
+float light_fade(const struct gpu_view *view, const struct gpu_light *light, float lod) {
+    float spread = view->orthographic > 0.5f ? 1 : vec3_distance(light->bound_center, view->eye);
+    float pixels = light->bound_radius * (float)view->size.y / fmaxf(2 * fabsf(view->ndc_scale.y) * spread, 1e-20f);
+    float t = pixels / lod - 1;
+    if (!(t < 1)) return 1;
+    t = fmaxf(t, 0);
+    return t * t * (3 - 2 * t);
+}
+
+struct sprites_data {
+    struct gpu_sprites_push push;
+    struct gpu_graphics_params state;
+};
+
+static struct gpu_sprites_push push_of(const struct light_input *input, float lod) {
+    return (struct gpu_sprites_push){.view = input->view,
+                                     .lights = input->lights,
+                                     .directional_count = input->directional_count,
+                                     .local_count = input->local_count,
+                                     .lod = lod};
+}
+
+static void execute_fade(const struct graph_context *context, const void *data) {
+    const struct sprites_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_sprites_fade_comp};
+    uint32_t count = MAX(d->push.directional_count + d->push.local_count, d->push.plane_count);
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &d->push, sizeof d->push);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(count, 64u));
+}
+
+void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, uint32_t plane_count,
+                    float lod) {
+    struct sprites_data data = {.push = push_of(input, lod)};
+    uint64_t count = (uint64_t)input->directional_count + input->local_count;
+    if (count == 0) return;
+    data.push.faded = copy->address;
+    data.push.plane_first = (uint32_t)DIVIDE_UP(count * sizeof(struct gpu_light), sizeof(vec4));
+    data.push.plane_count = plane_count;
+    graph_buffer faded = graph_import_buffer(graph, "faded lights", copy);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "fade lights", GRAPH_QUEUE_GRAPHICS, execute_fade, &data, sizeof data);
+    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, faded, GRAPH_WRITE_COMPUTE);
+    input->buffer = faded;
+    input->lights = copy->address;
+}
+
+static void execute_sprites(const struct graph_context *context, const void *data) {
+    const struct sprites_data *d = data;
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &d->state));
+    gpu_push(context->commands, &d->push, sizeof d->push);
+    gpu_draw(context->commands, 4, d->push.local_count, 0, 0);
+}
+
+void sprites_add(struct graph *graph, const struct light_input *lights, float lod, graph_image radiance, graph_image depth) {
+    if (lights->local_count == 0) return;
+    struct graph_image_params target = graph_image_info(graph, radiance);
+    struct sprites_data data = {.push = push_of(lights, lod)};
+    data.state = (struct gpu_graphics_params){.vertex = &shader_sprites_vert,
+                                              .fragment = &shader_sprites_frag,
+                                              .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP,
+                                              .color_count = 1,
+                                              .color_formats = {target.format},
+                                              .blends = {GPU_BLEND_ADD},
+                                              .depth_format = graph_image_info(graph, depth).format,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                              .samples = MAX(target.samples, 1u)};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "light sprites", GRAPH_QUEUE_GRAPHICS, execute_sprites, &data, sizeof data);
+    graph_use_buffer(pass, lights->buffer, GRAPH_READ_VERTEX);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
+    graph_depth_read_only(pass, depth);
+}

@@ -1,0 +1,25 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Copies the light array with what is left of each light.
+#include "common.glsl"
+#include "passes/lights/sprites.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer plane_out_array { vec4 at[]; };
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform push_block { gpu_sprites_push push; };
+
+void main() {
+    uint index = LINEAR_INVOCATION, light_count = push.directional_count + push.local_count;
+    if (index < push.plane_count)
+        plane_out_array(push.faded).at[push.plane_first + index] = plane_array(push.lights).at[push.plane_first + index];
+    if (index >= light_count) return;
+    gpu_light light = push.lights.at[index];
+    if (index >= push.directional_count) {
+        float fade = light_fade(push.view, light.bound_center, light.bound_radius, push.lod);
+        if (fade < 1.0) light.color *= fade;
+        if (fade == 0.0) light.bound_radius = light.range = 0.0; // nothing is in its range
+    }
+    light_out_array(push.faded).at[index] = light;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_SPRITES_SHARED_H
+#define FNL_PASSES_SPRITES_SHARED_H
+
+#include "shared.h"
+#include "lights/lights_shared.h"
+
+/* Part of the light that the surfaces round it are taken to reflect. */
+#define SPRITE_ALBEDO 0.3
+
+struct gpu_sprites_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_array) lights;
+    ADDRESS(light_array) faded;  /* fade: where the copy goes */
+    uint directional_count;
+    uint local_count;
+    uint plane_first;            /* fade: where planes begin in both arrays, in units of 16 bytes … */
+    uint plane_count;            /* … and how many there are */
+    float lod;                   /* pixels */
+};
+
+#endif
