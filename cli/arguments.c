@@ -105,6 +105,8 @@ static const struct setting {
     {"max-depth", "on or off: leave out lights beyond the farthest pixel of a tile (on)", FIELD(max_depth), SETTING_SWITCH,
      0, 0, NULL},
     {"cone-tests", "on or off: test spots as cones (on)", FIELD(cone_tests), SETTING_SWITCH, 0, 0, NULL},
+    {"normal-cones", "on or off: leave out lights behind all surfaces of a cluster (on)", FIELD(normal_cones), SETTING_SWITCH, 0, 0,
+     NULL},
     {"fine-pruning", "on or off: test each pixel against the lights' volumes (on)", FIELD(fine_pruning), SETTING_SWITCH, 0, 0,
      NULL},
     {"fine-masks", "0: none, 1: a mask of lights per pixel, 2: per 2x2 pixels (1)", FIELD(fine_masks), SETTING_INTEGER, 0, 2,

@@ -75,6 +75,7 @@ typedef struct fnl_list_options {
     bool cone_tests; /**< spots are tested as cones, not as spheres; default true. tiled, halfz, 2.5d, clustered, bvh */
     bool fine_pruning;       /**< each pixel is tested against the lights' true volumes; default true. fine */
     uint32_t fine_masks;     /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
+    bool normal_cones;     /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     uint32_t cluster_size;   /**< pixels, 8 .. 256; default 64. Lists of clusters */
     uint32_t slices;         /**< 1 .. 1024; default 32. Lists of clusters */
     fnl_slices distribution; /**< default exponential. Lists of clusters */

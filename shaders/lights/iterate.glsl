@@ -41,6 +41,7 @@ uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_
 
 #include "lights/bins.glsl"
 #include "lights/fine.glsl"
+#include "lights/sparse.glsl"
 
 struct light_cursor {
     uint next, end; // positions
@@ -85,7 +86,14 @@ light_cursor lights_begin(light_list_block l, light_point p) {
         c.direct = !fine_begin(l, tile_of(l, p.pixel), p.pixel, p.position, c.fine);
         return c;
     }
-    gpu_cell cell = l.list.cells.at[cell_of(l, p)];
+    uint index;
+    if (LIST_KIND == GPU_LIST_SPARSE) {
+        uint bucket = l.list.buckets > 1u ? normal_bucket(p.normal) : 0u;
+        if (!sparse_find(l, sparse_key(l, tile_of(l, p.pixel), slice_of(l, p.view_depth), bucket), index)) return c;
+    } else {
+        index = cell_of(l, p);
+    }
+    gpu_cell cell = l.list.cells.at[index];
     if (cell.count == GPU_CELL_ALL) return c;
     return cursor_over(cell.offset, cell.offset + cell.count, false);
 }

@@ -111,6 +111,21 @@ static void add_bvh(struct lists_context *c) {
     c->lights = bvh_add(c->graph, c->device, c->input, &visible, &params);
 }
 
+static void add_sparse(struct lists_context *c) {
+    if (!c->depth.id) { /* any cluster may be occupied */
+        add_bvh(c);
+        return;
+    }
+    struct lights_in_view visible = in_view(c);
+    struct sparse_params params = {.grid = cluster_params(c),
+                                   .depth = c->depth,
+                                   .normals = c->frame->list_options.normal_cones ? c->normals : (graph_image){0},
+                                   .blend = c->has_blend};
+    struct sparse_lists lists = sparse_add(c->graph, c->device, c->input, &visible, &params);
+    c->lights = lists.lights;
+    c->blend_lights = lists.blend;
+}
+
 static void add_zbin(struct lists_context *c) {
     struct lights_in_view visible = in_view(c);
     struct clustered_params clusters = cluster_params(c);
@@ -189,7 +204,7 @@ static const struct builder {
     [FNL_LISTS_TREE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_SPARSE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},

@@ -8,6 +8,7 @@
 #include "passes/lights/bvh.h"
 #include "passes/lights/clustered.h"
 #include "passes/lights/light_list.h"
+#include "passes/lights/sparse.h"
 #include "passes/lights/world_grid.h"
 #include "render/device_scene.h"
 #include "view_shared.h"

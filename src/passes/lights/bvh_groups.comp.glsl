@@ -19,7 +19,7 @@ void main() {
     gpu_bvh_box box = box_empty();
     gpu_light_list l = push.list.list;
     if (push.rule.run > 0u) {
-        uint end = min((group + 1u) * push.rule.run, push.cell_counter.at[0]);
+        uint end = min((group + 1u) * push.rule.run, min(push.cell_counter.at[0], push.cell_count));
         for (uint cell = group * push.rule.run; cell < end; cell++) add_cell(box, cell);
     } else {
         uvec2 groups = (uvec2(l.tiles_x, l.tiles_y) + push.rule.block.xy - 1u) / push.rule.block.xy;

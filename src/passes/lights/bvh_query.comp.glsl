@@ -20,7 +20,7 @@ bool cell_faces(uint cell, uint i) {
             if (!(-dot(push.facings.at[cell].planes[k].xyz, r.axis) < -CELL_SLACK)) return true;
         return false;
     }
-    float slack = r.slack + CELL_SLACK * push.list.list.lights.at[light].range;
+    float slack = r.slack + 3.0 * CELL_SLACK * push.list.list.lights.at[light].range;
     if (kind == GPU_LIGHT_CAPSULE) slack += push.list.list.lights.at[light].size.x; // the nearest point of its segment shines
     for (int k = 0; k < 4; k++) {
         vec4 plane = push.facings.at[cell].planes[k];
@@ -33,7 +33,7 @@ void main() {
     gpu_bvh_query q = push.query.query;
     uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
     if (cell > q.cell_count || (cell == q.cell_count && chunk > 0u)) return;
-    uint cell_count = q.rule.run > 0u ? push.cell_counter.at[0] : q.cell_count, slot = 0u, slot_end = 0u;
+    uint cell_count = q.rule.run > 0u ? min(push.cell_counter.at[0], q.cell_count) : q.cell_count, slot = 0u, slot_end = 0u;
     if (FILL == 0u) {
         if (cell == q.cell_count) push.overflow.at[0] = 0u;
         if (cell >= cell_count) { // also the one more, which becomes the total

@@ -48,6 +48,19 @@ gpu_cell_bounds cell_bounds(view_block v, vec2 low, vec2 high, float near, float
     return b;
 }
 
+const float CLUSTER_FAR = 1e9;
+
+// Of a cluster of the header's grid. Slice 0 begins at the viewer and the last one never ends.
+gpu_cell_bounds cluster_bounds(view_block v, light_list_block l, uint cell) {
+    gpu_light_list list = l.list;
+    uint tile_x = cell % list.tiles_x, tile_y = cell / list.tiles_x % list.tiles_y, slice = cell / (list.tiles_x * list.tiles_y);
+    float near = slice == 0u ? 0.0 : slice_start(l, slice) * (1.0 - CELL_SLACK);
+    float far = slice + 1u == list.slices ? CLUSTER_FAR : slice_start(l, slice + 1u) * (1.0 + CELL_SLACK);
+    vec2 first = vec2(tile_x, tile_y) * float(list.tile_size), end = min(first + float(list.tile_size), vec2(v.view.size));
+    vec2 a = ndc_of_pixel(v, first), b = ndc_of_pixel(v, end);
+    return cell_bounds(v, vec2(a.x, b.y), vec2(b.x, a.y), near, far);
+}
+
 float cell_radius(gpu_bound light) { return light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2); }
 
 // Sphere against planes, then against the box (RTR 4, 20.3). Keeps the light when anything is NaN.

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_SPARSE_SHARED_H
+#define FNL_PASSES_SPARSE_SHARED_H
+
+#include "shared.h"
+#include "passes/lights/bvh_shared.h"
+
+struct gpu_sparse_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(uint_array) table;     /* one per key and one more: 1 for occupied ones, then their prefix sum */
+    ADDRESS(uint_array) keys;      /* of the cells */
+    ADDRESS(uint_array) extents;   /* six a cell: least and greatest coordinates in view space, as integers in the same order */
+    ADDRESS(bounds_array) bounds;  /* of the cells */
+    ADDRESS(facing_array) facings; /* of the cells, where there are buckets */
+    uint key_count;
+    uint buckets;
+    uint cell_limit;
+    uint depth;                    /* bindless indices */
+    uint normals;                  /* … or GPU_NO_DEPTH */
+};
+
+#endif
