@@ -85,6 +85,8 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 
 static const char *tile_bounds_name(int i) { return fnl_tile_bounds_name((fnl_tile_bounds)i); }
 static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
+static const char *raster_path_name(int i) { return fnl_raster_path_name((fnl_raster_path)i); }
+static const char *raster_nodes_name(int i) { return fnl_raster_nodes_name((fnl_raster_nodes)i); }
 
 enum setting_kind { SETTING_INTEGER, SETTING_NUMBER, SETTING_SWITCH, SETTING_NAME };
 
@@ -116,6 +118,10 @@ static const struct setting {
     {"distribution", "exponential or linear slices (exponential)", FIELD(distribution), SETTING_NAME, 0, 0, slices_name},
     {"cluster-near", "metres to the end of the first slice (by the scene)", FIELD(cluster_near), SETTING_NUMBER, 0, 0, NULL},
     {"cluster-far", "metres to the start of the last slice (by the scene)", FIELD(cluster_far), SETTING_NUMBER, 0, 0, NULL},
+    {"raster-path", "auto, hardware or software: what draws the light meshes of raster (auto)", FIELD(raster_path), SETTING_NAME, 0,
+     0, raster_path_name},
+    {"raster-nodes", "array, links64 or links32: how the clusters of raster hold lights (array)", FIELD(raster_nodes),
+     SETTING_NAME, 0, 0, raster_nodes_name},
 #undef FIELD
 };
 enum { SETTING_COUNT = sizeof settings / sizeof settings[0] };

@@ -64,6 +64,22 @@ typedef enum fnl_slices {
     FNL_SLICES_COUNT
 } fnl_slices;
 
+/** What draws the light meshes of raster lists. */
+typedef enum fnl_raster_path {
+    FNL_RASTER_AUTO = 0, /**< the hardware where it rasterises conservatively (fnl_device_info.conservative_raster) */
+    FNL_RASTER_HARDWARE, /**< the same: there is nothing else that hardware could do without losing lights */
+    FNL_RASTER_SOFTWARE, /**< compute shaders */
+    FNL_RASTER_COUNT
+} fnl_raster_path;
+
+/** How the clusters of raster lists hold their lights. */
+typedef enum fnl_raster_nodes {
+    FNL_RASTER_ARRAY = 0, /**< an array for each cluster */
+    FNL_RASTER_LINKS64,   /**< linked lists, 64 bits a light */
+    FNL_RASTER_LINKS32,   /**< linked lists, 32 bits a light; up to 4096 lights and 1 048 575 links, then 64 */
+    FNL_RASTER_NODES_COUNT
+} fnl_raster_nodes;
+
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
     bool frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
@@ -82,6 +98,8 @@ typedef struct fnl_list_options {
     float cluster_near; /**< view depth in metres where the first slice ends, > 0; INFINITY (default): chosen by the scene */
     float
         cluster_far; /**< view depth where the last slice begins, > cluster_near; INFINITY (default): chosen by the scene */
+    fnl_raster_path raster_path;   /**< default auto. raster */
+    fnl_raster_nodes raster_nodes; /**< default array. raster */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
@@ -117,6 +135,8 @@ FNL_API const char *fnl_shading_name(fnl_shading shading);
 FNL_API const char *fnl_light_lists_name(fnl_light_lists lists);
 FNL_API const char *fnl_tile_bounds_name(fnl_tile_bounds bounds);
 FNL_API const char *fnl_slices_name(fnl_slices slices);
+FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
+FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 

@@ -70,8 +70,20 @@ uint world_cell_of(light_list_block l, vec3 position) {
 uint cell_of(light_list_block l, light_point p) {
     if (LIST_KIND == GPU_LIST_WORLD) return world_cell_of(l, p.position);
     uvec2 tile = tile_of(l, p.pixel);
-    uint slice = LIST_KIND == GPU_LIST_CLUSTERS ? slice_of(l, p.view_depth) : 0u;
+    uint slice = LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_LINKS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;
+}
+
+// The light of a node; moves on to the next one, or to GPU_NODE_END.
+uint links_next(light_list_block l, inout uint node) {
+    if (l.list.nodes == GPU_NODES_32) {
+        uint word = l.list.ids.at[node];
+        node = (word & GPU_NODE_32_END) == GPU_NODE_32_END ? GPU_NODE_END : word & GPU_NODE_32_END;
+        return word >> 20;
+    }
+    uint light = l.list.ids.at[2u * node] & 0xffffffu;
+    node = l.list.ids.at[2u * node + 1u];
+    return light;
 }
 
 light_cursor lights_begin(light_list_block l, light_point p) {
@@ -85,6 +97,10 @@ light_cursor lights_begin(light_list_block l, light_point p) {
     if (LIST_KIND == GPU_LIST_FINE) {
         c.direct = !fine_begin(l, tile_of(l, p.pixel), p.pixel, p.position, c.fine);
         return c;
+    }
+    if (LIST_KIND == GPU_LIST_LINKS) {
+        uint first = const_uint_array(l.list.cells).at[cell_of(l, p)];
+        return first == GPU_NODE_ALL ? c : cursor_over(first, GPU_NODE_END, false);
     }
     uint index;
     if (LIST_KIND == GPU_LIST_SPARSE) {
@@ -114,6 +130,10 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
         return true;
     }
     if (c.next >= c.end) return false;
+    if (LIST_KIND == GPU_LIST_LINKS && !c.direct) {
+        light = l.list.directional_count + links_next(l, c.next);
+        return true;
+    }
     uint id = c.next++;
     if (!c.direct) id = l.list.ids.at[id];
     light = l.list.directional_count + id;

@@ -61,6 +61,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 /* count of a cell whose list did not fit into the pool: all lights are used instead. */
 #define GPU_CELL_ALL 0xffffffffu
 
+/* GPU_LIST_LINKS: cells are the numbers of first nodes, a uint each; ids are nodes of one word (light << 20 | next) or two (kind << 24 |
+   light, next). Nodes ascend by light. */
+#define GPU_NODES_ARRAY 0u  /* no nodes: GPU_LIST_CLUSTERS */
+#define GPU_NODES_64 1u
+#define GPU_NODES_32 2u
+#define GPU_NODE_END 0xffffffffu
+#define GPU_NODE_ALL 0xfffffffeu /* first node of a cell that did not fit */
+#define GPU_NODE_32_END 0xfffffu /* next of the last node */
+#define GPU_NODE_32_LIGHTS 4096u /* that fit into the bits */
+
 struct gpu_cell {
     uint offset;         /* into ids */
     uint count;          /* or GPU_CELL_ALL */
@@ -78,6 +88,7 @@ struct gpu_light_list {
     vec3 origin;         /* world: least corner of the grid */
     float inverse_size;  /* world: cells a metre */
     uint linear;
+    uint nodes;          /* GPU_NODES_…, of GPU_LIST_LINKS */
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */

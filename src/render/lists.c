@@ -10,8 +10,8 @@ void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu
     world_grid_init(&state->grid2d, host); }
 
 void lists_finish(struct lists_state *state, gpu_device *device) {
-    UNUSED(device);
     clustered_cpu_finish(&state->clustered_cpu);
+    raster_state_finish(&state->raster, device);
     world_grid_finish(&state->world, device);
     world_grid_finish(&state->grid2d, device);
 }
@@ -25,6 +25,8 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, o->cluster_size >= 8 && o->cluster_size <= 256);
     REQUIRE(host, o->slices >= 1 && o->slices <= 1024);
     REQUIRE(host, (uint32_t)o->distribution < FNL_SLICES_COUNT);
+    REQUIRE(host, (uint32_t)o->raster_path < FNL_RASTER_COUNT);
+    REQUIRE(host, (uint32_t)o->raster_nodes < FNL_RASTER_NODES_COUNT);
     REQUIRE(host, o->cluster_near > 0 && o->cluster_far > 0); /* no NaN */
     REQUIRE(host, isinf(o->cluster_near) || isinf(o->cluster_far) || o->cluster_near < o->cluster_far);
     return FNL_OK;
@@ -179,6 +181,20 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
 static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }
 static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
 
+_Static_assert((int)FNL_RASTER_LINKS64 == (int)GPU_NODES_64 && (int)FNL_RASTER_LINKS32 == (int)GPU_NODES_32 &&
+                   (int)RASTER_PATH_SOFTWARE == (int)FNL_RASTER_SOFTWARE,
+               "the builder's values are the options'");
+
+static void add_raster(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct raster_params params = raster_params_default();
+    params.grid = cluster_params(c);
+    params.path = (enum raster_path)c->frame->list_options.raster_path;
+    params.nodes = (uint32_t)c->frame->list_options.raster_nodes;
+    params.near = c->view->near_distance;
+    c->lights = raster_add_kept(&c->state->raster, c->graph, c->device, c->input, &visible, &params);
+}
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
@@ -205,7 +221,7 @@ static const struct builder {
     [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_RASTER] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
 };

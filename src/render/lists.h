@@ -8,6 +8,7 @@
 #include "passes/lights/bvh.h"
 #include "passes/lights/clustered.h"
 #include "passes/lights/light_list.h"
+#include "passes/lights/raster.h"
 #include "passes/lights/sparse.h"
 #include "passes/lights/world_grid.h"
 #include "render/device_scene.h"
@@ -16,6 +17,7 @@
 /** What builders keep from frame to frame. */
 struct lists_state {
     struct clustered_cpu clustered_cpu;
+    struct raster_state raster;
     struct world_grid world, grid2d;
 };
 void lists_init(struct lists_state *state, const fnl_host *host);

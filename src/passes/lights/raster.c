@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/lights/raster.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "passes/lights/clustered.h"
+#include "passes/lights/raster_mesh.h"
+#include "shaders.h"
+
+enum { MAX_SUMS = 1 << 24, CHUNK = 4096, SLOTS_START = 1 << 18 };
+
+struct raster_params raster_params_default(void) {
+    return (struct raster_params){
+        .grid = clustered_params_default(), .nodes = GPU_NODES_ARRAY, .slot_capacity = SLOTS_START};
+}
+
+/* ---- what it takes ---- */
+
+/* 32-bit nodes hold 4096 lights and 2^20 - 1 links. */
+uint32_t raster_nodes(const struct raster_params *params, uint32_t light_count) {
+    bool fits = light_count <= GPU_NODE_32_LIGHTS && params->grid.pool_capacity <= GPU_NODE_32_END + 1;
+    return params->nodes == GPU_NODES_32 && !fits ? GPU_NODES_64 : params->nodes;
+}
+
+static uint32_t pool_capacity(const struct raster_params *params, uint32_t nodes) {
+    uint32_t capacity = MAX(params->grid.pool_capacity, 1u);
+    return nodes == GPU_NODES_32 ? MIN(capacity, GPU_NODE_32_END) : capacity;
+}
+
+static uint32_t entry_bytes(uint32_t nodes) { return nodes == GPU_NODES_64 ? 8 : 4; }
+static uint32_t cell_bytes(uint32_t nodes) { return nodes == GPU_NODES_ARRAY ? sizeof(struct gpu_cell) : 4; }
+
+struct raster_memory raster_memory(const struct raster_params *params, uint32_t width, uint32_t height,
+                                   uint32_t light_count) {
+    uint32_t nodes = raster_nodes(params, light_count);
+    uint64_t cells =
+        (uint64_t)DIVIDE_UP(width, params->grid.tile_size) * DIVIDE_UP(height, params->grid.tile_size) * params->grid.slices;
+    return (struct raster_memory){.offsets = cells * cell_bytes(nodes),
+                                  .list = (uint64_t)pool_capacity(params, nodes) * entry_bytes(nodes),
+                                  .shells = (uint64_t)params->slot_capacity * sizeof(struct gpu_raster_slot)};
+}
+
+/* ---- passes ---- */
+
+struct raster_data {
+    struct light_input input;
+    struct lights_in_view in_view;
+    struct gpu_raster *block; /* each pass fills in the addresses of what it is the first to use */
+    VkDeviceAddress block_address;
+    struct gpu_light_list *header;
+    graph_buffer lights, slot_sums, slots, arguments, sums, cells, ids, overflow;
+    uint32_t cell_count, chunk_count, tile_count, nodes;
+    bool centers;
+};
+
+static void bind(const struct graph_context *context, const struct raster_data *d, const struct gpu_shader *shader) {
+    struct gpu_compute_params params = {.shader = shader, .constant_count = 2, .constants = {GPU_LIST_CLUSTERS, d->nodes}};
+    struct gpu_raster_push push = {d->block_address};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+}
+
+static void execute_rects(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    d->block->visible_sums = graph_address(context, d->in_view.sums);
+    d->block->visible_ids = graph_address(context, d->in_view.ids);
+    d->block->bounds = graph_address(context, d->in_view.bounds);
+    d->block->lights = graph_address(context, d->lights);
+    d->block->slot_sums = graph_address(context, d->slot_sums);
+    d->block->arguments = graph_address(context, d->arguments);
+    bind(context, d, &shader_raster_rects_comp);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u));
+}
+
+static void execute_shell(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    d->block->slots = graph_address(context, d->slots);
+    bind(context, d, &shader_raster_shell_comp);
+    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->arguments), 0);
+}
+
+static void execute_count(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    d->block->sums = graph_address(context, d->sums);
+    d->block->overflow = graph_address(context, d->overflow);
+    bind(context, d, &shader_raster_count_comp);
+    gpu_dispatch_linear(context->commands, d->tile_count * d->chunk_count);
+}
+
+static void execute_fill(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    d->block->cells = d->header->cells = graph_address(context, d->cells);
+    d->block->ids = d->header->ids = graph_address(context, d->ids);
+    bind(context, d, &shader_raster_fill_comp);
+    gpu_dispatch_linear(context->commands, d->tile_count * d->chunk_count);
+}
+
+struct totals_data {
+    graph_buffer sums, overflow, lights, totals;
+    uint64_t sums_offset, lights_offset;
+};
+
+static void execute_totals(const struct graph_context *context, const void *data) {
+    const struct totals_data *d = data;
+    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
+                    offsetof(struct light_totals, in_view), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
+                    offsetof(struct light_totals, entries), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
+                    offsetof(struct light_totals, overflow_cells), 4);
+}
+
+/* ---- the list ---- */
+
+static void add_shell(struct graph *graph, const struct raster_data *d) {
+    struct graph_pass *pass = graph_add_pass(graph, "raster shell", d->input.queue, execute_shell, d, sizeof *d);
+    graph_use_buffer(pass, d->input.buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->slot_sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->arguments, GRAPH_INDIRECT);
+    graph_use_buffer(pass, d->slots, GRAPH_WRITE_COMPUTE);
+}
+
+static void use_shells(struct graph_pass *pass, const struct raster_data *d) {
+    graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->slot_sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d->slots, GRAPH_READ_COMPUTE);
+}
+
+static struct gpu_raster *make_block(gpu_device *device, const struct light_input *input, const struct raster_params *params,
+                                     VkDeviceAddress *out_address) {
+    struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_raster));
+    struct gpu_raster *block = slice.data;
+    *out_address = slice.address;
+    if (!block) return NULL;
+    *block = (struct gpu_raster){.view = input->view,
+                                 .meshes = params->meshes,
+                                 .points = params->points,
+                                 .light_count = input->local_count,
+                                 .slot_capacity = params->slot_capacity,
+                                 .gradient = params->gradient,
+                                 .own_meshes = params->meshes != 0,
+                                 .near = params->near * 0.5f};
+    raster_mesh_tables(block->vertices, block->triangles);
+    return block;
+}
+
+struct raster_list raster_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                              const struct lights_in_view *in_view, const struct raster_params *params) {
+    static const struct prefix_sum_names slot_names = PREFIX_SUM_NAMES("raster slots"),
+                                         cell_names = PREFIX_SUM_NAMES("raster cells");
+    struct raster_data d = {.input = *input, .in_view = *in_view};
+    struct raster_list out = {.list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer}};
+    d.nodes = raster_nodes(params, input->local_count);
+    d.header = light_list_header(device, input, &out.list.header);
+    d.block = make_block(device, input, params, &d.block_address);
+    if (!d.header || !d.block) { /* the device carries a sticky error: the frame ends in it */
+        out.list.totals_known = true;
+        out.list.kind = GPU_LIST_ALL;
+        return out;
+    }
+    clustered_grid(d.header, input->width, input->height, &params->grid);
+    d.header->nodes = d.nodes;
+    d.tile_count = d.header->tiles_x * d.header->tiles_y;
+    d.cell_count = d.tile_count * d.header->slices;
+    uint32_t chunk_size = CHUNK;
+    while (DIVIDE_UP(input->local_count, chunk_size) > 1 &&
+           (uint64_t)d.cell_count * DIVIDE_UP(input->local_count, chunk_size) > MAX_SUMS)
+        chunk_size *= 2;
+    d.chunk_count = MAX(DIVIDE_UP(input->local_count, chunk_size), 1u);
+    uint32_t capacity = pool_capacity(params, d.nodes), sum_count = d.cell_count * d.chunk_count + 1;
+    d.block->list = out.list.header;
+    d.block->cell_count = d.cell_count;
+    d.block->chunk_size = chunk_size;
+    d.block->chunk_count = d.chunk_count;
+    d.block->capacity = capacity;
+
+    uint64_t lights = MAX(input->local_count, 1u);
+    d.lights = graph_create_buffer(graph, "raster rectangles", lights * sizeof(struct gpu_raster_light));
+    d.slot_sums = graph_create_buffer(graph, "raster slot sums", (input->local_count + 1) * 4ull);
+    d.arguments = graph_create_buffer(graph, "raster arguments", 12);
+    d.slots = graph_create_buffer(graph, "raster slots", MAX(params->slot_capacity, 1u) * sizeof(struct gpu_raster_slot));
+    d.sums = graph_create_buffer(graph, "raster sums", sum_count * 4ull);
+    d.cells = graph_create_buffer(graph, "raster cells", (uint64_t)d.cell_count * cell_bytes(d.nodes));
+    d.ids = graph_create_buffer(graph, "raster ids", (uint64_t)capacity * entry_bytes(d.nodes));
+    d.overflow = graph_create_buffer(graph, "raster overflow", 4);
+
+    struct graph_pass *pass = graph_add_pass(graph, "raster rectangles", input->queue, execute_rects, &d, sizeof d);
+    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d.lights, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, d.slot_sums, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, d.arguments, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, &slot_names, input->queue, d.slot_sums, input->local_count + 1);
+    add_shell(graph, &d);
+
+    pass = graph_add_pass(graph, "raster count", input->queue, execute_count, &d, sizeof d);
+    use_shells(pass, &d);
+    graph_use_buffer(pass, d.sums, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, d.overflow, GRAPH_WRITE_COMPUTE);
+    prefix_sum_add(graph, &cell_names, input->queue, d.sums, sum_count);
+    pass = graph_add_pass(graph, "raster fill", input->queue, execute_fill, &d, sizeof d);
+    use_shells(pass, &d);
+    graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, d.overflow, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, d.cells, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, d.ids, GRAPH_WRITE_COMPUTE);
+
+    struct totals_data totals = {.sums = d.sums,
+                                 .overflow = d.overflow,
+                                 .lights = in_view->sums,
+                                 .totals = graph_create_buffer(graph, "raster totals", sizeof(struct light_totals)),
+                                 .sums_offset = (sum_count - 1) * 4ull,
+                                 .lights_offset = input->local_count * 4ull};
+    pass = graph_add_pass(graph, "raster totals", input->queue, execute_totals, &totals, sizeof totals);
+    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
+
+    struct raster_memory memory = raster_memory(params, input->width, input->height, input->local_count);
+    out.list.kind = d.nodes == GPU_NODES_ARRAY ? GPU_LIST_CLUSTERS : GPU_LIST_LINKS;
+    out.list.cells = d.cells;
+    out.list.ids = d.ids;
+    out.list.cell_count = d.cell_count;
+    out.list.byte_count = memory.offsets + memory.list;
+    out.list.fixed_bytes = memory.offsets;
+    out.list.entry_bytes = entry_bytes(d.nodes);
+    out.list.totals = totals.totals;
+    out.slots = d.slots;
+    out.slot_sums = d.slot_sums;
+    out.rectangles = d.lights;
+    out.slot_total_offset = input->local_count * 4ull;
+    return out;
+}
+
+/* ---- from frame to frame ---- */
+
+void raster_state_finish(struct raster_state *state, gpu_device *device) {
+    for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(device, &state->wanted[i]);
+}
+
+struct wanted_data {
+    graph_buffer sums, wanted;
+    uint64_t offset;
+};
+
+static void execute_wanted(const struct graph_context *context, const void *data) {
+    const struct wanted_data *d = data;
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->offset, graph_get_buffer(context, d->wanted),
+                    0, 4);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+struct light_list raster_add_kept(struct raster_state *state, struct graph *graph, gpu_device *device,
+                                  const struct light_input *input, const struct lights_in_view *in_view,
+                                  struct raster_params *params) {
+    struct gpu_buffer *wanted = &state->wanted[gpu_frame_slot(device)];
+    state->slot_capacity = MAX(state->slot_capacity, (uint32_t)SLOTS_START);
+    if (wanted->mapped) {
+        uint64_t count = *(const uint32_t *)wanted->mapped;
+        if (count > state->slot_capacity) state->slot_capacity = (uint32_t)MIN(count + count / 4, (uint64_t)1 << 28);
+    } else if (gpu_buffer_create(device, "raster slots wanted", 4, GPU_MEMORY_READBACK, wanted) != FNL_OK) {
+        gpu_fail(device, FNL_ERROR_MEMORY);
+    } else {
+        *(uint32_t *)wanted->mapped = 0;
+    }
+    params->slot_capacity = state->slot_capacity;
+    if (params->nodes == GPU_NODES_32 && raster_nodes(params, input->local_count) != GPU_NODES_32 && !state->warned) {
+        log_warning(gpu_host(device),
+                    "light lists: 32-bit nodes hold %u lights and %u links; %u lights in a pool of %u take 64-bit nodes",
+                    GPU_NODE_32_LIGHTS, GPU_NODE_32_END, input->local_count, params->grid.pool_capacity);
+        state->warned = true;
+    }
+    struct raster_list built = raster_add(graph, device, input, in_view, params);
+    if (!built.slot_sums.id || !wanted->mapped) return built.list;
+    struct wanted_data data = {built.slot_sums, graph_import_buffer(graph, "raster slots wanted", wanted),
+                               built.slot_total_offset};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "raster slots wanted", GRAPH_QUEUE_GRAPHICS, execute_wanted, &data, sizeof data);
+    graph_use_buffer(pass, data.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, data.wanted, GRAPH_COPY_TO);
+    struct graph_pass *host = graph_add_pass(graph, "raster slots to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    graph_use_buffer(host, data.wanted, GRAPH_READ_HOST);
+    return built.list;
+}

@@ -1,0 +1,111 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// The shell of one light for each group: nearest and farthest slice of its mesh in each tile of its rectangle. Threads take triangles; a
+// piece of the rectangle is gathered in shared memory at a time. This is the software twin of the draw in raster_draw.frag.glsl.
+#include "common.glsl"
+#include "passes/lights/raster.glsl"
+
+layout(local_size_x = 64) in;
+
+const uint PIECE = 256u; // tiles
+
+shared vec3 vertices[GPU_SPHERE_VERTICES];
+shared uint firsts[PIECE], lasts[PIECE], nearest_depth;
+
+// Floats as integers in the same order.
+uint ordered(float f) {
+    uint bits = floatBitsToUint(f);
+    return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
+}
+float unordered(uint bits) { return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits); }
+
+void draw(shell s, vec3 a, vec3 b, vec3 c, bool front, uvec2 first, uvec2 last) {
+    vec2 all_depths = vec2(min(a.z, min(b.z, c.z)), max(a.z, max(b.z, c.z)));
+    if (!(all_depths.y >= RASTER.near)) return;
+    polygon p = visible_part(a, b, c);
+    if (p.count == 0u) return;
+    all_depths.x = max(all_depths.x, RASTER.near);
+    ivec2 rows = tiles_of(s, slope_range(p, 1, s.margin), 1, first.y, last.y);
+    ivec2 all_columns = tiles_of(s, slope_range(p, 0, s.margin), 0, first.x, last.x);
+    uint width = last.x - first.x + 1u;
+    float widened = s.slack + s.margin / (RASTER.view.view.orthographic > 0.5 ? 1.0 : all_depths.x);
+    if (rows.x == rows.y && all_columns.x == all_columns.y && RASTER.gradient == 0u) {
+        // Wholly within a tile, or beside it.
+        polygon part = row_part(s, p, uint(rows.x));
+        vec2 depths = tile_depths(s, part, uint(all_columns.x));
+        if (part.count == 0u || depths.x > depths.y) return;
+        span found = span_of(s, depths, front);
+        uint at = (uint(rows.x) - first.y) * width + uint(all_columns.x) - first.x;
+        atomicMin(firsts[at], found.first);
+        atomicMin(lasts[at], found.last);
+        return;
+    }
+    for (int row = rows.x; row <= rows.y; row++) {
+        polygon part = row_part(s, p, uint(row));
+        if (part.count == 0u) continue;
+        ivec2 columns = tiles_of(s, slope_range(part, 0, s.margin), 0, first.x, last.x);
+        for (int column = columns.x; column <= columns.y; column++) {
+            vec2 depths;
+            if (RASTER.gradient == 0u)
+                depths = tile_depths(s, part, uint(column));
+            else
+                depths = gradient_range(a, b, c, all_depths, vec2(column_slope(uint(column)), row_slope(uint(row) + 1u)) - widened,
+                                        vec2(column_slope(uint(column) + 1u), row_slope(uint(row))) + widened);
+            if (depths.x > depths.y) continue;
+            span found = span_of(s, depths, front);
+            uint at = (uint(row) - first.y) * width + uint(column) - first.x;
+            atomicMin(firsts[at], found.first);
+            atomicMin(lasts[at], found.last);
+        }
+    }
+}
+
+void main() {
+    uint index = LINEAR_GROUP, thread = gl_LocalInvocationIndex;
+    if (index >= RASTER.visible_sums.at[RASTER.light_count] || !has_slots(index)) return; // the whole group
+    gpu_bound bound = RASTER.bounds.at[index];
+    light_mesh mesh = mesh_of(RASTER.visible_ids.at[index]);
+    bool own = mesh.kind == MESH_OWN;
+    if (thread == 0u) nearest_depth = 0xffffffffu;
+    barrier();
+    uint vertex_count = own ? mesh.triangle_count * 3u : mesh.vertex_count;
+    for (uint i = thread; i < vertex_count; i += 64u) {
+        vec3 p = own ? to_view(RASTER.points.at[mesh.first_triangle * 3u + i]) : mesh_vertex(mesh, bound, i);
+        if (!own) vertices[i] = p;
+        atomicMin(nearest_depth, ordered(p.z));
+    }
+    barrier();
+    shell s = shell_of(index, bound, unordered(nearest_depth));
+    vec3 inside = vec3(0.0); // the middle of the vertices
+    for (uint i = 0u; i < mesh.vertex_count; i++) inside += vertices[i] / float(mesh.vertex_count);
+    uvec2 size = s.last_tile - s.first_tile + 1u;
+    uvec2 piece = uvec2(min(size.x, PIECE), 0u);
+    piece.y = min(size.y, PIECE / piece.x);
+    uint slots = RASTER.slot_sums.at[index];
+    for (uint y = 0u; y < size.y; y += piece.y)
+        for (uint x = 0u; x < size.x; x += piece.x) {
+            uvec2 first = s.first_tile + uvec2(x, y), last = min(first + piece - 1u, s.last_tile);
+            uint width = last.x - first.x + 1u, count = width * (last.y - first.y + 1u);
+            for (uint i = thread; i < count; i += 64u) firsts[i] = lasts[i] = RASTER_UNSET;
+            barrier();
+            for (uint i = thread; i < mesh.triangle_count; i += 64u) {
+                if (own) {
+                    uint at = (mesh.first_triangle + i) * 3u;
+                    // Meshes of their own need not be convex: where they reach behind the near plane they begin there.
+                    draw(s, to_view(RASTER.points.at[at]), to_view(RASTER.points.at[at + 1u]), to_view(RASTER.points.at[at + 2u]),
+                         !s.cut_by_near, first, last);
+                    continue;
+                }
+                uvec3 corners = mesh_triangle(mesh, i);
+                vec3 a = vertices[corners.x], b = vertices[corners.y], c = vertices[corners.z];
+                draw(s, a, b, c, !s.cut_by_near || faces_viewer(a, b, c, inside), first, last);
+            }
+            barrier();
+            for (uint i = thread; i < count; i += 64u) {
+                uint slot = slots + (y + i / width) * size.x + x + i % width;
+                RASTER.slots.at[slot] = gpu_raster_slot(firsts[i], lasts[i]);
+            }
+            barrier();
+        }
+}

@@ -1,0 +1,1132 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Lists by conservative rasterisation: entry by entry against meshes in double precision and against points that lights reach. Numbers of
+ * the checklist are those of the digest of "Clustered Shading: Assigning Lights Using Conservative Rasterization in DirectX 12".
+ */
+#include "passes/lights/light_proxy.h"
+#include "passes/lights/raster.h"
+#include "passes/lights/raster_mesh.h"
+#include "tests/list_bench.h"
+
+enum { LIGHTS = 300, MOST = 65536, WIDTH = 301, HEIGHT = 173 };
+
+static fnl_light_params params[MOST];
+static struct gpu_light lights[MOST];
+
+/* ---- building ---- */
+
+struct raster_request {
+    struct gpu_view view;
+    uint32_t light_count;
+    struct raster_params raster;
+    const struct gpu_raster_mesh *meshes; /* or NULL */
+    const vec3 *points;
+    uint32_t point_count;
+};
+
+struct raster_copy {
+    struct list_copy list; /* linked lists walked into arrays */
+    uint32_t *words;       /* the pool as it is */
+    uint32_t word_count, *heads;
+    struct gpu_raster_light *rectangles;
+    struct gpu_raster_slot *slots;
+    uint32_t *slot_sums, *visible;
+    uint64_t byte_count;
+    uint32_t kind;
+};
+
+enum { READS = 7 };
+
+struct read_data {
+    graph_buffer from[READS], to[READS];
+    uint64_t sizes[READS];
+};
+
+static void execute_read(const struct graph_context *context, const void *data) {
+    const struct read_data *d = data;
+    for (int i = 0; i < READS; i++)
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
+                        d->sizes[i]);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+static void *take(struct gpu_buffer *buffer) {
+    void *copy = malloc(MAX(buffer->size, 1u));
+    assert_non_null(copy);
+    memcpy(copy, buffer->mapped, buffer->size);
+    gpu_buffer_destroy(harness_device(), buffer);
+    return copy;
+}
+
+/* Turns linked lists into arrays; fails on links that leave the pool and on lists that are longer than the pool. */
+static void walk_links(struct raster_copy *copy, uint32_t nodes, uint32_t capacity) {
+    struct list_copy *list = &copy->list;
+    list->cells = malloc(list->cell_count * sizeof *list->cells);
+    list->ids = malloc(MAX(capacity, 1u) * 4ull);
+    assert_true(list->cells && list->ids);
+    uint32_t total = 0;
+    for (uint32_t c = 0; c < list->cell_count; c++) {
+        uint32_t node = copy->heads[c];
+        list->cells[c] = (struct gpu_cell){total, GPU_CELL_ALL};
+        if (node == GPU_NODE_ALL) continue;
+        list->cells[c].count = 0;
+        while (node != GPU_NODE_END) {
+            assert_true(node < capacity && total < capacity);
+            uint32_t word = copy->words[nodes == GPU_NODES_64 ? 2 * node : node];
+            list->ids[total++] = nodes == GPU_NODES_64 ? word & 0xffffff : word >> 20;
+            if (nodes == GPU_NODES_64) {
+                assert_int_equal(word >> 24, lights[word & 0xffffff].kind);
+                node = copy->words[2 * node + 1];
+            } else {
+                node = (word & GPU_NODE_32_END) == GPU_NODE_32_END ? GPU_NODE_END : word & GPU_NODE_32_END;
+            }
+            list->cells[c].count++;
+        }
+    }
+}
+
+static struct gpu_buffer upload(const char *name, const void *data, uint64_t size) {
+    struct gpu_buffer buffer;
+    assert_int_equal(gpu_buffer_create(harness_device(), name, size, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
+    if (size) memcpy(buffer.mapped, data, size);
+    return buffer;
+}
+
+static struct raster_copy build(const struct raster_request *request) {
+    gpu_device *device = harness_device();
+    struct graph *graph;
+    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    struct gpu_buffer light_buffer = upload("test lights", lights, request->light_count * sizeof *lights);
+    struct gpu_buffer meshes = {0}, points = {0}, buffers[READS];
+    struct raster_params raster = request->raster;
+    raster.near = request->view.near_distance;
+    if (request->meshes) {
+        meshes = upload("test meshes", request->meshes, request->light_count * sizeof *request->meshes);
+        points = upload("test points", request->points, request->point_count * sizeof(vec3));
+        raster.meshes = meshes.address;
+        raster.points = points.address;
+    }
+    graph_begin(graph);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_slice view = gpu_frame_allocate(device, sizeof request->view);
+    assert_non_null(view.data);
+    memcpy(view.data, &request->view, sizeof request->view);
+    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &light_buffer),
+                                .lights = light_buffer.address,
+                                .local_count = request->light_count,
+                                .view = view.address,
+                                .width = request->view.size.x,
+                                .height = request->view.size.y};
+    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
+    struct raster_list built = raster_add(graph, device, &input, &in_view, &raster);
+    struct read_data data = {.from = {built.list.cells, built.list.ids, built.list.totals, built.rectangles, built.slots,
+                                      built.slot_sums, in_view.ids}};
+    static const char *const names[READS] = {"read cells", "read ids",  "read totals", "read rectangles",
+                                             "read slots", "read sums", "read visible"};
+    for (int i = 0; i < READS; i++) {
+        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
+        assert_int_equal(gpu_buffer_create(device, names[i], data.sizes[i], GPU_MEMORY_READBACK, &buffers[i]), FNL_OK);
+        data.to[i] = graph_import_buffer(graph, names[i], &buffers[i]);
+    }
+    struct graph_pass *pass =
+        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_read, &data, sizeof data);
+    struct graph_pass *host = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    for (int i = 0; i < READS; i++) {
+        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
+        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
+        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
+    }
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+
+    struct raster_copy copy = {.byte_count = built.list.byte_count, .kind = built.list.kind};
+    copy.list.grid.local_count = request->light_count;
+    clustered_grid(&copy.list.grid, request->view.size.x, request->view.size.y, &raster.grid);
+    copy.list.cell_count = built.list.cell_count;
+    memcpy(&copy.list.totals, buffers[2].mapped, sizeof copy.list.totals);
+    gpu_buffer_destroy(device, &buffers[2]);
+    uint32_t nodes = raster_nodes(&raster, request->light_count);
+    if (nodes == GPU_NODES_ARRAY) {
+        copy.list.cells = take(&buffers[0]);
+        copy.list.ids = take(&buffers[1]);
+    } else {
+        copy.word_count = (uint32_t)(buffers[1].size / 4);
+        copy.heads = take(&buffers[0]);
+        copy.words = take(&buffers[1]);
+        walk_links(&copy, nodes, copy.word_count / (nodes == GPU_NODES_64 ? 2 : 1));
+    }
+    copy.rectangles = take(&buffers[3]);
+    copy.slots = take(&buffers[4]);
+    copy.slot_sums = take(&buffers[5]);
+    copy.visible = take(&buffers[6]);
+    graph_destroy(&graph);
+    gpu_buffer_destroy(device, &light_buffer);
+    gpu_buffer_destroy(device, &meshes);
+    gpu_buffer_destroy(device, &points);
+    return copy;
+}
+
+static void copy_free(struct raster_copy *copy) {
+    list_free(&copy->list);
+    free(copy->words);
+    free(copy->heads);
+    free(copy->rectangles);
+    free(copy->slots);
+    free(copy->slot_sums);
+    free(copy->visible);
+}
+
+/* ---- made-up lights of all kinds ---- */
+
+static struct raster_request request_of(const struct gpu_view *view, uint32_t light_count) {
+    struct raster_request r = {.view = *view, .light_count = light_count, .raster = raster_params_default()};
+    r.raster.grid.tile_size = 32;
+    return r;
+}
+
+/* Points and spots of list_random_lights; every third becomes a capsule, a wedge, a box, or a very narrow spot. */
+static void make_lights(const struct gpu_view *view, struct random_state *random, uint32_t count) {
+    list_random_lights(view, random, count, params, lights);
+    for (uint32_t i = 0; i < count; i += 3) {
+        fnl_light_params *p = &params[i];
+        p->direction =
+            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+        switch (i / 3 % 4) {
+        case 0:
+            p->kind = FNL_LIGHT_CAPSULE;
+            p->length = p->range * random_range(random, 0, 3);
+            break;
+        case 1:
+            p->kind = FNL_LIGHT_WEDGE;
+            p->wedge_angles[0] = random_range(random, 0.02f, 1.4f);
+            p->wedge_angles[1] = random_range(random, 0.02f, 1.4f);
+            break;
+        case 2:
+            p->kind = FNL_LIGHT_BOX;
+            p->box_size = vec3_make(p->range * random_range(random, 0.05f, 2), p->range * random_range(random, 0.05f, 2),
+                                    p->range * random_range(random, 0.05f, 2));
+            break;
+        default:
+            p->kind = FNL_LIGHT_SPOT;
+            p->outer_cone_angle = random_range(random, 0.005f, 0.1f);
+            p->inner_cone_angle = 0;
+            p->range *= 3;
+        }
+        lights[i] = device_light(p);
+    }
+}
+
+/* ---- the oracle: a mesh in tiles, in double ---- */
+
+struct tile_range {
+    double near, far; /* near > far: nothing */
+};
+
+struct double_polygon {
+    double at[24][3];
+    uint32_t count;
+};
+
+static void cut_polygon(struct double_polygon *p, const double plane[4]) {
+    struct double_polygon result = {.count = 0};
+    for (uint32_t i = 0; i < p->count; i++) {
+        const double *a = p->at[i], *b = p->at[(i + 1) % p->count];
+        double da = plane[0] * a[0] + plane[1] * a[1] + plane[2] * a[2] + plane[3],
+               db = plane[0] * b[0] + plane[1] * b[1] + plane[2] * b[2] + plane[3];
+        if (da >= 0) memcpy(result.at[result.count++], a, sizeof result.at[0]);
+        if ((da >= 0) != (db >= 0)) {
+            for (int k = 0; k < 3; k++) result.at[result.count][k] = a[k] + (b[k] - a[k]) * (da / (da - db));
+            result.count++;
+        }
+    }
+    *p = result;
+}
+
+static double slope_at(const struct gpu_view *v, int axis, double pixel) {
+    double size = axis ? v->size.y : v->size.x, ndc = axis ? 1 - 2 * pixel / size : 2 * pixel / size - 1;
+    return axis ? ndc * (double)v->ndc_scale.y + (double)v->ndc_offset.y
+                : ndc * (double)v->ndc_scale.x + (double)v->ndc_offset.x;
+}
+
+static void to_depth_space(const struct gpu_view *v, vec3 world, double out[3]) {
+    const float *m = v->world_to_view.m;
+    for (int row = 0; row < 3; row++)
+        out[row] = (double)m[row] * (double)world.x + (double)m[4 + row] * (double)world.y +
+                   (double)m[8 + row] * (double)world.z + (double)m[12 + row];
+    out[2] = -out[2];
+}
+
+/* Depths of a convex mesh within a tile that is `slack` pixels wider, nearer than the near plane left out. */
+static struct tile_range mesh_in_tile(const struct gpu_view *v, const vec3 *corners, uint32_t triangles, uint32_t tile_size,
+                                      uint32_t tile_x, uint32_t tile_y, double slack, double near) {
+    struct tile_range range = {1e300, -1e300};
+    double edges[4] = {
+        slope_at(v, 0, tile_x * tile_size - slack), slope_at(v, 0, fmin((tile_x + 1) * tile_size, v->size.x) + slack),
+        slope_at(v, 1, fmin((tile_y + 1) * tile_size, v->size.y) + slack), slope_at(v, 1, tile_y * tile_size - slack)};
+    bool orthographic = v->orthographic > 0.5f, inside = true;
+    double middle[3] = {0}, eye[3];
+    for (uint32_t i = 0; i < triangles * 3; i++) {
+        double p[3];
+        to_depth_space(v, corners[i], p);
+        for (int k = 0; k < 3; k++) middle[k] += p[k] / (triangles * 3);
+    }
+    for (int k = 0; k < 3; k++) /* a corner of the tile on the near plane */
+        eye[k] = k == 2 ? near : edges[k * 2] * (orthographic ? 1 : near);
+    for (uint32_t t = 0; t < triangles; t++) {
+        struct double_polygon p = {.count = 3};
+        for (int i = 0; i < 3; i++) to_depth_space(v, corners[t * 3 + i], p.at[i]);
+        double u[3], w[3], n[3], to_middle = 0, to_eye = 0;
+        for (int k = 0; k < 3; k++) {
+            u[k] = p.at[1][k] - p.at[0][k];
+            w[k] = p.at[2][k] - p.at[0][k];
+        }
+        for (int k = 0; k < 3; k++) n[k] = u[(k + 1) % 3] * w[(k + 2) % 3] - u[(k + 2) % 3] * w[(k + 1) % 3];
+        for (int k = 0; k < 3; k++) {
+            to_middle += n[k] * (middle[k] - p.at[0][k]);
+            to_eye += n[k] * (eye[k] - p.at[0][k]);
+        }
+        if (to_eye * (to_middle > 0 ? 1 : -1) < 0) inside = false;
+        cut_polygon(&p, (double[]){0, 0, 1, -near});
+        for (int i = 0; i < 4 && p.count; i++) {
+            double plane[4] = {0}, sign = i & 1 ? -1 : 1;
+            plane[i / 2] = sign;
+            plane[orthographic ? 3 : 2] = -sign * edges[i];
+            cut_polygon(&p, plane);
+        }
+        for (uint32_t i = 0; i < p.count; i++) {
+            range.near = fmin(range.near, p.at[i][2]);
+            range.far = fmax(range.far, p.at[i][2]);
+        }
+    }
+    if (inside && range.far >= near) range.near = near;
+    return range;
+}
+
+static uint32_t slice_at(const struct gpu_light_list *g, double depth) {
+    double slice = (g->linear ? depth : log2(fmax(depth, 1e-30))) * (double)g->slice_scale + (double)g->slice_bias;
+    return (uint32_t)fmin(fmax(slice, 0), g->slices - 1);
+}
+
+/* ---- checks ---- */
+
+/* Whether the cells in which a point may look itself up hold the light: two where its depth is on the border of slices. */
+static bool holds_at(const struct list_copy *list, double x, double y, double depth, uint32_t light) {
+    const struct gpu_light_list *g = &list->grid;
+    uint32_t tile = (uint32_t)y / g->tile_size * g->tiles_x + (uint32_t)x / g->tile_size, tiles = g->tiles_x * g->tiles_y;
+    return list_holds(list, slice_at(g, depth * (1 - 2e-6)) * tiles + tile, light) &&
+           list_holds(list, slice_at(g, depth * (1 + 2e-6)) * tiles + tile, light);
+}
+
+/* No light misses a point that it reaches: points in the lights themselves. Returns how many of them are seen. */
+static uint64_t check_reached(const struct raster_request *r, const struct list_copy *list, struct random_state *random,
+                              uint32_t tries) {
+    uint64_t seen = 0;
+    for (uint32_t i = 0; i < r->light_count; i++) {
+        const struct gpu_light *light = &lights[i];
+        vec3 corners[8];
+        light_corners(light, corners);
+        for (uint32_t k = 0; k < tries; k++) {
+            double point[3], view[3];
+            float a = random_float(random), b = random_float(random), c = random_float(random);
+            if (k % 4 == 0) a = a < 0.5f ? 0 : 1; /* on the sides */
+            vec3 low = vec3_lerp(vec3_lerp(corners[0], corners[1], a), vec3_lerp(corners[2], corners[3], a), b),
+                 high = vec3_lerp(vec3_lerp(corners[4], corners[5], a), vec3_lerp(corners[6], corners[7], a), b);
+            vec3 at = vec3_lerp(low, high, c);
+            if (light->kind == GPU_LIGHT_POINT || (light->kind == GPU_LIGHT_SPOT && k % 2)) { /* near the rim */
+                vec3 ray = vec3_sub(at, light->position);
+                float length = vec3_length(ray);
+                if (length > 0) at = vec3_add_scaled(light->position, ray, light->range / length * (k % 3 ? 0.9999f : b));
+            }
+            point[0] = at.x, point[1] = at.y, point[2] = at.z;
+            if (!light_reaches(&params[i], point)) continue;
+            to_depth_space(&r->view, at, view);
+            double spread = r->view.orthographic > 0.5f ? 1 : view[2];
+            if (view[2] < (double)r->view.near_distance) continue;
+            double x =
+                ((view[0] / spread - (double)r->view.ndc_offset.x) / (double)r->view.ndc_scale.x + 1) / 2 * r->view.size.x;
+            double y =
+                (1 - (view[1] / spread - (double)r->view.ndc_offset.y) / (double)r->view.ndc_scale.y) / 2 * r->view.size.y;
+            if (!(x >= 0 && y >= 0 && x < r->view.size.x && y < r->view.size.y)) continue;
+            seen++;
+            if (!holds_at(list, x, y, view[2], i))
+                fail_msg("light %u of kind %u misses a point at (%g, %g), %g deep", i, light->kind, x, y, view[2]);
+        }
+    }
+    return seen;
+}
+
+/* Whether the mesh of each light touches each cell that lists it. Also counts what bounding spheres would list. */
+static void check_tight(const struct raster_request *r, const struct list_copy *list, uint64_t *out_listed,
+                        uint64_t *out_spheres, bool spots_only) {
+    const struct gpu_light_list *g = &list->grid;
+    struct list_request sphere_request = {.builder = LIST_CLUSTERED,
+                                          .view = r->view,
+                                          .lights = lights,
+                                          .light_count = r->light_count,
+                                          .clustered = r->raster.grid};
+    double near = (double)r->view.near_distance / 2;
+    for (uint32_t i = 0; i < r->light_count; i++) {
+        vec3 corners[240];
+        uint32_t triangles = light_mesh(&lights[i], corners);
+        for (uint32_t tile = 0; tile < g->tiles_x * g->tiles_y; tile++) {
+            struct tile_range range = {1, 0};
+            bool known = false;
+            for (uint32_t slice = 0; slice < g->slices; slice++) {
+                uint32_t cell = slice * g->tiles_x * g->tiles_y + tile;
+                if (!spots_only || lights[i].kind == GPU_LIGHT_SPOT) {
+                    struct reference_cell c = reference_cell_of(&sphere_request, g, cell, 0);
+                    *out_spheres += reference_touches(&c, &sphere_request, i, 0, true);
+                }
+                if (!list_holds(list, cell, i)) continue;
+                if (!spots_only || lights[i].kind == GPU_LIGHT_SPOT) ++*out_listed;
+                if (!known) {
+                    range = mesh_in_tile(&r->view, corners, triangles, g->tile_size, tile % g->tiles_x, tile / g->tiles_x,
+                                         0.05, near);
+                    known = true;
+                }
+                if (range.near > range.far || slice < slice_at(g, range.near * (1 - 3e-4) - 1e-4) ||
+                    slice > slice_at(g, range.far * (1 + 3e-4) + 1e-4))
+                    fail_msg("light %u of kind %u does not touch tile %u, slice %u (%g .. %g)", i, lights[i].kind, tile,
+                             slice, range.near, range.far);
+            }
+        }
+    }
+}
+
+/* ---- meshes ---- */
+
+/* How far a point is outside of a convex mesh. */
+static double outside_by(const vec3 *corners, uint32_t triangles, const double point[3]) {
+    double middle[3] = {0}, most = -1e300;
+    for (uint32_t i = 0; i < triangles * 3; i++) {
+        middle[0] += (double)corners[i].x / (triangles * 3);
+        middle[1] += (double)corners[i].y / (triangles * 3);
+        middle[2] += (double)corners[i].z / (triangles * 3);
+    }
+    for (uint32_t t = 0; t < triangles; t++) {
+        double p[3][3], u[3], w[3], n[3], length = 0, side = 0, to_middle = 0;
+        for (int i = 0; i < 3; i++) {
+            p[i][0] = corners[t * 3 + i].x;
+            p[i][1] = corners[t * 3 + i].y;
+            p[i][2] = corners[t * 3 + i].z;
+        }
+        for (int k = 0; k < 3; k++) {
+            u[k] = p[1][k] - p[0][k];
+            w[k] = p[2][k] - p[0][k];
+        }
+        for (int k = 0; k < 3; k++) n[k] = u[(k + 1) % 3] * w[(k + 2) % 3] - u[(k + 2) % 3] * w[(k + 1) % 3];
+        for (int k = 0; k < 3; k++) length += n[k] * n[k];
+        length = sqrt(length);
+        if (length < 1e-6) continue; /* a sliver has no direction */
+        for (int k = 0; k < 3; k++) {
+            side += n[k] / length * (point[k] - p[0][k]);
+            to_middle += n[k] / length * (middle[k] - p[0][k]);
+        }
+        most = fmax(most, to_middle > 0 ? -side : side);
+    }
+    return most;
+}
+
+static void test_meshes_enclose_CL_2(void **state) {
+    UNUSED(state);
+    struct random_state random = {5};
+    double closest = -1e300, sphere_volume = 0;
+    for (uint32_t i = 0; i < 60; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        light.position = vec3_make(random_range(&random, -9, 9), 3, random_range(&random, -9, 9));
+        light.range = exp2f(random_range(&random, -3, 4));
+        light.kind = i % 3 ? FNL_LIGHT_SPOT : FNL_LIGHT_POINT;
+        light.direction = vec3_normalize(
+            vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
+        light.outer_cone_angle = i == 1 ? 1.5707963f : i == 2 ? 0.001f : random_range(&random, 0.01f, 1.57f);
+        light.inner_cone_angle = 0;
+        struct gpu_light g = device_light(&light);
+        vec3 corners[240];
+        uint32_t triangles = light_mesh(&g, corners);
+        assert_int_equal(triangles, i % 3 ? GPU_CONE_TRIANGLES : GPU_SPHERE_TRIANGLES);
+        for (uint32_t k = 0; k < 3000; k++) { /* on the rim, where meshes are nearest */
+            vec3 ray = vec3_normalize(
+                vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
+            if (i % 3) { /* bend it into the cone, mostly to its edge */
+                vec3 across = vec3_normalize(vec3_add_scaled(ray, light.direction, -vec3_dot(ray, light.direction)));
+                float angle = light.outer_cone_angle * (k % 2 ? 0.99999f : random_float(&random));
+                ray = vec3_add_scaled(vec3_scale(light.direction, cosf(angle)), across, sinf(angle));
+            }
+            float distance = light.range * (k % 3 ? 0.99999f : random_float(&random));
+            vec3 at = vec3_add_scaled(light.position, ray, distance);
+            double outside = outside_by(corners, triangles, (double[]){at.x, at.y, at.z}) / (double)light.range;
+            closest = fmax(closest, outside);
+            if (outside > 2e-6) fail_msg("a mesh of kind %u leaves out a point by %g ranges", g.kind, outside);
+        }
+        if (i == 0)
+            for (uint32_t t = 0; t < triangles; t++) /* of a polyhedron, as a part of its sphere's */
+                sphere_volume += fabs((double)vec3_dot(vec3_sub(corners[t * 3], light.position),
+                                                       vec3_cross(vec3_sub(corners[t * 3 + 1], light.position),
+                                                                  vec3_sub(corners[t * 3 + 2], light.position)))) /
+                                 6 / (4.18879 * pow((double)light.range, 3));
+    }
+    print_message("meshes: the nearest point is %g ranges inside; the sphere's takes %.3f of its volume\n", -closest,
+                  sphere_volume);
+    assert_true(sphere_volume > 1 && sphere_volume < 1.15);
+}
+
+/* ---- sets ---- */
+
+static void test_never_misses_and_tight_CL_2_CL_3_ES_60(void **state) {
+    UNUSED(state);
+    struct random_state random = {21};
+    uint64_t seen = 0, listed = 0, spheres = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH - 3 * kind, HEIGHT + kind);
+        make_lights(&view, &random, LIGHTS);
+        struct raster_request r = request_of(&view, LIGHTS);
+        r.raster.grid.linear = kind == 2;
+        struct raster_copy copy = build(&r), again = build(&r);
+        list_check_form(&copy.list, LIGHTS);
+        assert_true(list_equal(&copy.list, &again.list));
+        seen += check_reached(&r, &copy.list, &random, 200);
+        check_tight(&r, &copy.list, &listed, &spheres, true);
+        copy_free(&copy);
+        copy_free(&again);
+    }
+    print_message("%llu points seen; spots: %llu entries, %llu by bounding spheres\n", (unsigned long long)seen,
+                  (unsigned long long)listed, (unsigned long long)spheres);
+    assert_true(seen > 20000);
+    assert_true(listed > 1000 && (double)listed < 0.7 * (double)spheres);
+}
+
+/* Lights much smaller than a cell, on the edges of tiles and anywhere; and cones that are seen edge on. */
+static void test_small_and_edge_on_ES_60(void **state) {
+    UNUSED(state);
+    struct random_state random = {77};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        double at[3], world[3], depth = (double)random_range(&random, 0.5f, 60), x = (double)random_range(&random, 0, WIDTH),
+                                y = (double)random_range(&random, 0, HEIGHT);
+        if (i % 3 == 0) x = floor(x / 32) * 32;
+        if (i % 6 == 0) y = floor(y / 32) * 32;
+        view_of_pixel(&view, x, y, depth, at);
+        view_to_world(&view, at, world);
+        params[i] = fnl_light_params_default();
+        params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
+        params[i].range = 1e-3f * (float)depth;
+        if (i % 2) { /* its axis in a plane through the eye: half of the sides are seen edge on */
+            params[i].kind = FNL_LIGHT_SPOT;
+            params[i].direction = vec3_normalize(vec3_sub(params[i].position, view.eye));
+            if (i % 4 == 1) params[i].direction = vec3_scale(params[i].direction, -1);
+            params[i].outer_cone_angle = 0.02f;
+            params[i].inner_cone_angle = 0;
+            params[i].range = 5;
+        }
+        lights[i] = device_light(&params[i]);
+    }
+    struct raster_request r = request_of(&view, LIGHTS);
+    struct raster_copy copy = build(&r);
+    assert_true(check_reached(&r, &copy.list, &random, 300) > 5000);
+    uint64_t listed = 0, spheres = 0;
+    check_tight(&r, &copy.list, &listed, &spheres, false);
+    copy_free(&copy);
+}
+
+/* Rasterising by the middles of tiles, as hardware does by itself, leaves lit points without their light. */
+static void test_centers_miss_CL_4(void **state) {
+    UNUSED(state);
+    struct random_state random = {6};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    make_lights(&view, &random, LIGHTS);
+    struct raster_request r = request_of(&view, LIGHTS);
+    struct raster_copy copy = build(&r);
+    const struct gpu_light_list *g = &copy.list.grid;
+    uint32_t pairs = 0, missed = 0, lit_missed = 0;
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        vec3 corners[240];
+        uint32_t triangles = light_mesh(&lights[i], corners);
+        for (uint32_t tile = 0; tile < g->tiles_x * g->tiles_y; tile++) {
+            uint32_t held = 0;
+            for (uint32_t s = 0; s < g->slices; s++) held += list_holds(&copy.list, s * g->tiles_x * g->tiles_y + tile, i);
+            if (!held) continue;
+            pairs++;
+            uint32_t x = tile % g->tiles_x * g->tile_size, y = tile / g->tiles_x * g->tile_size;
+            /* A tile of no size at the middle. */
+            struct tile_range range = mesh_in_tile(&view, corners, triangles, 1, x + g->tile_size / 2, y + g->tile_size / 2,
+                                                   -0.4999, (double)view.near_distance / 2);
+            if (range.near <= range.far) continue;
+            missed++;
+            for (uint32_t k = 0; k < 200; k++) {
+                double at[3], world[3];
+                double px = x + (double)random_range(&random, 0, (float)g->tile_size),
+                       py = y + (double)random_range(&random, 0, (float)g->tile_size);
+                view_of_pixel(&view, px, py, (double)(-mat4_point(&view.world_to_view, lights[i].bound_center).z), at);
+                view_to_world(&view, at, world);
+                if (px < view.size.x && py < view.size.y && light_reaches(&params[i], world)) {
+                    lit_missed++;
+                    break;
+                }
+            }
+        }
+    }
+    print_message("of %u pairs of tile and light middles miss %u, at least %u of them lit\n", pairs, missed, lit_missed);
+    assert_true(missed > pairs / 20 && lit_missed > 5);
+    copy_free(&copy);
+}
+
+static void test_grids_CL_5(void **state) {
+    UNUSED(state);
+    static const uint32_t grids[6][2] = {{64, 32}, {64, 64}, {64, 128}, {32, 32}, {32, 64}, {32, 128}};
+    static const uint32_t counts[3] = {1024, 2048, 4096};
+    struct random_state random = {12};
+    for (uint32_t k = 0; k < 36; k++) {
+        uint32_t count = counts[k / 12];
+        struct gpu_view view = list_random_view(0, &random, 1536, 768);
+        make_lights(&view, &random, count);
+        for (uint32_t i = 0; i < count; i++) { /* many, and small */
+            params[i].range *= 0.15f;
+            params[i].box_size = vec3_scale(params[i].box_size, 0.15f);
+            lights[i] = device_light(&params[i]);
+        }
+        struct raster_request r = request_of(&view, count);
+        r.raster.grid.tile_size = grids[k % 6][0];
+        r.raster.grid.slices = grids[k % 6][1];
+        r.raster.grid.linear = k / 6 % 2;
+        r.raster.grid.pool_capacity = 1u << 23;
+        struct raster_copy copy = build(&r);
+        assert_int_equal(copy.list.grid.tiles_x, 1536 / grids[k % 6][0]);
+        assert_int_equal(copy.list.totals.overflow_cells, 0);
+        list_check_form(&copy.list, count);
+        assert_true(check_reached(&r, &copy.list, &random, 4) > 500);
+        copy_free(&copy);
+    }
+}
+
+/* ---- lights per pixel ---- */
+
+static double mean_per_pixel(const struct list_copy *list, const struct gpu_view *view, const float *depth) {
+    uint64_t sum = 0, pixels = 0;
+    for (uint32_t y = 1; y < view->size.y; y += 5)
+        for (uint32_t x = 1; x < view->size.x; x += 5) {
+            float d = depth[(size_t)y * view->size.x + x];
+            uint32_t cells[2];
+            if (d <= 0) continue;
+            list_cells_of(list, x, y,
+                          ((double)view->depth_decode.x + (double)view->depth_decode.y * (double)d) /
+                              ((double)view->depth_decode.z + (double)view->depth_decode.w * (double)d),
+                          cells);
+            sum += list->cells[cells[0]].count;
+            pixels++;
+        }
+    return (double)sum / (double)pixels;
+}
+
+static void test_lights_per_pixel_CL_6(void **state) {
+    UNUSED(state);
+    enum { COUNT = 512, W = 1536, H = 768 };
+    struct random_state random = {9};
+    double ratio[2];
+    for (int spots = 0; spots < 2; spots++) {
+        struct gpu_view view = list_random_view(0, &random, W, H);
+        float *depth = list_random_depth(&view, &random);
+        for (uint32_t i = 0; i < COUNT; i++) {
+            double at[3], world[3];
+            view_of_pixel(&view, (double)random_range(&random, 0, W), (double)random_range(&random, 0, H),
+                          (double)random_range(&random, 1, 60), at);
+            view_to_world(&view, at, world);
+            params[i] = fnl_light_params_default();
+            params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
+            params[i].range = random_range(&random, 1, 4);
+            if (spots || i % 2) {
+                params[i].kind = FNL_LIGHT_SPOT;
+                params[i].direction = vec3_normalize(
+                    vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
+                params[i].outer_cone_angle = 0.4f;
+            }
+            lights[i] = device_light(&params[i]);
+        }
+        struct raster_request r = request_of(&view, COUNT);
+        r.raster.grid.tile_size = 64; /* 24 x 12 x 128 */
+        r.raster.grid.slices = 128;
+        struct raster_copy copy = build(&r);
+        struct list_request tiles = {.builder = LIST_TILED,
+                                     .view = view,
+                                     .lights = lights,
+                                     .light_count = COUNT,
+                                     .depth = depth,
+                                     .tiled = tiled_params_default(),
+                                     .clustered = clustered_params_default()};
+        tiles.tiled.cone_tests = false; /* as in the source */
+        struct list_copy tiled = list_build(&tiles);
+        double clustered_mean = mean_per_pixel(&copy.list, &view, depth), tiled_mean = mean_per_pixel(&tiled, &view, depth);
+        ratio[spots] = clustered_mean / tiled_mean;
+        print_message("lights per pixel, %s: %.2f in clusters, %.2f in tiles\n", spots ? "spots" : "points and spots",
+                      clustered_mean, tiled_mean);
+        list_free(&tiled);
+        copy_free(&copy);
+        free(depth);
+    }
+    assert_true(ratio[0] < 1);
+    assert_true(ratio[1] < 0.7);
+}
+
+/* ---- depth ---- */
+
+static void test_slices_CL_9(void **state) {
+    UNUSED(state);
+    /* The source's f ends the last slice, ours begins it: one step of the same row of depths further. */
+    const double n = 200, f = 3000, c = 64;
+    struct clustered_params p = clustered_params_default();
+    p.slices = 64;
+    p.near = (float)n;
+    p.far = (float)(n * pow(f / n, (c - 2) / (c - 1)));
+    struct gpu_light_list grid = {0};
+    clustered_grid(&grid, 1536, 768, &p);
+    assert_float_equal((double)grid.slice_scale * log2(n) + (double)grid.slice_bias, 1, 1e-4);
+    assert_float_equal((double)grid.slice_scale * log2(f) + (double)grid.slice_bias, c, 1e-4);
+    assert_float_equal(grid.slice_scale, (c - 1) / (log2(f) - log2(n)), 1e-4);
+
+    /* Tiny lights at random depths: the shell puts each into the slice that the formula gives, and into no other by more than a rounding. */
+    struct random_state random = {3};
+    fnl_camera camera = fnl_camera_default();
+    camera.position = vec3_make(0, 0, 0);
+    camera.target = vec3_make(0, 0, -1);
+    camera.near_distance = 0.01f;
+    struct gpu_view view = view_from_camera(&camera, 64, 64);
+    uint32_t doubled = 0;
+    for (int linear = 0; linear < 2; linear++) {
+        for (uint32_t i = 0; i < MOST; i++) {
+            double depth = i < 8 ? (double)(0.02f + (float)i) : exp2((double)random_range(&random, -5, 13));
+            params[i] = fnl_light_params_default();
+            params[i].position = vec3_make(0, 0, (float)-depth);
+            params[i].range = (float)(1e-6 * depth);
+            lights[i] = device_light(&params[i]);
+        }
+        struct raster_request r = request_of(&view, MOST);
+        r.raster.grid = p;
+        r.raster.grid.linear = linear;
+        r.raster.grid.tile_size = 64;
+        struct raster_copy copy = build(&r);
+        list_check_form(&copy.list, MOST);
+        for (uint32_t i = 0; i < MOST; i++) {
+            double depth = -(double)params[i].position.z;
+            uint32_t low = slice_at(&copy.list.grid, depth * (1 - 6e-5)),
+                     high = slice_at(&copy.list.grid, depth * (1 + 6e-5));
+            assert_true(list_holds(&copy.list, slice_at(&copy.list.grid, depth), i));
+            assert_true(low == 0 || !list_holds(&copy.list, low - 1, i));
+            assert_true(high == 63 || !list_holds(&copy.list, high + 1, i));
+            doubled += low != high;
+        }
+        assert_true(copy.list.cells[0].count > 1000 && copy.list.cells[63].count > 1000); /* clamped at both ends */
+        copy_free(&copy);
+    }
+    assert_true(doubled < MOST / 50);
+}
+
+/* ---- pools ---- */
+
+static void test_overflow_CL_10(void **state) {
+    UNUSED(state);
+    struct random_state random = {14};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    make_lights(&view, &random, LIGHTS);
+    for (uint32_t nodes = GPU_NODES_ARRAY; nodes <= GPU_NODES_32; nodes++) {
+        struct raster_request r = request_of(&view, LIGHTS);
+        r.raster.nodes = nodes;
+        struct raster_copy whole = build(&r);
+        assert_int_equal(whole.list.totals.overflow_cells, 0);
+        uint32_t entries = whole.list.totals.entries;
+        for (uint32_t k = 0; k < 3; k++) {
+            r.raster.grid.pool_capacity = k == 0 ? 1 : k == 1 ? entries / 2 : entries - 1;
+            struct raster_copy over = build(&r);
+            assert_int_equal(over.list.totals.entries, entries); /* exact all the same */
+            assert_true(over.list.totals.overflow_cells > 0);
+            uint32_t all = 0;
+            for (uint32_t c = 0; c < over.list.cell_count; c++) {
+                if (over.list.cells[c].count == GPU_CELL_ALL) {
+                    all++;
+                    continue;
+                }
+                assert_int_equal(over.list.cells[c].count, whole.list.cells[c].count);
+                assert_memory_equal(over.list.ids + over.list.cells[c].offset, whole.list.ids + whole.list.cells[c].offset,
+                                    over.list.cells[c].count * 4);
+            }
+            assert_int_equal(all, over.list.totals.overflow_cells);
+            struct raster_copy again = build(&r); /* the dark blocks that the source would show are where they were */
+            assert_true(list_equal(&over.list, &again.list));
+            copy_free(&over);
+            copy_free(&again);
+        }
+        copy_free(&whole);
+    }
+}
+
+/* Lights whose shells find no place are in all slices of all tiles of their rectangle: more than they need, and none is lost. */
+static void test_slots_overflow_CL_10(void **state) {
+    UNUSED(state);
+    struct random_state random = {15};
+    struct gpu_view view = list_random_view(3, &random, WIDTH, HEIGHT);
+    make_lights(&view, &random, LIGHTS);
+    struct raster_request r = request_of(&view, LIGHTS);
+    struct raster_copy whole = build(&r);
+    uint32_t wanted = whole.slot_sums[LIGHTS];
+    assert_true(wanted > 500 && wanted < r.raster.slot_capacity);
+    for (uint32_t k = 0; k < 3; k++) {
+        r.raster.slot_capacity = k == 0 ? 1 : k == 1 ? wanted / 2 : wanted;
+        struct raster_copy some = build(&r);
+        list_check_form(&some.list, LIGHTS);
+        assert_int_equal(some.slot_sums[LIGHTS], wanted);
+        for (uint32_t c = 0; c < whole.list.cell_count; c++)
+            for (uint32_t i = 0; i < whole.list.cells[c].count; i++)
+                assert_true(list_holds(&some.list, c, whole.list.ids[whole.list.cells[c].offset + i]));
+        assert_true(k == 2 ? list_equal(&some.list, &whole.list) : some.list.totals.entries > whole.list.totals.entries);
+        copy_free(&some);
+    }
+    copy_free(&whole);
+}
+
+static void test_nodes_CL_11_CL_12(void **state) {
+    UNUSED(state);
+    struct random_state random = {16};
+    for (uint32_t kind = 0; kind < 2; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        make_lights(&view, &random, LIGHTS);
+        struct raster_request r = request_of(&view, LIGHTS);
+        struct raster_copy copies[3];
+        for (uint32_t nodes = 0; nodes < 3; nodes++) {
+            r.raster.nodes = nodes;
+            copies[nodes] = build(&r);
+            assert_int_equal(copies[nodes].kind, nodes ? GPU_LIST_LINKS : GPU_LIST_CLUSTERS);
+            list_check_form(&copies[nodes].list, LIGHTS); /* ascending, without cycles: the walk ends */
+            assert_true(list_equal(&copies[0].list, &copies[nodes].list));
+        }
+        for (uint32_t nodes = 0; nodes < 3; nodes++) copy_free(&copies[nodes]);
+    }
+    /* Limits: 12 bits of light, 20 of link with one value for the end. */
+    struct raster_params p = raster_params_default();
+    p.nodes = GPU_NODES_32;
+    p.grid.pool_capacity = 1u << 20;
+    assert_int_equal(raster_nodes(&p, 4096), GPU_NODES_32);
+    assert_int_equal(raster_memory(&p, 64, 64, 4096).list, 4 * 1048575);
+    assert_int_equal(raster_nodes(&p, 4097), GPU_NODES_64);
+    assert_int_equal(raster_memory(&p, 64, 64, 4097).list, 8 * 1048576);
+    p.grid.pool_capacity++;
+    assert_int_equal(raster_nodes(&p, 4), GPU_NODES_64);
+    p.nodes = GPU_NODES_64;
+    assert_int_equal(raster_nodes(&p, 1 << 24), GPU_NODES_64);
+    p.nodes = GPU_NODES_ARRAY;
+    assert_int_equal(raster_nodes(&p, 9), GPU_NODES_ARRAY);
+    /* No lights; and nothing in most clusters. */
+    struct gpu_view view = list_random_view(0, &random, 1, 1);
+    for (uint32_t count = 0; count < 2; count++)
+        for (uint32_t nodes = 0; nodes < 3; nodes++) {
+            if (count) list_random_lights(&view, &random, 1, params, lights);
+            struct raster_request r = request_of(&view, count);
+            r.raster.nodes = nodes;
+            r.raster.grid.slices = 7;
+            struct raster_copy copy = build(&r);
+            list_check_form(&copy.list, count);
+            assert_int_equal(copy.list.cell_count, 7);
+            if (!count) assert_int_equal(copy.list.totals.entries, 0);
+            copy_free(&copy);
+        }
+}
+
+static void test_memory_CL_14(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t tile_size, slices, total64;
+    } table[] = {{64, 32, 4608000},  {64, 64, 6856704},  {64, 128, 11354112},
+                 {32, 32, 18432000}, {32, 64, 27426816}, {32, 128, 45416448}};
+    for (uint32_t i = 0; i < COUNT_OF(table); i++) {
+        uint32_t tiles = 1536 / table[i].tile_size * (768 / table[i].tile_size), clusters = tiles * table[i].slices;
+        struct raster_params p = raster_params_default();
+        p.grid.tile_size = table[i].tile_size;
+        p.grid.slices = table[i].slices;
+        p.grid.pool_capacity = clusters * 30;
+        p.nodes = GPU_NODES_64;
+        /* The source keeps two bytes for each tile and each of 4096 lights; here a slot is eight bytes for each tile that a light covers. */
+        p.slot_capacity = tiles * 4096 / 4;
+        struct raster_memory m = raster_memory(&p, 1536, 768, 4096);
+        assert_int_equal(m.offsets, clusters * 4);
+        assert_int_equal(m.list, clusters * 30 * 8);
+        assert_int_equal(m.shells, tiles * 4096 * 2);
+        assert_int_equal(m.offsets + m.list + m.shells, table[i].total64);
+        p.nodes = GPU_NODES_32;
+        bool fits = clusters * 30 <= 1 << 20;
+        assert_int_equal(raster_memory(&p, 1536, 768, 4096).list, clusters * 30 * (fits ? 4 : 8));
+    }
+    /* And the list says the same of itself. */
+    struct random_state random = {1};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    make_lights(&view, &random, 50);
+    for (uint32_t nodes = 0; nodes < 3; nodes++) {
+        struct raster_request r = request_of(&view, 50);
+        r.raster.nodes = nodes;
+        r.raster.grid.pool_capacity = 12345;
+        struct raster_copy copy = build(&r);
+        struct raster_memory m = raster_memory(&r.raster, WIDTH, HEIGHT, 50);
+        assert_int_equal(copy.byte_count, m.offsets + m.list);
+        assert_int_equal(m.offsets, 10 * 6 * 32 * (nodes ? 4 : 8));
+        copy_free(&copy);
+    }
+}
+
+/* ---- variants ---- */
+
+static void test_gradients_ES_61(void **state) {
+    UNUSED(state);
+    struct random_state random = {17};
+    uint64_t exact_entries = 0, gradient_entries = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        make_lights(&view, &random, LIGHTS);
+        struct raster_request r = request_of(&view, LIGHTS);
+        struct raster_copy exact = build(&r);
+        r.raster.gradient = true;
+        struct raster_copy gradient = build(&r);
+        list_check_form(&gradient.list, LIGHTS);
+        for (uint32_t c = 0; c < exact.list.cell_count; c++)
+            for (uint32_t i = 0; i < exact.list.cells[c].count; i++)
+                assert_true(list_holds(&gradient.list, c, exact.list.ids[exact.list.cells[c].offset + i]));
+        exact_entries += exact.list.totals.entries;
+        gradient_entries += gradient.list.totals.entries;
+        copy_free(&exact);
+        copy_free(&gradient);
+    }
+    print_message("gradients: %.3f of the exact entries\n", (double)gradient_entries / (double)exact_entries);
+    assert_true(gradient_entries > exact_entries && (double)gradient_entries < 1.5 * (double)exact_entries);
+}
+
+/* A spot above a floor with balls: what it sees, and what reaches past the balls. */
+struct ball {
+    double center[3], radius;
+};
+static const struct ball balls[] = {
+    {{-1.2, 1, 0.5}, 0.7}, {{0.6, 2, -0.4}, 0.8}, {{1.5, 0.6, 1.2}, 0.5}, {{-0.3, 3.2, -1}, 0.4}};
+
+static double hit_distance(const double from[3], const double ray[3]) {
+    double nearest = ray[1] < 0 ? -from[1] / ray[1] : INFINITY;
+    for (uint32_t b = 0; b < COUNT_OF(balls); b++) {
+        double d[3], along = 0, square = 0, length2 = 0;
+        for (int k = 0; k < 3; k++) {
+            d[k] = from[k] - balls[b].center[k];
+            along += d[k] * ray[k];
+            square += d[k] * d[k];
+            length2 += ray[k] * ray[k];
+        }
+        double root = along * along - length2 * (square - balls[b].radius * balls[b].radius);
+        if (root > 0 && -along > sqrt(root)) nearest = fmin(nearest, (-along - sqrt(root)) / length2);
+    }
+    return nearest;
+}
+
+static void test_shadow_meshes_ES_63(void **state) {
+    UNUSED(state);
+    enum { SIZE = 64, BLOCKS = 8 };
+    static float depth[SIZE * SIZE];
+    static vec3 corners[36 * BLOCKS * BLOCKS];
+    params[0] = fnl_light_params_default();
+    params[0].kind = FNL_LIGHT_SPOT;
+    params[0].position = vec3_make(0, 6, 0);
+    params[0].direction = vec3_normalize(vec3_make(0.1f, -1, 0.05f));
+    params[0].range = 12;
+    params[0].outer_cone_angle = 0.5f;
+    lights[0] = device_light(&params[0]);
+    vec3 up = vec3_cross(lights[0].side, lights[0].direction);
+    double tangent = tan(0.5), from[3] = {0, 6, 0};
+    const double side[3] = {lights[0].side.x, lights[0].side.y, lights[0].side.z}, above[3] = {up.x, up.y, up.z},
+                 along[3] = {lights[0].direction.x, lights[0].direction.y, lights[0].direction.z};
+    double ray[3];
+    for (uint32_t y = 0; y < SIZE; y++)
+        for (uint32_t x = 0; x < SIZE; x++) { /* the farthest of several rays: a shadow map of maxima */
+            double far = 0;
+            for (int k = 0; k < 81; k++) {
+                double u = (2 * (x + k % 9 / 8.0) / SIZE - 1) * tangent, v = (1 - 2 * (y + k / 9 / 8.0) / SIZE) * tangent;
+                for (int a = 0; a < 3; a++) ray[a] = along[a] + u * side[a] + v * above[a];
+                far = fmax(far, hit_distance(from, ray));
+            }
+            depth[y * SIZE + x] = (float)far;
+        }
+    uint32_t triangles = light_mesh_from_depth(&lights[0], depth, SIZE, BLOCKS, corners);
+    assert_true(triangles > 6 * 40 && triangles <= 12 * BLOCKS * BLOCKS);
+    fnl_camera camera = fnl_camera_default();
+    camera.position = vec3_make(8, 4, 9);
+    camera.target = vec3_make(0, 2, 0);
+    struct gpu_view view = view_from_camera(&camera, WIDTH, HEIGHT);
+    struct raster_request r = request_of(&view, 1);
+    r.raster.grid.tile_size = 8;
+    r.raster.grid.slices = 64;
+    r.raster.grid.near = 2;
+    r.raster.grid.far = 40;
+    struct raster_copy cone = build(&r);
+    struct gpu_raster_mesh mesh = {0, triangles};
+    r.meshes = &mesh;
+    r.points = corners;
+    r.point_count = triangles * 3;
+    struct raster_copy shadowed = build(&r);
+    list_check_form(&shadowed.list, 1);
+    struct random_state random = {8};
+    uint32_t lit = 0;
+    for (uint32_t k = 0; k < 20000; k++) { /* surfaces and air that see the light */
+        double u = (double)random_range(&random, -1, 1) * tangent, v = (double)random_range(&random, -1, 1) * tangent,
+               point[3], seen[3];
+        for (int a = 0; a < 3; a++) ray[a] = along[a] + u * side[a] + v * above[a];
+        double distance = fmin(hit_distance(from, ray), 20) * (k % 2 ? 1 : (double)random_float(&random));
+        for (int a = 0; a < 3; a++) point[a] = from[a] + ray[a] * distance;
+        if (!light_reaches(&params[0], point)) continue;
+        to_depth_space(&view, vec3_make((float)point[0], (float)point[1], (float)point[2]), seen);
+        double x = (seen[0] / seen[2] / (double)view.ndc_scale.x + 1) / 2 * WIDTH,
+               y = (1 - seen[1] / seen[2] / (double)view.ndc_scale.y) / 2 * HEIGHT;
+        if (!(x >= 0 && y >= 0 && x < WIDTH && y < HEIGHT)) continue;
+        assert_true(holds_at(&shadowed.list, x, y, seen[2], 0));
+        lit++;
+    }
+    print_message("shadowed spot: %u lit points, %u clusters instead of %u\n", lit, shadowed.list.totals.entries,
+                  cone.list.totals.entries);
+    assert_true(lit > 5000);
+    assert_true(shadowed.list.totals.entries < cone.list.totals.entries * 8 / 10);
+    /* What it cannot stand for. */
+    assert_int_equal(light_mesh_from_depth(&lights[0], depth, SIZE, 7, corners), 0);
+    params[0].kind = FNL_LIGHT_POINT;
+    struct gpu_light point_light = device_light(&params[0]);
+    assert_int_equal(light_mesh_from_depth(&point_light, depth, SIZE, BLOCKS, corners), 0);
+    copy_free(&cone);
+    copy_free(&shadowed);
+}
+
+/* A light that a convex hull bounds is drawn as that hull. */
+static void test_hull_meshes_CL_2(void **state) {
+    UNUSED(state);
+    struct random_state random = {41};
+    static vec3 corners[3 * 4 * 64 * 64];
+    uint32_t smaller = 0;
+    for (uint32_t k = 0; k < 12; k++) {
+        struct gpu_view view = list_random_view(k % LIST_VIEWS, &random, WIDTH, HEIGHT);
+        double at[3], world[3];
+        view_of_pixel(&view, 150, 80, 12, at);
+        view_to_world(&view, at, world);
+        params[0] = fnl_light_params_default();
+        params[0].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
+        params[0].range = 20;
+        lights[0] = device_light(&params[0]);
+        vec3 points[14];
+        for (uint32_t i = 0; i < 14; i++)
+            points[i] = vec3_add(params[0].position, vec3_make(random_range(&random, -3, 3), random_range(&random, -3, 3),
+                                                               random_range(&random, -3, 3)));
+        struct light_hull *hull;
+        assert_int_equal(light_hull_create(gpu_host(harness_device()), points, 14, &hull), FNL_OK);
+        vec4 planes[LIGHT_HULL_PLANES_MAX];
+        vec3 origin = params[0].position;
+        for (uint32_t i = 0; i < hull->plane_count; i++) {
+            const double *n = hull->planes[i];
+            planes[i] = (vec4){(float)n[0], (float)n[1], (float)n[2],
+                               (float)-(n[0] * (double)origin.x + n[1] * (double)origin.y + n[2] * (double)origin.z + n[3])};
+        }
+        uint32_t triangles = light_mesh_from_planes(origin, planes, hull->plane_count, 20, corners);
+        assert_true(triangles >= 4 && triangles <= 4 * hull->plane_count * hull->plane_count);
+        assert_int_equal(light_mesh_from_planes(origin, planes, 3, 20, corners + 3 * triangles), 0); /* never closed */
+        struct raster_request r = request_of(&view, 1);
+        r.raster.grid.tile_size = 16;
+        struct raster_copy sphere = build(&r);
+        struct gpu_raster_mesh mesh = {0, triangles};
+        r.meshes = &mesh;
+        r.points = corners;
+        r.point_count = triangles * 3;
+        struct raster_copy exact = build(&r);
+        list_check_form(&exact.list, 1);
+        for (uint32_t p = 0; p < 4000; p++) { /* points between the hull's corners */
+            vec3 in = points[p % 14];
+            for (int i = 0; i < 4; i++) in = vec3_lerp(in, points[random_bits(&random) % 14], random_float(&random));
+            double seen[3];
+            to_depth_space(&view, in, seen);
+            double spread = view.orthographic > 0.5f ? 1 : seen[2];
+            if (seen[2] < (double)view.near_distance) continue;
+            double x = ((seen[0] / spread - (double)view.ndc_offset.x) / (double)view.ndc_scale.x + 1) / 2 * WIDTH,
+                   y = (1 - (seen[1] / spread - (double)view.ndc_offset.y) / (double)view.ndc_scale.y) / 2 * HEIGHT;
+            if (!(x >= 0 && y >= 0 && x < WIDTH && y < HEIGHT)) continue;
+            assert_true(holds_at(&exact.list, x, y, seen[2], 0));
+        }
+        smaller += exact.list.totals.entries * 2 < sphere.list.totals.entries;
+        free(hull);
+        copy_free(&sphere);
+        copy_free(&exact);
+    }
+    assert_true(smaller >= 10);
+}
+
+/* ---- pictures ---- */
+
+static void test_pictures_CL_1(void **state) {
+    UNUSED(state);
+    static const fnl_shading orders[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED};
+    struct stage stage = stage_open("builtin:glass?lights=60", 40);
+    stage.frame.width = 97;
+    stage.frame.height = 61;
+    for (uint32_t s = 0; s < 2; s++) {
+        stage.frame.shading = orders[s];
+        stage.frame.lists = FNL_LISTS_ALL;
+        struct shot all = stage_shoot(&stage, &stage.frame);
+        stage.frame.lists = FNL_LISTS_RASTER;
+        uint64_t entries = 0;
+        for (uint32_t k = 0; k < 6; k++) {
+            fnl_list_options *o = &stage.frame.list_options;
+            *o = fnl_list_options_default();
+            o->raster_nodes = (fnl_raster_nodes)(k % 3);
+            o->distribution = k >= 3 ? FNL_SLICES_LINEAR : FNL_SLICES_EXPONENTIAL;
+            o->raster_path = k == 4 ? FNL_RASTER_SOFTWARE : FNL_RASTER_AUTO;
+            if (k >= 3) o->cluster_size = 16;
+            struct shot shot = stage_shoot(&stage, &stage.frame);
+            assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+            assert_int_equal(shot.stats.overflow_cells, 0);
+            assert_true(shot.stats.list_entries > 100);
+            if (k % 3) assert_int_equal(shot.stats.list_entries, entries);
+            entries = shot.stats.list_entries;
+            shot_free(&shot);
+        }
+        shot_free(&all);
+    }
+    stage_close(&stage);
+}
+
+/* More than 4096 lights do not fit into 32-bit nodes: 64-bit ones are taken, and the picture is right. */
+static void test_node_limits_in_frames_CL_11(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:onetile?lights=0", 4200);
+    stage.frame.width = 40;
+    stage.frame.height = 24;
+    stage.frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&stage, &stage.frame);
+    stage.frame.lists = FNL_LISTS_RASTER;
+    stage.frame.list_options.raster_nodes = FNL_RASTER_LINKS32;
+    struct shot shot = stage_shoot(&stage, &stage.frame);
+    assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+    assert_int_equal(shot.stats.list_bytes - shot.stats.cells * 4, 8ull * stage.renderer->pool_capacity);
+    shot_free(&all);
+    shot_free(&shot);
+    stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_meshes_enclose_CL_2),
+        cmocka_unit_test_teardown(test_never_misses_and_tight_CL_2_CL_3_ES_60, harness_check),
+        cmocka_unit_test_teardown(test_small_and_edge_on_ES_60, harness_check),
+        cmocka_unit_test_teardown(test_centers_miss_CL_4, harness_check),
+        cmocka_unit_test_teardown(test_grids_CL_5, harness_check),
+        cmocka_unit_test_teardown(test_lights_per_pixel_CL_6, harness_check),
+        cmocka_unit_test_teardown(test_slices_CL_9, harness_check),
+        cmocka_unit_test_teardown(test_overflow_CL_10, harness_check),
+        cmocka_unit_test_teardown(test_slots_overflow_CL_10, harness_check),
+        cmocka_unit_test_teardown(test_nodes_CL_11_CL_12, harness_check),
+        cmocka_unit_test_teardown(test_memory_CL_14, harness_check),
+        cmocka_unit_test_teardown(test_gradients_ES_61, harness_check),
+        cmocka_unit_test_teardown(test_shadow_meshes_ES_63, harness_check),
+        cmocka_unit_test_teardown(test_hull_meshes_CL_2, harness_check),
+        cmocka_unit_test_teardown(test_pictures_CL_1, harness_check),
+        cmocka_unit_test_teardown(test_node_limits_in_frames_CL_11, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
