@@ -71,6 +71,27 @@ static void load_spot(struct gltf *g, json_t *object, const struct at *at, fnl_l
     }
 }
 
+/** The extras of a light may give it a shape that the extension lacks (docs/techniques/light-shapes.md); other programs see its type. */
+static void load_shape(struct gltf *g, json_t *light_object, const struct at *light_at, fnl_light_params *light) {
+    json_t *extras = json_object_get(light_object, "extras");
+    if (!json_is_object(extras)) return;
+    const struct at *extras_at = AT_KEY(light_at, "extras"), *at = AT_KEY(extras_at, "FNL_light_shapes");
+    json_t *object = gltf_object(g, extras, extras_at, "FNL_light_shapes", false);
+    const char *shape = object ? gltf_string(g, object, at, "shape", true) : NULL;
+    if (!shape) return;
+    fnl_light_kind kind = FNL_LIGHT_CAPSULE;
+    while (kind < FNL_LIGHT_KIND_COUNT && strcmp(shape, fnl_light_kind_name(kind)) != 0) kind++;
+    if (kind == FNL_LIGHT_KIND_COUNT) {
+        gltf_warn(g, AT_KEY(at, "shape"), "is none of capsule, wedge, box; it is ignored");
+        return;
+    }
+    light->kind = kind;
+    gltf_float(g, object, at, "length", false, 0, FLT_MAX, &light->length);
+    gltf_floats(g, object, at, "wedgeAngles", 2, 1e-3f, 1.5f, light->wedge_angles);
+    gltf_floats(g, object, at, "boxSize", 3, 1e-6f, 1e18f, &light->box_size.x);
+    gltf_float(g, object, at, "innerFraction", false, 0, 1, &light->inner_fraction);
+}
+
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
     fnl_light_params *light = &out->params;
     *light = fnl_light_params_default();
@@ -97,6 +118,7 @@ static void load_light(struct gltf *g, json_t *object, const struct at *at, stru
         json_t *spot = gltf_object(g, object, at, "spot", true);
         if (spot) load_spot(g, spot, AT_KEY(at, "spot"), light);
     }
+    load_shape(g, object, at, light);
     out->valid = true;
 }
 

@@ -423,6 +423,47 @@ static void test_sample_lights(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* The sample of the documentation: shapes in extras, posed by their nodes. */
+static void test_light_shapes_in_extras(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = load_sample("examples/light_shapes.gltf");
+    fnl_scene_info info;
+    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+    assert_true(info.point_count == 1 && info.spot_count == 1 && info.capsule_count == 1 && info.wedge_count == 1 &&
+                info.box_count == 1);
+    fnl_light_params capsule, wedge, box;
+    assert_int_equal(fnl_scene_query_light(scene, 2, &capsule), FNL_OK);
+    assert_int_equal(fnl_scene_query_light(scene, 3, &wedge), FNL_OK);
+    assert_int_equal(fnl_scene_query_light(scene, 4, &box), FNL_OK);
+    assert_true(capsule.kind == FNL_LIGHT_CAPSULE && capsule.length == 2 && capsule.direction.x > 0.9f);
+    assert_true(wedge.kind == FNL_LIGHT_WEDGE && wedge.wedge_angles[0] == 0.36f && wedge.wedge_angles[1] == 0.2f);
+    assert_true(box.kind == FNL_LIGHT_BOX && box.box_size.z == 5 && box.inner_fraction == 0.85f);
+    assert_true(fabsf(vec3_dot(wedge.up, wedge.direction)) < 1e-5f && fabsf(vec3_length(wedge.up) - 1) < 1e-5f);
+    assert_true(wedge.up.z < -0.8f && wedge.direction.y < -0.8f);
+    fnl_scene_destroy(&scene);
+
+    static const char json[] =
+        "{" ASSET ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"egg\"}}},"
+        "{\"type\":\"spot\",\"spot\":{},\"extras\":[1,2]},"
+        "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"wedge\",\"wedgeAngles\":[9,0.5]}}}]}},"
+        "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]}";
+    size_t size;
+    unsigned char *glb = test_glb(json, NULL, 0, &size);
+    fnl_host host = test_host(&file_log);
+    assert_int_equal(gltf_load_memory(&host, glb, size, "shapes.glb", NULL, &scene), FNL_OK);
+    free(glb);
+    assert_non_null(strstr(file_log.text, "/lights/0/extras/FNL_light_shapes/shape: is none of capsule, wedge, box"));
+    assert_non_null(strstr(file_log.text, "wedgeAngles"));
+    assert_int_equal(file_log.count, 2);
+    assert_int_equal(scene->lights.data[0].params.kind, FNL_LIGHT_POINT);
+    assert_int_equal(scene->lights.data[1].params.kind, FNL_LIGHT_SPOT);
+    assert_int_equal(scene->lights.data[2].params.kind, FNL_LIGHT_WEDGE);
+    assert_true(scene->lights.data[2].params.wedge_angles[0] == 1.5f && scene->lights.data[2].params.wedge_angles[1] == 0.5f);
+    fnl_scene_destroy(&scene);
+}
+
 static void test_sample_cameras(void **state) {
     UNUSED(state);
     fnl_scene *scene = load_sample(SCENES "geometry-camera-light.glb");
@@ -448,6 +489,7 @@ int main(void) {
         cmocka_unit_test(test_sample_counts),
         cmocka_unit_test(test_sample_primitive_modes),
         cmocka_unit_test(test_sample_lights),
+        cmocka_unit_test(test_light_shapes_in_extras),
         cmocka_unit_test(test_sample_cameras),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
