@@ -89,8 +89,7 @@ static void add_totals(struct graph *graph, const struct step_data *all, uint32_
                                .totals = out,
                                .sums_offset = cell_count * 4ull,
                                .lights_offset = all->input.local_count * 4ull};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "fine totals", all->input.queue, execute_totals, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "fine totals", all->input.queue, execute_totals, &data, sizeof data);
     graph_use_buffer(pass, data.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.overflow, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.lights, GRAPH_COPY_FROM);
@@ -127,22 +126,15 @@ static void add_step(struct graph *graph, const char *name, const struct gpu_sha
     const struct {
         graph_buffer buffer;
         bool writes, reads;
-    } uses[] = {{data.in_view.sums, false, true},
-                {data.in_view.ids, false, true},
-                {data.in_view.bounds, false, true},
-                {data.boxes, bounds, !bounds},
-                {data.ranges, depths, !depths},
-                {data.marks, marks, !marks},
-                {data.found, counts, fills},
-                {data.sums, counts, fills},
-                {data.overflow, true, fills},
+    } uses[] = {{data.in_view.sums, false, true}, {data.in_view.ids, false, true}, {data.in_view.bounds, false, true},
+                {data.boxes, bounds, !bounds},    {data.ranges, depths, !depths},  {data.marks, marks, !marks},
+                {data.found, counts, fills},      {data.sums, counts, fills},      {data.overflow, true, fills},
                 {data.ids, true, false}, /* and it reads back what it wrote */
-                {data.cells, true, false},
-                {data.extra, true, false}};
+                {data.cells, true, false},        {data.extra, true, false}};
     for (uint32_t i = 0; i < COUNT_OF(uses); i++) {
         if (!uses[i].buffer.id) continue;
         graph_use_buffer(pass, uses[i].buffer,
-                         !uses[i].writes  ? GRAPH_READ_COMPUTE
+                         !uses[i].writes ? GRAPH_READ_COMPUTE
                          : uses[i].reads ? GRAPH_READ_WRITE_COMPUTE
                                          : GRAPH_WRITE_COMPUTE);
     }
@@ -222,7 +214,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     }
     uint32_t visible = MAX(input->local_count, 1u);
     all.boxes = graph_create_buffer(graph, "fine boxes", visible * sizeof(struct gpu_fine_box));
-    if (depth.id) all.ranges = graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
+    if (depth.id)
+        all.ranges =
+            graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
     all.marks = graph_create_buffer(graph, "fine marks", block_bytes);
     all.found = graph_create_buffer(graph, "fine found", (uint64_t)cell_count * FINE_FOUND * 4);
     all.sums = graph_create_buffer(graph, "fine sums", (cell_count + 1) * 4ull);

@@ -19,13 +19,15 @@
 #include "passes/lights/light_list.h"
 
 struct fine_params {
-    uint32_t tile_size;     /* pixels: 8, 16, 32 or 64; default 16 */
-    bool pruning;           /* test pixels; false: boxes alone, and no masks; default true */
-    uint32_t mask_size;     /* side of the squares of pixels that share a mask: 1, 2, or 0: no masks; default 1 */
-    bool exact_positions;   /* shading makes its positions from depth as well, so that none have to be compared; default true */
-    bool blend;             /* a second list for blended surfaces; default false */
-    graph_image blend_depth; /* of the nearest of them; id 0 (default): they may be anywhere before what is opaque, and are not pruned */
-    bool probes;            /* another for probes (GPU_ENTITY_PROBE), from the same dispatches; default false */
+    uint32_t tile_size; /* pixels: 8, 16, 32 or 64; default 16 */
+    bool pruning;       /* test pixels; false: boxes alone, and no masks; default true */
+    uint32_t mask_size; /* side of the squares of pixels that share a mask: 1, 2, or 0: no masks; default 1 */
+    bool
+        exact_positions; /* shading makes its positions from depth as well, so that none have to be compared; default true */
+    bool blend;          /* a second list for blended surfaces; default false */
+    graph_image
+        blend_depth; /* of the nearest of them; id 0 (default): they may be anywhere before what is opaque, and are not pruned */
+    bool probes;     /* another for probes (GPU_ENTITY_PROBE), from the same dispatches; default false */
     float eye_distance;     /* metres of the eye from the world's origin; default 0 */
     uint32_t pool_capacity; /* default 2^20 */
 };
