@@ -253,8 +253,15 @@ struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_c
 static bool skip(struct bench_plan *plan, const struct bench_case *where, const struct bench_candidate *what,
                  const char *reason) {
     json_t *entry = bench_key(where, what);
+    const json_t *other;
+    size_t i;
     if (!entry) return false;
     json_object_set_new(entry, "reason", json_string(reason));
+    json_array_foreach(plan->skipped, i, other) {
+        if (!json_equal(entry, other)) continue;
+        json_decref(entry);
+        return true;
+    }
     return json_array_append_new(plan->skipped, entry) == 0;
 }
 
@@ -395,8 +402,9 @@ int command_bench(int argc, char **argv) {
 
     struct bench_plan plan = {.skipped = json_array()};
     struct bench_data data = {NULL, NULL};
-    bool planned = o.suite ? bench_suite_plan(o.suite, o.size_count ? o.sizes[0][0] : 0, o.size_count ? o.sizes[0][1] : 0, &plan)
-                           : plan_matrix(&o, scenes, scene_count, &plan);
+    bool planned = o.suite
+                       ? bench_suite_plan(o.suite, o.size_count ? o.sizes[0][0] : 0, o.size_count ? o.sizes[0][1] : 0, &plan)
+                       : plan_matrix(&o, scenes, scene_count, &plan);
     int status = 2;
     if (!planned)
         fputs("fanal: error: memory ran out\n", stderr);

@@ -13,7 +13,7 @@ uint32_t bench_unequal_count(const struct bench_data *data) {
     const json_t *result;
     size_t i;
     uint32_t count = 0;
-    json_array_foreach(json_object_get(data->root, "results"), i, result) count += is_unequal(result);
+    json_array_foreach(json_object_get(data->root, "results"), i, result) { count += is_unequal(result); }
     return count;
 }
 
@@ -36,8 +36,9 @@ static const json_t **sorted_case(const json_t *results, const json_t *first, si
     size_t i;
     *count = 0;
     if (!sorted) return NULL;
-    json_array_foreach(results, i, result)
+    json_array_foreach(results, i, result) {
         if (bench_same_case(result, first)) sorted[(*count)++] = result;
+    }
     qsort(sorted, *count, sizeof *sorted, by_time);
     return sorted;
 }
@@ -66,8 +67,8 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
         if (is_clear(sorted[0], sorted[other]))
             snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms, %.2fx ahead of %s.", place, best, time, ratio, next);
         else
-            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms; %s (%.2fx) is within the spread.", place, best, time, next,
-                     ratio);
+            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms; %s (%.2fx) is within the spread.", place, best, time,
+                     next, ratio);
     } else {
         snprintf(text, sizeof text, "On %s: %s, %.3g ms.", place, best, time);
     }
@@ -87,8 +88,8 @@ void bench_conclude(struct bench_data *data) {
         if (!is_unequal(result)) continue;
         bench_describe_case(result, place, sizeof place);
         bench_describe(result, what, sizeof what);
-        snprintf(text, sizeof text, "WRONG PICTURE on %s: with %s %.0f pixels differ from the reference, by up to %.4g.", place,
-                 what, bench_number(result, "differing_pixels", 0), bench_number(result, "max_difference", 0));
+        snprintf(text, sizeof text, "WRONG PICTURE on %s: with %s %.0f pixels differ from the reference, by up to %.4g.",
+                 place, what, bench_number(result, "differing_pixels", 0), bench_number(result, "max_difference", 0));
         json_array_append_new(lines, json_string(text));
     }
     json_object_set_new(data->root, "conclusions", lines);
@@ -100,9 +101,14 @@ static void print_case(const json_t *results, const json_t *first) {
     char text[512];
     size_t count;
     const json_t **sorted = sorted_case(results, first, &count);
+    int width = 24;
+    for (size_t i = 0; sorted && i < count; i++) {
+        bench_describe(sorted[i], text, sizeof text);
+        if ((int)strlen(text) > width) width = (int)strlen(text);
+    }
     bench_describe_case(first, text, sizeof text);
-    printf("\n%s\n  %-42s %10s %8s %10s %10s %10s %10s  %s\n", text, "medians", "frame, ms", "+-", "lists, ms", "shade, ms",
-           "lights/px", "of least", "picture");
+    printf("\n%s\n  %-*s %10s %8s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "+-", "lists, ms",
+           "shade, ms", "lights/px", "of least", "picture");
     for (size_t i = 0; sorted && i < count; i++) {
         const json_t *r = sorted[i];
         double useful = bench_number(r, "useful_per_pixel", 0), per_pixel = bench_number(r, "per_pixel", 0);
@@ -110,10 +116,12 @@ static void print_case(const json_t *results, const json_t *first) {
         char ratio[32] = "-";
         if (useful > 0) snprintf(ratio, sizeof ratio, "%.2fx", per_pixel / useful);
         bench_describe(r, text, sizeof text);
-        printf("  %-42s %10.3f %8.3f %10.3f %10.3f %10.2f %10s  %s\n", text, bench_median(r, "frame_ms"),
+        printf("  %-*s %10.3f %8.3f %10.3f %10.3f %10.2f %10s  %s\n", width, text, bench_median(r, "frame_ms"),
                bench_number(json_object_get(r, "frame_ms"), "mad", 0), bench_median(r, "lists_ms"),
                bench_median(r, "shading_ms"), per_pixel, ratio,
-               json_is_true(equal) ? "equal" : json_is_false(equal) ? "DIFFERS" : "not compared");
+               json_is_true(equal)    ? "equal"
+               : json_is_false(equal) ? "DIFFERS"
+                                      : "not compared");
     }
     free(sorted);
 }
@@ -131,7 +139,9 @@ static void print_skipped(const json_t *skipped) {
         for (size_t j = 0; j < json_array_size(skipped); j++) {
             const json_t *against = json_array_get(skipped, j);
             bench_describe(against, other, sizeof other);
-            if (strcmp(what, other) != 0 || !json_equal(json_object_get(entry, "reason"), json_object_get(against, "reason"))) continue;
+            if (strcmp(what, other) != 0 ||
+                !json_equal(json_object_get(entry, "reason"), json_object_get(against, "reason")))
+                continue;
             shown = shown || j < i;
             count++;
         }
@@ -148,10 +158,10 @@ static void print_suite(const json_t *suite) {
     printf("\n%s\n  %-60s %10s %10s  %s\n", json_string_value(json_object_get(suite, "title")), "quantity", "source", "ours",
            "verdict");
     json_array_foreach(json_object_get(suite, "rows"), i, row) {
-        char source[32], ours[32] = "-";
-        double value = bench_number(row, "ours", NAN);
-        snprintf(source, sizeof source, "%s %.3g", json_string_value(json_object_get(row, "comparison")),
-                 bench_number(row, "source", NAN));
+        char source[32] = "-", ours[32] = "-";
+        double value = bench_number(row, "ours", NAN), theirs = bench_number(row, "source", NAN);
+        if (isfinite(theirs))
+            snprintf(source, sizeof source, "%s %.3g", json_string_value(json_object_get(row, "comparison")), theirs);
         if (isfinite(value)) snprintf(ours, sizeof ours, "%.3f", value);
         printf("  %-60s %10s %10s  %s\n", json_string_value(json_object_get(row, "quantity")), source, ours,
                json_string_value(json_object_get(row, "verdict")));
@@ -164,10 +174,11 @@ void bench_print(const struct bench_data *data) {
     size_t i;
     printf("%s, %s\n", json_string_value(json_object_get(device, "name")),
            json_string_value(json_object_get(device, "driver")));
-    json_array_foreach(results, i, result)
+    json_array_foreach(results, i, result) {
         if (is_first(results, i)) print_case(results, result);
+    }
     print_skipped(json_object_get(data->root, "skipped"));
     print_suite(json_object_get(data->root, "suite"));
     putchar('\n');
-    json_array_foreach(json_object_get(data->root, "conclusions"), i, line) puts(json_string_value(line));
+    json_array_foreach(json_object_get(data->root, "conclusions"), i, line) { puts(json_string_value(line)); }
 }

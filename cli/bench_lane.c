@@ -28,10 +28,13 @@ static enum role role_of(const char *name) {
     static const struct {
         const char *start;
         enum role role;
-    } roles[] = {{"forward", ROLE_SHADING},    {"deferred", ROLE_SHADING}, {"multipass", ROLE_SHADING}, {"cull", ROLE_GEOMETRY},
-                 {"sort", ROLE_GEOMETRY},      {"gbuffer", ROLE_GEOMETRY}, {"depth prepass", ROLE_GEOMETRY},
-                 {"skin", ROLE_GEOMETRY},      {"morph", ROLE_GEOMETRY},   {"meter", ROLE_REST},       {"exposure", ROLE_REST},
-                 {"tonemap", ROLE_REST},       {"read ", ROLE_READ},       {"to host", ROLE_READ},     {"counts to host", ROLE_READ}};
+    } roles[] = {{"forward", ROLE_SHADING},        {"deferred", ROLE_SHADING},     {"multipass", ROLE_SHADING},
+                 {"classify", ROLE_SHADING},       {"volumes", ROLE_SHADING},      {"cull", ROLE_GEOMETRY},
+                 {"sort", ROLE_GEOMETRY},          {"blend depth", ROLE_GEOMETRY}, {"gbuffer", ROLE_GEOMETRY},
+                 {"depth prepass", ROLE_GEOMETRY}, {"blend sort", ROLE_GEOMETRY},  {"skin", ROLE_GEOMETRY},
+                 {"morph", ROLE_GEOMETRY},         {"meter", ROLE_REST},           {"exposure", ROLE_REST},
+                 {"tonemap", ROLE_REST},           {"read ", ROLE_READ},           {"to host", ROLE_READ},
+                 {"counts to host", ROLE_READ}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
         if (strncmp(name, roles[i].start, strlen(roles[i].start)) == 0) return roles[i].role;
     return ROLE_LISTS;
@@ -143,8 +146,8 @@ static json_t *summarise(const double *times, uint32_t count) {
            p95 = quantile(sorted, count, 0.95);
     for (uint32_t i = 0; i < count; i++) sorted[i] = fabs(sorted[i] - median);
     qsort(sorted, count, sizeof *sorted, compare_doubles);
-    json_t *json = json_pack("{s:f,s:f,s:f,s:f,s:f}", "median", rounded(median), "min", rounded(low), "p5", rounded(p5), "p95",
-                             rounded(p95), "mad", rounded(quantile(sorted, count, 0.5)));
+    json_t *json = json_pack("{s:f,s:f,s:f,s:f,s:f}", "median", rounded(median), "min", rounded(low), "p5", rounded(p5),
+                             "p95", rounded(p95), "mad", rounded(quantile(sorted, count, 0.5)));
     free(sorted);
     return json;
 }
@@ -211,7 +214,6 @@ void lane_picture_name(const json_t *key, const char *kind, char *text, size_t c
              json_is_integer(lights) ? (long long)json_integer_value(lights) : -1LL,
              (long long)json_integer_value(json_object_get(key, "width")),
              (long long)json_integer_value(json_object_get(key, "height")),
-             (long long)json_integer_value(json_object_get(key, "msaa")),
-             json_string_value(json_object_get(key, "shading")), json_string_value(json_object_get(key, "lists")),
-             json_string_value(json_object_get(key, "options")), kind);
+             (long long)json_integer_value(json_object_get(key, "msaa")), json_string_value(json_object_get(key, "shading")),
+             json_string_value(json_object_get(key, "lists")), json_string_value(json_object_get(key, "options")), kind);
 }

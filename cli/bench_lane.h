@@ -51,7 +51,8 @@ void lane_finish(struct lane *lane);
 bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats);
 void lane_note_counts(struct lane *lane, const fnl_frame_stats *stats);
 /** Adds all numbers to `result`, which holds the key already. */
-void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_info *scene, bool shared, uint32_t wanted_frames);
+void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_info *scene, bool shared,
+                     uint32_t wanted_frames);
 /** The name of a picture in bench_data.pictures: "scene|lights|640x360|1|deferred|tiled||kind". */
 void lane_picture_name(const json_t *key, const char *kind, char *text, size_t capacity);
 

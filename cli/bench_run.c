@@ -490,8 +490,8 @@ static void announce_case(const struct bench_run *run, const struct bench_case *
     char lights[32] = "";
     if (run->settings->quiet || isatty(STDERR_FILENO)) return;
     if (c->lights >= 0) snprintf(lights, sizeof lights, ", lights %lld", (long long)c->lights);
-    fprintf(stderr, "case %u of %u: %s%s, %ux%u, MSAA %u: %u ways\n", run->case_index + 1, run->plan->case_count, c->scene, lights,
-            c->width, c->height, c->msaa, run->lane_count);
+    fprintf(stderr, "case %u of %u: %s%s, %ux%u, MSAA %u: %u ways\n", run->case_index + 1, run->plan->case_count, c->scene,
+            lights, c->width, c->height, c->msaa, run->lane_count);
 }
 
 static void run_case(struct bench_run *run, const struct bench_case *c) {
@@ -532,8 +532,8 @@ static json_t *describe_device(const fnl_device_info *info) {
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
-    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up, "checks",
-                     (json_int_t)s->checks, "reference", fnl_light_lists_name(s->reference), "camera", camera,
+    return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
+                     "checks", (json_int_t)s->checks, "reference", fnl_light_lists_name(s->reference), "camera", camera,
                      "camera_path", s->camera_path ? s->camera_path : "");
 }
 

@@ -34,74 +34,69 @@ struct bench_suite {
 
 /* ---- Ishmukhametov: Efficient Tile-Based Deferred Shading Pipeline, DigiPen 2013: four walls ---- */
 
+/* clang-format off */
 #define VOLUMES {FNL_SHADING_DEFERRED_VOLUMES, FNL_LISTS_ALL, ""}
 #define TILED {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, ""}
 #define BACKFACE {FNL_SHADING_DEFERRED, FNL_LISTS_BACKFACE, ""}
-#define WALL(number, volumes_tiled, backface_tiled, volumes_backface)                                                       \
-    {"test " #number ": light volumes / tiled", "gpu_ms", "builtin:wall?test=" #number, -1, -1, VOLUMES, TILED, true,        \
-     volumes_tiled, volumes_tiled},                                                                                         \
-        {"test " #number ": tiled with back faces / tiled", "gpu_ms", "builtin:wall?test=" #number, -1, -1, BACKFACE, TILED, \
-         false, backface_tiled, backface_tiled},                                                                            \
-        {"test " #number ": light volumes / tiled with back faces", "gpu_ms", "builtin:wall?test=" #number, -1, -1, VOLUMES, \
-         BACKFACE, true, volumes_backface, volumes_backface}
+#define WALL(test, quantity, a, b, at_least, source)                                                                         \
+    {"test " #test ": " quantity, "gpu_ms", "builtin:wall?test=" #test, -1, -1, a, b, at_least, source, source}
+#define WALLS(test, volumes_tiled, backface_tiled, volumes_backface)                                                         \
+    WALL(test, "light volumes / tiled", VOLUMES, TILED, true, volumes_tiled),                                                \
+    WALL(test, "tiled with back faces / tiled", BACKFACE, TILED, false, backface_tiled),                                     \
+    WALL(test, "light volumes / tiled with back faces", VOLUMES, BACKFACE, true, volumes_backface)
 
-static const struct row thesis_rows[] = {WALL(1, 1.18, 1.053, 1.12), WALL(2, 1.60, 0.853, 1.87), WALL(3, 2.17, 0.667, 3.26),
-                                         WALL(4, 2.36, 0.603, 3.91)};
+static const struct row thesis_rows[] = {
+    WALLS(1, 1.18, 1.053, 1.12),
+    WALLS(2, 1.60, 0.853, 1.87),
+    WALLS(3, 2.17, 0.667, 3.26),
+    WALLS(4, 2.36, 0.603, 3.91),
+};
 
 /* ---- Ortegren, Persson: Clustered Shading: Assigning Lights Using Conservative Rasterization, GPU Pro 7 ---- */
 
-/* Grids of 24 x 12 and 48 x 24 tiles at 1536 x 768; the second letter tells exponential from linear slices. */
-#define GRID(lists, size, slices, distribution)                                                                              \
-    {FNL_SHADING_DEFERRED, lists, "cluster-size=" #size ",slices=" #slices ",distribution=" distribution}
-#define RASTER(size, slices) GRID(FNL_LISTS_RASTER, size, slices, "exponential")
-#define RASTER_LINEAR(size, slices) GRID(FNL_LISTS_RASTER, size, slices, "linear")
-#define HALL "builtin:hall"
-#define EACH_GRID(lights)                                                                                                    \
-    {"24x12x32: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                      \
-     RASTER_LINEAR(64, 32), RASTER(64, 32), true, NAN, 0},                                                                   \
-        {"24x12x64: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
-         RASTER_LINEAR(64, 64), RASTER(64, 64), true, NAN, 0},                                                               \
-        {"24x12x128: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                 \
-         RASTER_LINEAR(64, 128), RASTER(64, 128), true, NAN, 0},                                                             \
-        {"48x24x32: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
-         RASTER_LINEAR(32, 32), RASTER(32, 32), true, NAN, 0},                                                               \
-        {"48x24x64: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                  \
-         RASTER_LINEAR(32, 64), RASTER(32, 64), true, NAN, 0},                                                               \
-        {"48x24x128: linear / exponential, shading, " #lights " lights", "shading_ms", HALL, lights, lights,                 \
-         RASTER_LINEAR(32, 128), RASTER(32, 128), true, NAN, 0}
+/* Grids at 1536 x 768: clusters of 64 pixels make 24 x 12 tiles, of 32 pixels 48 x 24. */
+#define GRID(size, slices, distribution)                                                                                     \
+    {FNL_SHADING_DEFERRED, FNL_LISTS_RASTER, "cluster-size=" #size ",slices=" #slices ",distribution=" distribution}
+#define RASTER(size, slices) GRID(size, slices, "exponential")
+#define LINEAR(size, slices) GRID(size, slices, "linear")
+#define HALL(quantity, metric, lights_a, lights_b, a, b, source, limit)                                                      \
+    {quantity, metric, "builtin:hall", lights_a, lights_b, a, b, false, source, limit}
+#define SLICES(tiles, size, slices, lights)                                                                                  \
+    {tiles "x" #slices ": shading, linear / exponential, " #lights " lights", "shading_ms", "builtin:hall", lights, lights,  \
+     LINEAR(size, slices), RASTER(size, slices), true, NAN, 0}
+#define GRIDS(lights)                                                                                                        \
+    SLICES("24x12", 64, 32, lights), SLICES("24x12", 64, 64, lights), SLICES("24x12", 64, 128, lights),                      \
+    SLICES("48x24", 32, 32, lights), SLICES("48x24", 32, 64, lights), SLICES("48x24", 32, 128, lights)
 
 static const struct row clustered_rows[] = {
-    EACH_GRID(1024),
-    EACH_GRID(2048),
-    EACH_GRID(4096),
-    {"assignment, 24x12x128, 4096 lights / tiled culling", "lists_ms", HALL, 4096, 4096, RASTER(64, 128), TILED, false, 1.05,
-     1.05},
-    {"lights per pixel, 24x12x128 / 96x48 tiles, 4096 lights", "per_pixel", HALL, 4096, 4096, RASTER(64, 128), TILED, false, 1,
-     1},
-    {"fill, 48x24x128 / 24x12x32, 4096 lights", "fill", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 32), false, 6.5, 6.5},
-    {"shell, 48x24x32 / 24x12x32, 4096 lights", "shell", HALL, 4096, 4096, RASTER(32, 32), RASTER(64, 32), false, 1, 1.1},
-    {"assignment, 24x12x128, 4096 / 2048 lights", "lists_ms", HALL, 4096, 2048, RASTER(64, 128), RASTER(64, 128), false, 2, 2},
-    {"shading, 48x24x128 / 24x12x64, 4096 lights", "shading_ms", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 64), false,
-     0.717, 0.717},
-    {"memory, 48x24x128 / 24x12x64, 4096 lights", "list_used_bytes", HALL, 4096, 4096, RASTER(32, 128), RASTER(64, 64), false,
-     6.6, 6.6},
-    {"shading, 24x12x128 / 48x24x32 (as many clusters), 4096 lights", "shading_ms", HALL, 4096, 4096, RASTER(64, 128),
-     RASTER(32, 32), false, 1, 1},
+    GRIDS(1024),
+    GRIDS(2048),
+    GRIDS(4096),
+    HALL("assignment, 24x12x128 / tiled culling, 4096 lights", "lists_ms", 4096, 4096, RASTER(64, 128), TILED, 1.05, 1.05),
+    HALL("lights per pixel, 24x12x128 / tiled, 4096 lights", "per_pixel", 4096, 4096, RASTER(64, 128), TILED, 1, 1),
+    HALL("fill, 48x24x128 / 24x12x32, 4096 lights", "fill", 4096, 4096, RASTER(32, 128), RASTER(64, 32), 6.5, 6.5),
+    HALL("shell, 48x24x32 / 24x12x32, 4096 lights", "shell", 4096, 4096, RASTER(32, 32), RASTER(64, 32), 1, 1.1),
+    HALL("assignment, 24x12x128, 4096 / 2048 lights", "lists_ms", 4096, 2048, RASTER(64, 128), RASTER(64, 128), 2, 2),
+    HALL("shading, 48x24x128 / 24x12x64, 4096 lights", "shading_ms", 4096, 4096, RASTER(32, 128), RASTER(64, 64), 0.717, 0.717),
+    HALL("memory, 48x24x128 / 24x12x64, 4096 lights", "list_used_bytes", 4096, 4096, RASTER(32, 128), RASTER(64, 64), 6.6, 6.6),
+    HALL("shading, 24x12x128 / 48x24x32, 4096 lights", "shading_ms", 4096, 4096, RASTER(64, 128), RASTER(32, 32), 1, 1),
 };
 
 /* ---- Mikkelsen: Fine Pruned Tiled Light Lists, GPU Pro 7 ---- */
 
+/* Coarse: the rectangle and the depths of a light against those of a tile, whatever its shape. */
 #define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, "tile-bounds=projected,cone-tests=off"}
 #define FINE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, ""}
-#define INTERIOR "builtin:hall"
+#define INTERIOR(quantity, metric, lights, a, b, at_least, source)                                                           \
+    {quantity ", " #lights " lights", metric, "builtin:interior", lights, lights, a, b, at_least, source, source}
+#define INTERIORS(lights)                                                                                                    \
+    INTERIOR("deferred lighting, coarse / fine", "shading_ms", lights, COARSE, FINE, true, 3.86),                            \
+    INTERIOR("lists and lighting, coarse / fine", "lists_ms+shading_ms", lights, COARSE, FINE, true, 1.64),                  \
+    INTERIOR("list build, fine / coarse", "lists_ms", lights, FINE, COARSE, false, 3.4),                                     \
+    INTERIOR("lights per pixel, coarse / fine", "per_pixel", lights, COARSE, FINE, true, NAN)
 
-static const struct row fine_rows[] = {
-    {"deferred lighting, coarse / fine, 100 lights", "shading_ms", INTERIOR, 100, 100, COARSE, FINE, true, 3.86, 3.86},
-    {"lists and lighting, coarse / fine, 100 lights", "lists_ms+shading_ms", INTERIOR, 100, 100, COARSE, FINE, true, 1.64,
-     1.64},
-    {"list build, fine / coarse, 100 lights", "lists_ms", INTERIOR, 100, 100, FINE, COARSE, false, 3.4, 3.4},
-    {"lights per pixel, fine / coarse, 100 lights", "per_pixel", INTERIOR, 100, 100, FINE, COARSE, false, 1, 1},
-};
+static const struct row fine_rows[] = {INTERIORS(40), INTERIORS(80), INTERIORS(120)};
+/* clang-format on */
 
 static const struct bench_suite suites[] = {
     {"thesis", "Ishmukhametov 2013: light volumes, tiles, and tiles that drop lights behind their surfaces", 1280, 720,
@@ -183,16 +178,18 @@ static double spread_of(const json_t *result, const char *metric) {
 
 static json_t *conclude_row(const struct bench_suite *suite, const struct row *row, uint32_t width, uint32_t height,
                             const struct bench_data *data) {
-    struct bench_case at = case_of(suite, row, row->lights_a, width, height), bt = case_of(suite, row, row->lights_b, width, height);
+    struct bench_case at = case_of(suite, row, row->lights_a, width, height),
+                      bt = case_of(suite, row, row->lights_b, width, height);
     struct bench_candidate ac = candidate_of(&row->a), bc = candidate_of(&row->b);
     const json_t *a = bench_find(data, &at, &ac), *b = bench_find(data, &bt, &bc);
     double ours = a && b ? quantity_of(a, row->metric) / quantity_of(b, row->metric) : NAN;
-    bool known = isfinite(ours), wrong = json_is_false(json_object_get(a, "equal")) || json_is_false(json_object_get(b, "equal"));
-    const char *verdict = !known                                                            ? "not measured"
-                          : wrong                                                           ? "wrong picture"
-                          : isnan(row->source)                                              ? "no number in the source"
+    bool known = isfinite(ours),
+         wrong = json_is_false(json_object_get(a, "equal")) || json_is_false(json_object_get(b, "equal"));
+    const char *verdict = !known                                                      ? "not measured"
+                          : wrong                                                     ? "wrong picture"
+                          : isnan(row->source)                                        ? "no number in the source"
                           : (row->at_least ? ours >= row->limit : ours <= row->limit) ? "reached"
-                                                                                            : "missed";
+                                                                                      : "missed";
     json_t *json = json_pack("{s:s,s:s,s:s,s:s}", "quantity", row->quantity, "scene", row->scene, "comparison",
                              row->at_least ? ">=" : "<=", "verdict", verdict);
     json_object_set_new(json, "source", isnan(row->source) ? json_null() : json_real(row->source));

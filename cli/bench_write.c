@@ -154,13 +154,17 @@ static void append_field(struct text *t, const json_t *value) {
 }
 
 /* A column is a key, or "times.statistic". */
+/* clang-format off */
 static const char *const columns[] = {
-    "scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "lights_in_view", "frames", "frame_ms.median",
-    "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad", "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95",
-    "gpu_ms.mad", "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad", "wall_ms.median", "lists_ms.median",
-    "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median", "evaluations",
-    "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel", "list_bytes", "list_used_bytes", "list_entries",
-    "cells", "overflow_cells", "dropped", "triangles", "equal", "differing_pixels", "max_difference"};
+    "scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "lights_in_view", "frames",
+    "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
+    "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
+    "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",
+    "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median",
+    "evaluations", "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel",
+    "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles",
+    "equal", "differing_pixels", "max_difference"};
+/* clang-format on */
 
 static bool save_csv(const char *folder, const json_t *root) {
     enum { COUNT = sizeof columns / sizeof *columns };
@@ -253,8 +257,9 @@ bool bench_load(const char *folder, struct bench_data *data) {
     const json_t *results = json_object_get(data->root, "results"), *result;
     bool good = json_is_array(results);
     size_t i;
-    json_array_foreach(results, i, result)
+    json_array_foreach(results, i, result) {
         good = good && *string_of(result, "scene") && *string_of(result, "lists") && *string_of(result, "shading");
+    }
     if (!good) {
         fprintf(stderr, "fanal: error: %s/results.json: these are no results of fanal bench%s%s\n", folder,
                 *error.text ? ": " : "", error.text);

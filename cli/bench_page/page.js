@@ -70,7 +70,7 @@ function roleColor(role, shade) {
 
 /* ---- state ---- */
 
-const shadings = unique(results.map((r) => r.shading)), cases = unique(results.map(caseName));
+const cases = unique(results.map(caseName));
 const best = results.reduce((a, b) => (median(b, 'frame_ms') < median(a, 'frame_ms') ? b : a), results[0]);
 const state = {case: cases[0], shading: best ? best.shading : '', lights: null, metric: 'frame_ms', hidden: new Set()};
 const metrics = {
@@ -175,10 +175,12 @@ function axis(title, type, more) {
   }, more);
 }
 /* Of a logarithmic axis only 1, 2 and 5 carry numbers, only 1 where there are many decades. */
-function logAxis(title) {
+function logAxis(title, values) {
+  const range = values.filter((v) => v > 0), pad = 1.25;
   return axis(title, 'logarithmic', {
+    min: range.length ? Math.min(...range) / pad : undefined, max: range.length ? Math.max(...range) * pad : undefined,
     afterBuildTicks(scale) {
-      const decades = Math.log10(scale.max / scale.min), keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : [1, 2, 5], ticks = [];
+      const decades = Math.log10(scale.max / scale.min), keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8], ticks = [];
       for (let power = Math.floor(Math.log10(scale.min)); power <= Math.ceil(Math.log10(scale.max)); power++)
         for (const digit of keep) {
           const value = Number((digit * Math.pow(10, power)).toPrecision(3));
@@ -244,13 +246,13 @@ function linePlot(container, name, key, title, more) {
   });
   plot(container, name, 380, {
     type: 'line', data: {datasets: datasets.concat(more || [])},
-    options: {scales: {x: lightsAxis(counts), y: logAxis(title)},
+    options: {scales: {x: lightsAxis(counts), y: logAxis(title, datasets.concat(more || []).flatMap((d) => d.data.map((p) => p.y).concat((d.spreads || []).flat())))},
       plugins: {tooltip: {callbacks: {title: (items) => plural(items[0].parsed.x, 'light'), label: (item) => item.dataset.label + ': ' + number(item.parsed.y)}}}}
   });
 }
 /* `sets`: {label, color, value(r), whisker?}; bars lie along x, one row for each result. */
 function barPlot(container, name, rows, title, sets, more) {
-  const options = more || {}, x = options.log ? logAxis(title) : axis(title, 'linear', {beginAtZero: true});
+  const options = more || {}, x = options.log ? logAxis(title, rows.flatMap((r) => sets.map((set) => set.value(r)))) : axis(title, 'linear', {beginAtZero: true});
   if (options.stacked) x.stacked = true;
   plot(container, name, barHeight(rows, sets.length > 1 && !options.stacked ? 40 : 30), {
     type: 'bar',
@@ -330,7 +332,7 @@ addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to
     type: 'scatter',
     data: {datasets: rows.map((r) => { const look = style(scheme(r)); return {label: scheme(r), data: [{x: Math.max(median(r, 'lists_ms'), floor), y: median(r, 'shading_ms')}], real: median(r, 'lists_ms'),
       borderColor: look.color, backgroundColor: look.color, pointStyle: look.marker, pointRadius: 7, pointHoverRadius: 9, pointBorderWidth: 2}; })},
-    options: {scales: {x: logAxis('building lists, ms'), y: logAxis('shading, ms')}, plugins: {tooltip: {callbacks: {
+    options: {scales: {x: logAxis('building lists, ms', rows.map((r) => Math.max(median(r, 'lists_ms'), floor))), y: logAxis('shading, ms', rows.map((r) => median(r, 'shading_ms')))}, plugins: {tooltip: {callbacks: {
       label: (item) => item.dataset.label + ': lists ' + number(item.dataset.real) + ' ms, shading ' + number(item.parsed.y) + ' ms'}}}}
   });
   body.append(table('balance', ['ms, medians', 'lists', 'shading', 'both', 'lists, part of both'], atLights().map((r) => ({r, both: median(r, 'lists_ms') + median(r, 'shading_ms')})).sort((a, b) => a.both - b.both).map(({r, both}, i) => ({best: i === 0,
@@ -356,10 +358,12 @@ function figure(uri, text, alt) {
 addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order, bit for bit, before tone mapping.', (body) => {
   const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'});
   const reference = data.settings.reference;
-  for (const shading of unique(all.map((r) => r.shading))) {
-    const r = all.find((x) => x.shading === shading), picture = pictures[pictureKey(r, reference, '', 'reference')], difference = pictures[pictureKey(r, reference, '', 'shading')];
+  const orders = unique(all.map((r) => r.shading)), of = (shading, kind) => pictures[pictureKey(all.find((x) => x.shading === shading), reference, '', kind)];
+  const base = orders.find((shading) => of(shading, 'reference') && !of(shading, 'shading')); /* what the others were compared with */
+  for (const shading of orders) {
+    const picture = of(shading, 'reference'), difference = of(shading, 'shading');
     if (picture) grid.append(figure(picture, shading + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + shading));
-    if (difference) grid.append(figure(difference, shading + ' against ' + shadings[0] + ', difference × 16', 'Differences of two shading orders'));
+    if (difference) grid.append(figure(difference, shading + ' against ' + base + ', difference × 16', 'Differences of two shading orders'));
   }
   for (const r of lines().filter((x) => lightsOf(x) === state.lights)) {
     const heat = pictures[pictureKey(r, r.lists, r.options, 'lights')], wrong = pictures[pictureKey(r, r.lists, r.options, 'picture')], difference = pictures[pictureKey(r, r.lists, r.options, 'difference')];
@@ -398,7 +402,8 @@ function drawHead() {
 }
 function drawConclusions() {
   const lead = (text) => element('li', text.startsWith('WRONG') ? {class: 'bad'} : null, text);
-  const all = data.conclusions.slice().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG')), count = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
+  /* Wrong pictures first, then the cases with most lights, which come last in the plan. */
+  const all = data.conclusions.slice().reverse().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG')), count = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
   const first = all.slice(0, 6), rest = all.slice(6);
   return element('section', {id: 'conclusions'}, element('ul', {class: 'lead'}, ...first.map(lead),
     element('li', {class: count === compared ? 'good' : 'bad'}, compared ? count + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.')),

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/* The parts of `fanal bench` that need no device: comparing pictures, paths, conclusions, files. */
+#include "bench.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char folder[] = "/tmp/fanal-bench-XXXXXX";
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    static const char *const names[] = {"results.json", "results.csv", "report.html", "path.txt"};
+    char path[256];
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        unlink(path);
+    }
+    return rmdir(folder);
+}
+
+/* ---- pictures ---- */
+
+static void test_pictures_are_compared_bit_by_bit(void **state) {
+    (void)state;
+    float a[8] = {1, 2, 3, 1, 0, 5, 6, 1}, b[8];
+    fnl_image first = {2, 1, FNL_PIXEL_FORMAT_RGBA32F, a}, second = {2, 1, FNL_PIXEL_FORMAT_RGBA32F, b};
+    uint64_t differing;
+    double max;
+    memcpy(b, a, sizeof a);
+    bench_picture_compare(&first, &second, &differing, &max);
+    assert_int_equal(differing, 0);
+    assert_true(max == 0);
+    b[5] = nextafterf(5, 6);
+    bench_picture_compare(&first, &second, &differing, &max);
+    assert_int_equal(differing, 1);
+    assert_true(max > 0 && max < 1e-6);
+    b[4] = -0.0f; /* equal as a number, but not the same bits */
+    b[5] = 5;
+    bench_picture_compare(&first, &second, &differing, &max);
+    assert_int_equal(differing, 1);
+    b[0] = NAN;
+    bench_picture_compare(&first, &second, &differing, &max);
+    assert_int_equal(differing, 2);
+    assert_true(isinf(max));
+    second.width = 1;
+    bench_picture_compare(&first, &second, &differing, &max);
+    assert_int_equal(differing, 2);
+}
+
+/* ---- paths ---- */
+
+static bool load_path(const char *text, struct bench_path *path) {
+    char file[256];
+    fnl_camera base = fnl_camera_default();
+    snprintf(file, sizeof file, "%s/path.txt", folder);
+    assert_true(bench_save_file(folder, "path.txt", text, strlen(text)));
+    return bench_path_create(path, file, NULL, &base, 0, 1);
+}
+
+static void test_paths(void **state) {
+    (void)state;
+    struct bench_path path;
+    assert_true(load_path("# comment\n\n  0 1 2 3  4 5 6\n0.5\t-1 2 3 4 5 6 # more\r\n1 7 8 9 1 1 1", &path));
+    assert_int_equal(path.count, 3);
+    assert_true(path.points[0].camera.position.y == 2 && path.points[0].camera.target.z == 6);
+    assert_true(path.points[1].time == 0.5 && path.points[1].camera.position.x == -1);
+    assert_true(path.points[2].camera.position.z == 9);
+    assert_true(path.points[2].camera.vertical_fov == fnl_camera_default().vertical_fov);
+    bench_path_destroy(&path);
+    static const char *const bad[] = {"",
+                                      "# nothing\n",
+                                      "0 1 2 3 4 5\n",
+                                      "0 1 2 3 4 5 6 7\n",
+                                      "0 1 2 3 4 5 x\n",
+                                      "0 1 2 3 1 2 3\n",
+                                      "1 1 2 3 4 5 6\n0 1 2 3 4 5 6\n",
+                                      "nan 1 2 3 4 5 6\n",
+                                      "0 inf 2 3 4 5 6\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(load_path(bad[i], &path));
+}
+
+/* ---- results ---- */
+
+static json_t *make_result(const char *lists, double median, double mad, const char *equal) {
+    return json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:{s:f,s:f},s:o,s:i,s:f}", "scene", "a,\"b\".gltf",
+                     "asked_lights", "width", 64, "height", 36, "msaa", 1, "shading", "deferred", "lists", lists, "options",
+                     "", "lights", 9, "frame_ms", "median", median, "mad", mad, "equal",
+                     strcmp(equal, "yes") == 0  ? json_true()
+                     : strcmp(equal, "no") == 0 ? json_false()
+                                                : json_null(),
+                     "differing_pixels", 7, "max_difference", 0.5);
+}
+
+static const char *conclusion(const struct bench_data *data, size_t index) {
+    return json_string_value(json_array_get(json_object_get(data->root, "conclusions"), index));
+}
+
+static void test_conclusions(void **state) {
+    (void)state;
+    struct bench_data data = {json_pack("{s:[]}", "results"), json_object()};
+    json_t *results = json_object_get(data.root, "results");
+    json_array_append_new(results, make_result("tiled", 4, 0.1, "yes"));
+    json_array_append_new(results, make_result("clustered", 2, 0.1, "yes"));
+    bench_conclude(&data);
+    assert_int_equal(json_array_size(json_object_get(data.root, "conclusions")), 1);
+    assert_string_equal(conclusion(&data, 0),
+                        "Fastest on a,\"b\".gltf with 9 lights, 64x36: deferred, clustered lists, 2 ms, "
+                        "2.00x ahead of deferred, tiled lists.");
+    assert_int_equal(bench_unequal_count(&data), 0);
+    /* A lead that is less than the spread is none. */
+    json_array_append_new(results, make_result("zbin", 2.15, 0.1, "no"));
+    bench_conclude(&data);
+    assert_non_null(strstr(conclusion(&data, 0), "deferred, zbin lists (1.07x) is within the spread"));
+    assert_non_null(strstr(conclusion(&data, 1),
+                           "WRONG PICTURE on a,\"b\".gltf with 9 lights, 64x36: with deferred, zbin lists 7 pixels"));
+    assert_int_equal(bench_unequal_count(&data), 1);
+    /* Another case gets a sentence of its own. */
+    json_t *other = make_result("tiled", 8, 0.1, "unknown");
+    json_object_set_new(other, "msaa", json_integer(4));
+    json_array_append_new(results, other);
+    bench_conclude(&data);
+    assert_int_equal(json_array_size(json_object_get(data.root, "conclusions")), 3);
+    assert_string_equal(conclusion(&data, 1), "On a,\"b\".gltf with 9 lights, 64x36, MSAA 4: deferred, tiled lists, 8 ms.");
+    assert_int_equal(bench_unequal_count(&data), 1);
+    json_decref(data.root);
+    json_decref(data.pictures);
+}
+
+static char *read_file(const char *name) {
+    char path[256], *text = calloc(1, 1 << 20);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_true(fread(text, 1, (1 << 20) - 1, file) > 0);
+    fclose(file);
+    return text;
+}
+
+static void test_files_round_trip(void **state) {
+    (void)state;
+    struct bench_data data = {
+        json_pack("{s:[o],s:s}", "results", make_result("tiled", 4, 0.25, "yes"), "note", "</script><!--"),
+        json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
+    assert_true(bench_save(folder, &data, true));
+    char *csv = read_file("results.csv"), *page = read_file("report.html");
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,9,"));
+    assert_non_null(strstr(csv, ",4,"));
+    assert_non_null(strstr(csv, ",0.25,"));
+    assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
+    assert_non_null(strstr(page, "\\u003c/script>\\u003c!--"));
+    free(csv);
+    free(page);
+    struct bench_data again;
+    assert_true(bench_load(folder, &again));
+    assert_true(json_equal(again.root, data.root));
+    assert_true(json_equal(again.pictures, data.pictures));
+    json_decref(again.root);
+    json_decref(again.pictures);
+    json_decref(data.root);
+    json_decref(data.pictures);
+    struct bench_data none;
+    assert_true(bench_load("/nowhere", &none));
+    assert_null(none.root);
+}
+
+/* ---- suites ---- */
+
+/* A suite's candidates, all with the same numbers: every ratio is 1, wherever it stands. */
+static void test_suites(void **state) {
+    (void)state;
+    for (int s = 0; bench_suite_name(s); s++) {
+        const struct bench_suite *suite = bench_suite_find(bench_suite_name(s));
+        struct bench_plan plan = {.skipped = json_array()};
+        struct bench_data data = {json_pack("{s:[]}", "results"), NULL};
+        assert_non_null(suite);
+        assert_true(bench_suite_plan(suite, 0, 0, &plan));
+        assert_true(plan.case_count > 0);
+        for (uint32_t c = 0; c < plan.case_count; c++) {
+            struct bench_case *at = &plan.cases[c];
+            assert_true(at->width >= 1280);
+            for (uint32_t i = 0; i < at->candidate_count; i++) {
+                json_t *result = bench_key(at, &at->candidates[i]), *passes = json_array();
+                static const char *const times[] = {"gpu_ms", "lists_ms", "shading_ms"};
+                for (int t = 0; t < 3; t++)
+                    json_object_set_new(result, times[t], json_pack("{s:f,s:f}", "median", 2.0, "mad", 0.0));
+                json_object_set_new(result, "per_pixel", json_real(3));
+                json_object_set_new(result, "list_used_bytes", json_integer(64));
+                json_array_append_new(passes,
+                                      json_pack("{s:s,s:s,s:f}", "name", "raster shell", "role", "lists", "median", 1.0));
+                json_array_append_new(passes,
+                                      json_pack("{s:s,s:s,s:f}", "name", "raster fill", "role", "lists", "median", 1.0));
+                json_object_set_new(result, "passes", passes);
+                json_array_append_new(json_object_get(data.root, "results"), result);
+                assert_true(bench_find(&data, at, &at->candidates[i]) == result);
+            }
+        }
+        bench_suite_conclude(suite, 0, 0, &data);
+        const json_t *row;
+        size_t i;
+        json_array_foreach(json_object_get(json_object_get(data.root, "suite"), "rows"), i, row) {
+            const char *verdict = json_string_value(json_object_get(row, "verdict"));
+            bool least = strcmp(json_string_value(json_object_get(row, "comparison")), ">=") == 0;
+            double limit = bench_number(row, "limit", NAN), ours = bench_number(row, "ours", NAN);
+            if (strcmp(verdict, "not measured") == 0) continue; /* where a pair is left out */
+            assert_true(fabs(ours - 1) < 1e-9);
+            if (!isnan(limit)) assert_string_equal(verdict, (least ? 1 >= limit : 1 <= limit) ? "reached" : "missed");
+        }
+        assert_true(i >= 4);
+        for (uint32_t c = 0; c < plan.case_count; c++) {
+            for (uint32_t k = 0; k < plan.cases[c].candidate_count; k++) free(plan.cases[c].candidates[k].options);
+            free(plan.cases[c].candidates);
+        }
+        free(plan.cases);
+        json_decref(plan.skipped);
+        json_decref(data.root);
+    }
+    assert_null(bench_suite_find("nonsense"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pictures_are_compared_bit_by_bit),
+        cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_conclusions),
+        cmocka_unit_test(test_files_round_trip),
+        cmocka_unit_test(test_suites),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
