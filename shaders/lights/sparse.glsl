@@ -17,12 +17,16 @@ uint normal_bucket(vec3 n) {
     return (face * 3u + cube_third(parts.x, abs(whole))) * 3u + cube_third(parts.y, abs(whole));
 }
 
-// Corner 0 .. 3 of a bucket, not unit: all its normals lie between the four.
-vec3 bucket_corner(uint bucket, uint corner) {
+// Where a normal pierces the bucket's face of the cube, -1 .. 1, and back. What lies between four points there, between four normals
+// that is, lies between their directions.
+vec2 bucket_parts(uint bucket, vec3 n) {
     uint face = bucket / 9u;
-    vec2 parts = vec2(float(bucket / 3u % 3u + (corner & 1u)), float(bucket % 3u + (corner >> 1u))) * (2.0 / 3.0) - 1.0;
+    return face < 2u ? n.yz / abs(n.x) : face < 4u ? n.xz / abs(n.y) : n.xy / abs(n.z);
+}
+vec3 bucket_normal(uint bucket, vec2 parts) {
+    uint face = bucket / 9u;
     float whole = (face & 1u) == 1u ? -1.0 : 1.0;
-    return face < 2u ? vec3(whole, parts) : face < 4u ? vec3(parts.x, whole, parts.y) : vec3(parts, whole);
+    return normalize(face < 2u ? vec3(whole, parts) : face < 4u ? vec3(parts.x, whole, parts.y) : vec3(parts, whole));
 }
 
 uint sparse_key(light_list_block l, uvec2 tile, uint slice, uint bucket) {

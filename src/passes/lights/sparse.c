@@ -6,7 +6,7 @@
 #include "shaders.h"
 
 enum { BUCKETS = 54, CELLS_LEAST = 4096 };
-enum sparse_step { SPARSE_MARK, SPARSE_COMPACT, SPARSE_MEASURE, SPARSE_BOUNDS };
+enum sparse_step { STEP_MARK = SPARSE_MARK, STEP_MEASURE = SPARSE_MEASURE, STEP_FACE = SPARSE_FACE, STEP_COMPACT, STEP_BOUNDS };
 
 struct sparse_data {
     VkDeviceAddress view, header_address;
@@ -28,23 +28,23 @@ static VkDeviceAddress address_or_zero(const struct graph_context *context, grap
 
 static void execute_step(const struct graph_context *context, const void *data) {
     const struct sparse_data *d = data;
-    bool measures = d->step == SPARSE_MEASURE, by_pixel = measures || d->step == SPARSE_MARK;
+    bool by_pixel = d->step <= STEP_FACE;
     struct gpu_compute_params params = {.shader = by_pixel                      ? &shader_sparse_mark_comp
-                                                  : d->step == SPARSE_COMPACT ? &shader_sparse_compact_comp
+                                                  : d->step == STEP_COMPACT ? &shader_sparse_compact_comp
                                                                                 : &shader_sparse_bounds_comp,
                                         .constant_count = by_pixel ? 3 : 2,
-                                        .constants = {GPU_LIST_ALL, d->samples, measures}};
+                                        .constants = {GPU_LIST_ALL, d->samples, (uint32_t)d->step}};
     struct gpu_sparse_push push = {.view = d->view,
                                    .list = d->header_address,
                                    .table = graph_address(context, d->table),
                                    .keys = by_pixel ? 0 : graph_address(context, d->keys),
-                                   .extents = d->step == SPARSE_MARK ? 0 : graph_address(context, d->extents),
+                                   .extents = d->step == STEP_MARK ? 0 : graph_address(context, d->extents),
                                    .key_count = d->key_count,
                                    .buckets = d->buckets,
                                    .cell_limit = d->cell_limit,
                                    .depth = by_pixel ? graph_sampled(context, d->depth) : GPU_NO_DEPTH,
                                    .normals = by_pixel && d->normals.id ? graph_sampled(context, d->normals) : GPU_NO_DEPTH};
-    if (d->step == SPARSE_BOUNDS) {
+    if (d->step == STEP_BOUNDS) {
         push.bounds = graph_address(context, d->bounds);
         push.facings = address_or_zero(context, d->facings);
         if (d->header) d->header->extra = push.table;
@@ -54,15 +54,15 @@ static void execute_step(const struct graph_context *context, const void *data) 
     if (by_pixel)
         gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
     else
-        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->step == SPARSE_COMPACT ? d->key_count : d->cell_limit, 64u));
+        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->step == STEP_COMPACT ? d->key_count : d->cell_limit, 64u));
 }
 
 static struct graph_pass *add_step(struct graph *graph, const char *name, enum graph_queue queue, struct sparse_data *data,
                                    enum sparse_step step) {
     data->step = step;
     struct graph_pass *pass = graph_add_pass(graph, name, queue, execute_step, data, sizeof *data);
-    graph_use_buffer(pass, data->table, step == SPARSE_MARK ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
-    if (step == SPARSE_MARK || step == SPARSE_MEASURE) {
+    graph_use_buffer(pass, data->table, step == STEP_MARK ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
+    if (step <= STEP_FACE) {
         graph_use_image(pass, data->depth, GRAPH_SAMPLE_COMPUTE);
         if (data->normals.id) graph_use_image(pass, data->normals, GRAPH_SAMPLE_COMPUTE);
     }
@@ -96,7 +96,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     }
     data.table = graph_create_buffer(graph, "sparse table", (data.key_count + 1) * 4ull);
     data.keys = graph_create_buffer(graph, "sparse keys", data.cell_limit * 4ull);
-    data.extents = graph_create_buffer(graph, "sparse extents", data.cell_limit * 24ull);
+    data.extents = graph_create_buffer(graph, "sparse extents", (uint64_t)data.cell_limit * SPARSE_EXTENTS(data.buckets) * 4);
     data.bounds = graph_create_buffer(graph, "sparse bounds", data.cell_limit * sizeof(struct gpu_cell_bounds));
     if (data.normals.id)
         data.facings = graph_create_buffer(graph, "sparse facings", data.cell_limit * sizeof(struct gpu_facing));
@@ -104,14 +104,18 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     struct graph_pass *pass =
         graph_add_pass(graph, "sparse clear", input->queue, execute_clear, &data, sizeof data);
     graph_use_buffer(pass, data.table, GRAPH_COPY_TO);
-    add_step(graph, "sparse mark", input->queue, &data, SPARSE_MARK);
+    add_step(graph, "sparse mark", input->queue, &data, STEP_MARK);
     prefix_sum_add(graph, &sum_names, input->queue, data.table, data.key_count + 1);
-    pass = add_step(graph, "sparse compact", input->queue, &data, SPARSE_COMPACT);
+    pass = add_step(graph, "sparse compact", input->queue, &data, STEP_COMPACT);
     graph_use_buffer(pass, data.keys, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.extents, GRAPH_WRITE_COMPUTE);
-    pass = add_step(graph, "sparse measure", input->queue, &data, SPARSE_MEASURE);
+    pass = add_step(graph, "sparse measure", input->queue, &data, STEP_MEASURE);
     graph_use_buffer(pass, data.extents, GRAPH_READ_WRITE_COMPUTE);
-    pass = add_step(graph, "sparse bounds", input->queue, &data, SPARSE_BOUNDS);
+    if (data.facings.id) {
+        pass = add_step(graph, "sparse face", input->queue, &data, STEP_FACE);
+        graph_use_buffer(pass, data.extents, GRAPH_READ_WRITE_COMPUTE);
+    }
+    pass = add_step(graph, "sparse bounds", input->queue, &data, STEP_BOUNDS);
     graph_use_buffer(pass, data.keys, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.extents, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);

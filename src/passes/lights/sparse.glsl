@@ -12,11 +12,13 @@ float sparse_depth(ivec2 pixel, uint s) {
     return SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], pixel, int(s)).r : texelFetch(textures[push.depth], pixel, 0).r;
 }
 
+// As gbuffer_unpack().
+vec3 sparse_normal(ivec2 pixel) { return octahedral_decode(texelFetch(textures[push.normals], pixel, 0).xy * 2.0 - 1.0); }
+
 // The buckets of a pixel, up to four of them.
-uint sparse_buckets(ivec2 pixel, out uint found[4]) {
+uint sparse_buckets(vec3 n, out uint found[4]) {
     found[0] = 0u;
     if (push.buckets == 1u) return 1u;
-    vec3 n = octahedral_decode(texelFetch(textures[push.normals], pixel, 0).xy * 2.0 - 1.0); // as gbuffer_unpack()
     found[0] = normal_bucket(n);
     uint count = 1u;
     for (uint corner = 0u; corner < 8u; corner++) {
@@ -35,5 +37,16 @@ uint ordered(float f) {
     return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
 }
 float unordered(uint bits) { return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits); }
+
+// Corner 0 .. 3 of the normals of a cell, view space, once they are measured.
+vec3 corner_in_view(uint cell, uint bucket, uint corner) {
+    uint first = cell * SPARSE_EXTENTS(push.buckets) + 6u;
+    vec2 parts;
+    for (uint i = 0u; i < 2u; i++) {
+        bool high = (corner >> i & 1u) == 1u;
+        parts[i] = unordered(push.extents.at[first + i + (high ? 2u : 0u)]) + (high ? SPARSE_NORMAL_SLACK : -SPARSE_NORMAL_SLACK);
+    }
+    return mat3(push.view.view.world_to_view) * bucket_normal(bucket, parts);
+}
 
 #endif

@@ -19,22 +19,21 @@ void main() {
     if (cell >= min(push.table.at[push.key_count], push.cell_limit)) return;
     uint key = push.keys.at[cell];
     gpu_cell_bounds bounds = cluster_bounds(push.view, push.list, key / push.buckets);
+    uint first = cell * SPARSE_EXTENTS(push.buckets);
+    vec3 low, high;
+    for (uint axis = 0u; axis < 3u; axis++) {
+        low[axis] = unordered(push.extents.at[first + axis]);
+        high[axis] = unordered(push.extents.at[first + 3u + axis]);
+    }
+    float slack = CELL_SLACK * max_component(max(abs(low), abs(high)));
     // With more samples surfaces are shaded between them: the cluster itself is the bound.
     if (SAMPLES == 1u) {
-        for (uint axis = 0u; axis < 3u; axis++) {
-            bounds.low[axis] = unordered(push.extents.at[cell * 6u + axis]);
-            bounds.high[axis] = unordered(push.extents.at[cell * 6u + 3u + axis]);
-        }
-        vec3 far = max(abs(bounds.low), abs(bounds.high));
-        float slack = CELL_SLACK * max_component(far);
-        bounds.low -= slack;
-        bounds.high += slack;
+        bounds.low = low - slack;
+        bounds.high = high + slack;
     }
     push.bounds.at[cell] = bounds;
     if (push.buckets == 1u) return;
-    for (uint corner = 0u; corner < 4u; corner++) {
-        vec3 n = normalize(mat3(push.view.view.world_to_view) * bucket_corner(key % push.buckets, corner));
-        vec3 nearest = mix(bounds.high, bounds.low, greaterThan(n, vec3(0.0)));
-        push.facings.at[cell].planes[corner] = vec4(n, -dot(n, nearest));
-    }
+    for (uint corner = 0u; corner < 4u; corner++)
+        push.facings.at[cell].planes[corner] =
+            vec4(corner_in_view(cell, key % push.buckets, corner), slack - unordered(push.extents.at[first + 10u + corner]));
 }

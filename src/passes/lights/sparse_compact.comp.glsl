@@ -15,5 +15,6 @@ void main() {
     uint cell = push.table.at[key];
     if (push.table.at[key + 1u] == cell || cell >= push.cell_limit) return;
     push.keys.at[cell] = key;
-    for (uint i = 0u; i < 6u; i++) push.extents.at[cell * 6u + i] = i < 3u ? 0xffffffffu : 0u;
+    uint count = SPARSE_EXTENTS(push.buckets);
+    for (uint i = 0u; i < count; i++) push.extents.at[cell * count + i] = (i >= 3u && i < 6u) || i == 8u || i == 9u ? 0u : 0xffffffffu;
 }

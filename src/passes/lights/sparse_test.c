@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+/** Occupied clusters: which there are, what they hold, and what they leave out. */
+#include "passes/lights/sparse.h"
+
+#include "passes/lights/clustered.h"
+#include "tests/list_bench.h"
+
+enum { LIGHTS = 400, MOST = 5000, WIDTH = 157, HEIGHT = 93, BUCKETS = 54 };
+
+static fnl_light_params params[MOST];
+static struct gpu_light lights[MOST];
+
+/* ---- building ---- */
+
+struct scene_data {
+    struct gpu_view view;
+    float *depth;      /* reversed */
+    uint16_t *normals; /* four a pixel, as in the G-buffer; or NULL */
+    uint32_t light_count;
+    struct clustered_params grid;
+};
+
+struct sparse_copy {
+    struct gpu_light_list grid;
+    uint32_t buckets, key_count, cell_limit;
+    uint32_t *table, *ids;
+    struct gpu_cell *cells;
+    struct light_totals totals;
+};
+
+struct read_data {
+    graph_buffer from[4], to[4];
+    uint64_t sizes[4];
+};
+
+static void execute_read(const struct graph_context *context, const void *data) {
+    const struct read_data *d = data;
+    for (int i = 0; i < 4; i++)
+        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
+                        d->sizes[i]);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+static graph_image import_image(struct graph *graph, const struct gpu_view *view, VkFormat format, const void *data,
+                                uint64_t texel, struct gpu_image *image) {
+    gpu_device *device = harness_device();
+    struct gpu_image_params p = {.name = "test image",
+                                 .format = format,
+                                 .width = view->size.x,
+                                 .height = view->size.y,
+                                 .layers = 1,
+                                 .mips = 1,
+                                 .samples = 1,
+                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    assert_int_equal(gpu_image_create(device, &p, image), FNL_OK);
+    assert_int_equal(gpu_upload_image(device, image, data, texel * p.width * p.height, false, false), FNL_OK);
+    assert_int_equal(gpu_upload_flush(device), FNL_OK);
+    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+static struct sparse_copy build(const struct scene_data *s) {
+    gpu_device *device = harness_device();
+    struct graph *graph;
+    struct gpu_buffer light_buffer, buffers[4];
+    struct gpu_image images[2] = {0};
+    uint64_t size = s->light_count * sizeof(struct gpu_light);
+    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &light_buffer), FNL_OK);
+    if (size) memcpy(light_buffer.mapped, lights, size);
+    graph_begin(graph);
+    struct sparse_params p = {.grid = s->grid,
+                              .depth = import_image(graph, &s->view, VK_FORMAT_R32_SFLOAT, s->depth, 4, &images[0])};
+    if (s->normals)
+        p.normals = import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_slice view = gpu_frame_allocate(device, sizeof s->view);
+    assert_non_null(view.data);
+    memcpy(view.data, &s->view, sizeof s->view);
+    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &light_buffer),
+                                .lights = light_buffer.address,
+                                .local_count = s->light_count,
+                                .view = view.address,
+                                .width = s->view.size.x,
+                                .height = s->view.size.y};
+    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
+    struct light_list list = sparse_add(graph, device, &input, &in_view, &p).lights;
+    assert_int_equal(list.kind, GPU_LIST_SPARSE);
+
+    static const char *const names[4] = {"test table", "test cells", "test ids", "test totals"};
+    struct read_data read = {.from = {list.extra, list.cells, list.ids, list.totals}};
+    for (int i = 0; i < 4; i++) {
+        read.sizes[i] = graph_buffer_size(graph, read.from[i]);
+        assert_int_equal(gpu_buffer_create(device, names[i], read.sizes[i], GPU_MEMORY_READBACK, &buffers[i]), FNL_OK);
+        read.to[i] = graph_import_buffer(graph, names[i], &buffers[i]);
+    }
+    struct graph_pass *pass =
+        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_read, &read, sizeof read);
+    struct graph_pass *host = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    for (int i = 0; i < 4; i++) {
+        graph_use_buffer(pass, read.from[i], GRAPH_COPY_FROM);
+        graph_use_buffer(pass, read.to[i], GRAPH_COPY_TO);
+        graph_use_buffer(host, read.to[i], GRAPH_READ_HOST);
+    }
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+
+    struct sparse_copy copy = {.buckets = s->normals ? BUCKETS : 1, .cell_limit = list.cell_count};
+    clustered_grid(&copy.grid, s->view.size.x, s->view.size.y, &s->grid);
+    copy.key_count = copy.grid.tiles_x * copy.grid.tiles_y * copy.grid.slices * copy.buckets;
+    assert_int_equal(read.sizes[0], (copy.key_count + 1) * 4ull);
+    void **targets[] = {(void **)&copy.table, (void **)&copy.cells, (void **)&copy.ids};
+    for (int i = 0; i < 3; i++) {
+        assert_non_null(*targets[i] = malloc(read.sizes[i]));
+        memcpy(*targets[i], buffers[i].mapped, read.sizes[i]);
+    }
+    memcpy(&copy.totals, buffers[3].mapped, sizeof copy.totals);
+    graph_destroy(&graph);
+    gpu_buffer_destroy(device, &light_buffer);
+    for (int i = 0; i < 4; i++) gpu_buffer_destroy(device, &buffers[i]);
+    for (int i = 0; i < 2; i++)
+        if (images[i].handle) gpu_image_destroy(device, &images[i]);
+    return copy;
+}
+
+static void copy_free(struct sparse_copy *c) {
+    free(c->table);
+    free(c->cells);
+    free(c->ids);
+}
+
+static bool occupied(const struct sparse_copy *c, uint32_t key) { return c->table[key] != c->table[key + 1]; }
+
+static bool holds(const struct sparse_copy *c, uint32_t key, uint32_t light) {
+    struct gpu_cell cell = c->cells[c->table[key]];
+    if (cell.count == GPU_CELL_ALL) return true;
+    for (uint32_t i = 0; i < cell.count; i++)
+        if (c->ids[cell.offset + i] == light) return true;
+    return false;
+}
+
+/* Cells follow each other in the pool and ascend; totals are exact. */
+static uint64_t check_form(const struct sparse_copy *c, uint32_t light_count) {
+    uint64_t sum = 0, overflowed = 0;
+    uint32_t cell_count = c->table[c->key_count];
+    assert_true(cell_count <= c->cell_limit);
+    for (uint32_t i = 0; i < cell_count; i++) {
+        struct gpu_cell cell = c->cells[i];
+        if (cell.count == GPU_CELL_ALL) {
+            overflowed++;
+            continue;
+        }
+        if (!overflowed) assert_int_equal(cell.offset, sum);
+        sum += cell.count;
+        for (uint32_t k = 0; k < cell.count; k++) {
+            assert_true(c->ids[cell.offset + k] < light_count);
+            assert_true(k == 0 || c->ids[cell.offset + k - 1] < c->ids[cell.offset + k]);
+        }
+    }
+    assert_int_equal(c->totals.overflow_cells, overflowed);
+    if (!overflowed) assert_int_equal(c->totals.entries, sum);
+    return sum;
+}
+
+/* ---- made-up surfaces ---- */
+
+/* Octahedral, unsigned 16 bits a part; 0 .. 1 is -1 .. 1. */
+static void encode_normal(const double n[3], uint16_t out[4]) {
+    double sum = fabs(n[0]) + fabs(n[1]) + fabs(n[2]), e[2] = {n[0] / sum, n[1] / sum};
+    if (n[2] < 0) {
+        double x = (1 - fabs(e[1])) * (e[0] < 0 ? -1 : 1), y = (1 - fabs(e[0])) * (e[1] < 0 ? -1 : 1);
+        e[0] = x;
+        e[1] = y;
+    }
+    for (int i = 0; i < 2; i++) out[i] = (uint16_t)lrint((e[i] * 0.5 + 0.5) * 65535);
+    out[2] = out[3] = 0;
+}
+
+static void decode_normal(const uint16_t in[4], double n[3]) {
+    double x = in[0] / 65535.0 * 2 - 1, y = in[1] / 65535.0 * 2 - 1;
+    n[2] = 1 - fabs(x) - fabs(y);
+    n[0] = n[2] < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
+    n[1] = n[2] < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int i = 0; i < 3; i++) n[i] /= length;
+}
+
+static uint16_t *random_normals(const struct gpu_view *view, struct random_state *random) {
+    uint16_t *normals = calloc((size_t)view->size.x * view->size.y, 8);
+    assert_non_null(normals);
+    double n[3] = {0, 1, 0};
+    for (uint32_t i = 0; i < view->size.x * view->size.y; i++) {
+        if (i % 11 == 0)
+            for (int k = 0; k < 3; k++) n[k] = (double)random_range(random, -1, 1);
+        if (i % 50 == 0) { /* on a border between thirds */
+            n[0] = 1;
+            n[1] = 1.0 / 3;
+            n[2] = i % 100 ? -1.0 / 3 : 1;
+        }
+        encode_normal(n, normals + 4 * (size_t)i);
+    }
+    return normals;
+}
+
+static uint32_t bucket_of(const double n[3]) {
+    int axis = fabs(n[0]) >= fabs(n[1]) && fabs(n[0]) >= fabs(n[2]) ? 0 : fabs(n[1]) >= fabs(n[2]) ? 1 : 2, parts[2];
+    double whole = fabs(n[axis]), others[2] = {axis == 0 ? n[1] : n[0], axis == 2 ? n[1] : n[2]};
+    for (int i = 0; i < 2; i++) parts[i] = 3 * others[i] < -whole ? 0 : 3 * others[i] > whole ? 2 : 1;
+    return (uint32_t)(((axis * 2 + (n[axis] < 0)) * 3 + parts[0]) * 3 + parts[1]);
+}
+
+static double depth_at(const struct scene_data *s, uint32_t x, uint32_t y) {
+    double d = s->depth[(size_t)y * s->view.size.x + x];
+    const vec4 *m = &s->view.depth_decode;
+    return d <= 0 ? 0 : ((double)m->x + (double)m->y * d) / ((double)m->z + (double)m->w * d);
+}
+
+static uint32_t slice_at(const struct gpu_light_list *g, double depth) {
+    double slice = (g->linear ? depth : log2(depth)) * (double)g->slice_scale + (double)g->slice_bias;
+    return (uint32_t)fmin(fmax(slice, 0), g->slices - 1);
+}
+
+/* Keys that pixels must occupy, and those that rounding allows them to. */
+static void mark_keys(const struct scene_data *s, const struct sparse_copy *c, bool *must, bool *may) {
+    const struct gpu_light_list *g = &c->grid;
+    for (uint32_t y = 0; y < s->view.size.y; y++)
+        for (uint32_t x = 0; x < s->view.size.x; x++) {
+            double depth = depth_at(s, x, y);
+            if (depth <= 0) continue;
+            uint32_t tile = y / g->tile_size * g->tiles_x + x / g->tile_size, tiles = g->tiles_x * g->tiles_y;
+            double n[3] = {0, 0, 1};
+            if (s->normals) decode_normal(s->normals + 4 * ((size_t)y * s->view.size.x + x), n);
+            for (int shift = 0; shift < 9; shift++) {
+                double m[3] = {n[0], n[1], n[2]}, slack = shift == 8 ? 0 : 2e-4;
+                for (int k = 0; k < 3; k++) m[k] += (shift >> k & 1 ? 1 : -1) * slack;
+                uint32_t bucket = s->normals ? bucket_of(m) : 0;
+                for (int side = -1; side <= 1; side++) {
+                    uint32_t key = (slice_at(g, depth * (1 + 2e-4 * side)) * tiles + tile) * c->buckets + bucket;
+                    may[key] = true;
+                    double exact[3] = {n[0], n[1], n[2]};
+                    if (shift == 8 && side == 0 && bucket == (s->normals ? bucket_of(exact) : 0)) must[key] = true;
+                }
+            }
+        }
+}
+
+static void test_occupied_clusters_ES_54(void **state) {
+    UNUSED(state);
+    struct random_state random = {3};
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++)
+        for (int with_normals = 0; with_normals < 2; with_normals++) {
+            struct scene_data s = {.view = list_random_view(kind, &random, WIDTH + kind, HEIGHT),
+                                   .light_count = 33,
+                                   .grid = clustered_params_default()};
+            s.grid.tile_size = 16;
+            s.grid.linear = kind == 2;
+            list_random_lights(&s.view, &random, s.light_count, params, lights);
+            s.depth = list_random_depth(&s.view, &random);
+            if (with_normals) s.normals = random_normals(&s.view, &random);
+            struct sparse_copy c = build(&s);
+            bool *must = calloc(c.key_count, 1), *may = calloc(c.key_count, 1);
+            assert_non_null(must);
+            assert_non_null(may);
+            mark_keys(&s, &c, must, may);
+            uint32_t wanted = 0, found = 0;
+            for (uint32_t k = 0; k < c.key_count; k++) {
+                wanted += must[k];
+                found += occupied(&c, k);
+                assert_true(occupied(&c, k) || !must[k]);
+                assert_true(may[k] || !occupied(&c, k));
+                assert_true(c.table[k + 1] - c.table[k] <= 1);
+            }
+            print_message("%s%s: %u of %u keys occupied, %u by the pixels without rounding\n", list_view_names[kind],
+                          with_normals ? ", normals" : "", found, c.key_count, wanted);
+            assert_true(wanted > 20 && found == c.table[c.key_count] && found < c.key_count);
+            free(must);
+            free(may);
+            free(s.depth);
+            free(s.normals);
+            copy_free(&c);
+        }
+}
+
+/* Lists are parts of the cluster's own, and miss no light that reaches a pixel (in front of its surface, with normals). */
+static void test_tight_lists_ES_54_ES_56(void **state) {
+    UNUSED(state);
+    struct random_state random = {31};
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct scene_data s = {.view = list_random_view(kind, &random, WIDTH, HEIGHT + kind),
+                               .light_count = LIGHTS,
+                               .grid = clustered_params_default()};
+        s.grid.tile_size = 32;
+        list_random_lights(&s.view, &random, LIGHTS, params, lights);
+        s.depth = list_random_depth(&s.view, &random);
+        uint16_t *normals = random_normals(&s.view, &random);
+        struct list_request dense = {.builder = LIST_BVH,
+                                     .view = s.view,
+                                     .lights = lights,
+                                     .light_count = LIGHTS,
+                                     .tiled = tiled_params_default(),
+                                     .clustered = s.grid};
+        struct list_copy all = list_build(&dense);
+        uint64_t lit = 0, behind_dropped = 0, entries[2] = {0}, dense_entries = 0;
+        for (int with_normals = 0; with_normals < 2; with_normals++) {
+            s.normals = with_normals ? normals : NULL;
+            struct sparse_copy c = build(&s), again = build(&s);
+            entries[with_normals] = check_form(&c, LIGHTS);
+            assert_memory_equal(c.table, again.table, (c.key_count + 1) * 4ull);
+            assert_memory_equal(c.cells, again.cells, c.table[c.key_count] * sizeof *c.cells);
+            assert_memory_equal(c.ids, again.ids, entries[with_normals] * 4);
+            for (uint32_t k = 0; k < c.key_count; k++) {
+                if (!occupied(&c, k)) continue;
+                struct gpu_cell cell = c.cells[c.table[k]];
+                for (uint32_t i = 0; i < cell.count; i++)
+                    assert_true(list_holds(&all, k / c.buckets, c.ids[cell.offset + i]));
+                if (!with_normals) dense_entries += all.cells[k].count;
+            }
+            for (uint32_t y = 0; y < s.view.size.y; y++)
+                for (uint32_t x = 0; x < s.view.size.x; x++) {
+                    double depth = depth_at(&s, x, y), seen[3], point[3], n[3] = {0, 0, 1};
+                    if (depth <= 0) continue;
+                    view_of_pixel(&s.view, x + 0.5, y + 0.5, depth, seen);
+                    view_to_world(&s.view, seen, point);
+                    if (with_normals) decode_normal(normals + 4 * ((size_t)y * s.view.size.x + x), n);
+                    uint32_t tile = y / c.grid.tile_size * c.grid.tiles_x + x / c.grid.tile_size;
+                    uint32_t key = (slice_at(&c.grid, depth) * c.grid.tiles_x * c.grid.tiles_y + tile) * c.buckets;
+                    if (with_normals) key += bucket_of(n);
+                    for (uint32_t i = 0; i < LIGHTS; i++) {
+                        if (!light_reaches(&params[i], point)) continue;
+                        double facing = n[0] * ((double)params[i].position.x - point[0]) +
+                                        n[1] * ((double)params[i].position.y - point[1]) +
+                                        n[2] * ((double)params[i].position.z - point[2]);
+                        bool held = holds(&c, key, i);
+                        if (with_normals && facing <= 0) {
+                            behind_dropped += !held;
+                            continue;
+                        }
+                        lit++;
+                        assert_true(held);
+                    }
+                }
+            copy_free(&c);
+            copy_free(&again);
+        }
+        print_message("%s: %llu entries in those clusters, %llu tight, %llu with normals; %llu pairs lit, %llu behind left out\n",
+                      list_view_names[kind], (unsigned long long)dense_entries, (unsigned long long)entries[0],
+                      (unsigned long long)entries[1], (unsigned long long)lit, (unsigned long long)behind_dropped);
+        assert_true(lit > 1000 && behind_dropped > 100);
+        assert_true(entries[0] < dense_entries);
+        list_free(&all);
+        free(s.depth);
+        free(normals);
+    }
+}
+
+static void test_sizes_and_counts_ES_54(void **state) {
+    UNUSED(state);
+    static const uint32_t sizes[][2] = {{1, 1}, {1, 95}, {65, 3}, {131, 83}}, counts[] = {0, 1, 33, MOST};
+    struct random_state random = {8};
+    for (uint32_t z = 0; z < COUNT_OF(sizes); z++)
+        for (uint32_t c = 0; c < COUNT_OF(counts); c++) {
+            struct scene_data s = {.view = list_random_view(0, &random, sizes[z][0], sizes[z][1]),
+                                   .light_count = counts[c],
+                                   .grid = clustered_params_default()};
+            list_random_lights(&s.view, &random, counts[c], params, lights);
+            s.depth = list_random_depth(&s.view, &random);
+            struct sparse_copy copy = build(&s);
+            check_form(&copy, counts[c]);
+            copy_free(&copy);
+            memset(s.depth, 0, sizeof *s.depth * sizes[z][0] * sizes[z][1]); /* nothing but sky */
+            copy = build(&s);
+            assert_int_equal(copy.table[copy.key_count], 0);
+            assert_int_equal(copy.totals.entries, 0);
+            copy_free(&copy);
+            free(s.depth);
+        }
+}
+
+static void test_overflow_CL_10(void **state) {
+    UNUSED(state);
+    struct random_state random = {5};
+    struct scene_data s = {.view = list_random_view(0, &random, WIDTH, HEIGHT),
+                           .light_count = LIGHTS,
+                           .grid = clustered_params_default()};
+    list_random_lights(&s.view, &random, LIGHTS, params, lights);
+    s.depth = list_random_depth(&s.view, &random);
+    struct sparse_copy full = build(&s);
+    uint32_t entries = (uint32_t)check_form(&full, LIGHTS);
+    assert_true(entries > 100);
+    const uint32_t capacities[] = {0, 1, entries / 2, entries - 1, entries};
+    for (uint32_t k = 0; k < COUNT_OF(capacities); k++) {
+        s.grid.pool_capacity = capacities[k];
+        struct sparse_copy c = build(&s);
+        assert_int_equal(c.totals.entries, entries);
+        uint32_t overflow = 0;
+        for (uint32_t i = 0; i < full.table[full.key_count]; i++) {
+            struct gpu_cell want = full.cells[i];
+            if (want.offset + want.count > capacities[k]) {
+                assert_int_equal(c.cells[i].count, GPU_CELL_ALL);
+                overflow++;
+            } else {
+                assert_int_equal(c.cells[i].count, want.count);
+                assert_memory_equal(c.ids + want.offset, full.ids + want.offset, want.count * 4ull);
+            }
+        }
+        assert_int_equal(c.totals.overflow_cells, overflow);
+        copy_free(&c);
+    }
+    copy_free(&full);
+    free(s.depth);
+}
+
+/* ---- whole frames ---- */
+
+/* A floor with lamps above and as many below: the latter are gone, and the picture is the same. */
+static void test_lights_below_the_floor_ES_56(void **state) {
+    UNUSED(state);
+    static const float positions[] = {-20, 0, -20, 20, 0, -20, 20, 0, 20, -20, 0, 20};
+    static const uint32_t indices[] = {0, 2, 1, 0, 3, 2};
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    fnl_mesh_params mesh_params = {.vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices};
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    fnl_mat4 identity = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 30, 0, 1}};
+    assert_int_equal(fnl_scene_add_mesh(stage.scene, &mesh_params, &mesh), FNL_OK);
+    assert_int_equal(fnl_scene_add_instance(stage.scene, mesh, &identity, &instance), FNL_OK);
+    for (uint32_t i = 0; i < 400; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + i / 2 % 5);
+        light.position = (fnl_vec3){(float)(i / 2 % 20) * 2 - 19, i % 2 ? 32 : 28, (float)(i / 40) * 4 - 19};
+        light.direction = (fnl_vec3){0, i % 2 ? -1 : 1, 0};
+        light.up = (fnl_vec3){1, 0, 0};
+        light.range = 4;
+        light.length = 1;
+        light.box_size = (fnl_vec3){2, 2, 5};
+        light.intensity = 20;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    fnl_frame frame = stage.frame;
+    frame.camera.position = (fnl_vec3){0, 38, 18};
+    frame.camera.target = (fnl_vec3){0, 30, 0};
+    frame.shading = FNL_SHADING_DEFERRED;
+    frame.count_lights = true;
+    frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&stage, &frame);
+    frame.lists = FNL_LISTS_SPARSE;
+    frame.list_options.normal_cones = true;
+    struct shot with = stage_shoot(&stage, &frame);
+    frame.list_options.normal_cones = false;
+    struct shot without = stage_shoot(&stage, &frame);
+    print_message("evaluations %llu, with normals %llu, of which %llu light a surface; at most %u and %u a pixel\n",
+                  (unsigned long long)without.stats.evaluations, (unsigned long long)with.stats.evaluations,
+                  (unsigned long long)with.stats.evaluations_useful, without.stats.max_per_pixel, with.stats.max_per_pixel);
+    assert_int_equal(count_differing(&all.radiance, &with.radiance), 0);
+    assert_int_equal(count_differing(&all.radiance, &without.radiance), 0);
+    assert_true(with.stats.evaluations > 0 && (double)with.stats.evaluations < 0.6 * (double)without.stats.evaluations);
+    shot_free(&all);
+    shot_free(&with);
+    shot_free(&without);
+    stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_occupied_clusters_ES_54, harness_check),
+        cmocka_unit_test_teardown(test_tight_lists_ES_54_ES_56, harness_check),
+        cmocka_unit_test_teardown(test_sizes_and_counts_ES_54, harness_check),
+        cmocka_unit_test_teardown(test_overflow_CL_10, harness_check),
+        cmocka_unit_test_teardown(test_lights_below_the_floor_ES_56, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
