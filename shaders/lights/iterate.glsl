@@ -69,6 +69,7 @@ uint world_cell_of(light_list_block l, vec3 position) {
 
 uint cell_of(light_list_block l, light_point p) {
     if (LIST_KIND == GPU_LIST_WORLD) return world_cell_of(l, p.position);
+    if (LIST_KIND == GPU_LIST_ITEMS) return p.item;
     uvec2 tile = tile_of(l, p.pixel);
     uint slice = LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_LINKS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;
@@ -89,6 +90,7 @@ uint links_next(light_list_block l, inout uint node) {
 light_cursor lights_begin(light_list_block l, light_point p) {
     light_cursor c = cursor_over(0u, l.list.local_count, true);
     if (LIST_KIND == GPU_LIST_ALL) return c;
+    if (LIST_KIND == GPU_LIST_ITEMS && p.item >= l.list.tiles_x) return c;
     if (LIST_KIND == GPU_LIST_BINS) {
         uvec2 tile = tile_of(l, p.pixel);
         c.bins = bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth);

@@ -92,7 +92,7 @@ struct gpu_light_list {
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
-    ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Fine: masks and positions */
+    ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and positions */
     uint first_cell;     /* fine: of this list in cells */
     uint other_cell;     /* fine: of the list for points that no mask was made for; GPU_CELL_ALL: they take all lights */
     uint mask_size;      /* fine: side of the squares of pixels that share a mask; 0: no masks */

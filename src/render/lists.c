@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/lists.h"
 
+#include "passes/lights/mesh_lists.h"
 #include "passes/lights/fine.h"
 
 /* ---- life ---- */
@@ -195,6 +196,11 @@ static void add_raster(struct lists_context *c) {
     c->lights = raster_add_kept(&c->state->raster, c->graph, c->device, c->input, &visible, &params);
 }
 
+static void add_mesh(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, c->pool_capacity);
+}
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
@@ -209,7 +215,7 @@ static const struct builder {
     [FNL_LISTS_CLUSTERED] = {add_clustered, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, 0},
     /* Each kind takes its row here. */
-    [FNL_LISTS_MESH] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
+    [FNL_LISTS_MESH] = {add_mesh, GRAPH_QUEUE_GRAPHICS, FORWARD_ONLY},
     [FNL_LISTS_BATCHES] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
     [FNL_LISTS_MULTIPASS] = {NULL, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
     [FNL_LISTS_GRID2D] = {add_grid2d, GRAPH_QUEUE_GRAPHICS, 0},

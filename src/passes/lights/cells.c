@@ -116,6 +116,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     struct graph_pass *pass = graph_add_pass(graph, names->bounds, input->queue, execute_step, &data, sizeof data);
     if (build->depth.id) graph_use_image(pass, build->depth, GRAPH_SAMPLE_COMPUTE);
     if (build->front.id) graph_use_image(pass, build->front, GRAPH_SAMPLE_COMPUTE);
+    if (build->bounds_input.id) graph_use_buffer(pass, build->bounds_input, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
 
     data.step = STEP_COUNT;

@@ -24,6 +24,7 @@ struct cells_build {
     const struct gpu_shader *bounds_shader;
     uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */
+    graph_buffer bounds_input;                 /* what the bounds shader reads besides, or id 0 */
     graph_image depth, front;                  /* or id 0 */
     uint32_t flags;                            /* CELLS_… */
     uint32_t pool_capacity;
