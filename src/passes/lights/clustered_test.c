@@ -256,6 +256,46 @@ static void test_threads_ES_52(void **state) {
     list_free(&first);
 }
 
+/* ---- cones ---- */
+
+/* Whatever a spot's cone test drops does not touch the cluster, as double precision says; and it drops most of what spheres keep. */
+static void test_spot_cones_ES_62(void **state) {
+    UNUSED(state);
+    struct random_state random = {62};
+    uint64_t spheres = 0, cones = 0, lit = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        list_random_lights(&view, &random, 300, params, lights);
+        for (uint32_t i = 0; i < 300; i++) {
+            params[i].kind = FNL_LIGHT_SPOT;
+            params[i].direction = vec3_normalize(
+                vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
+            params[i].range = exp2f(random_range(&random, -1, 4.5f));
+            params[i].outer_cone_angle = exp2f(random_range(&random, -6, 0));
+            params[i].inner_cone_angle = params[i].outer_cone_angle * 0.5f;
+            lights[i] = device_light(&params[i]);
+        }
+        struct list_request r = request_of(&view, LIST_CLUSTERED, 300);
+        struct list_copy tight = list_build(&r);
+        r.clustered.cone_tests = false;
+        struct list_copy loose = list_build(&r);
+        for (uint32_t c = 0; c < tight.cell_count; c++)
+            for (uint32_t i = 0; i < tight.cells[c].count; i++)
+                assert_true(list_holds(&loose, c, tight.ids[tight.cells[c].offset + i]));
+        r.clustered.cone_tests = true;
+        reference_check(&r, &tight);
+        lit += check_points(&r, &tight, &random, (double)view.near_distance, 300);
+        spheres += list_entries(&loose);
+        cones += list_entries(&tight);
+        list_free(&tight);
+        list_free(&loose);
+    }
+    print_message("entries of spots: %llu by spheres, %llu by cones; %llu lit pairs\n", (unsigned long long)spheres,
+                  (unsigned long long)cones, (unsigned long long)lit);
+    assert_true(spheres > 100000 && lit > 1000);
+    assert_true((double)cones < 0.5 * (double)spheres);
+}
+
 /* ---- a row of lamps that a picture shows in one tile ---- */
 
 static void test_lamp_row_ES_50(void **state) {
@@ -301,6 +341,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_depths_outside_ES_51, harness_check),
         cmocka_unit_test_teardown(test_voxels_ES_52, harness_check),
         cmocka_unit_test_teardown(test_threads_ES_52, harness_check),
+        cmocka_unit_test_teardown(test_spot_cones_ES_62, harness_check),
         cmocka_unit_test_teardown(test_lamp_row_ES_50, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
