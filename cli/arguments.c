@@ -84,6 +84,7 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 /* ---- settings of the light lists ---- */
 
 static const char *tile_bounds_name(int i) { return fnl_tile_bounds_name((fnl_tile_bounds)i); }
+static const char *backface_axis_name(int i) { return fnl_backface_axis_name((fnl_backface_axis)i); }
 static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
 static const char *raster_path_name(int i) { return fnl_raster_path_name((fnl_raster_path)i); }
 static const char *raster_nodes_name(int i) { return fnl_raster_nodes_name((fnl_raster_nodes)i); }
@@ -113,6 +114,7 @@ static const struct setting {
      NULL},
     {"fine-masks", "0: none, 1: a mask of lights per pixel, 2: per 2x2 pixels (1)", FIELD(fine_masks), SETTING_INTEGER, 0, 2,
      NULL},
+    {"backface-axis", "samples, sum or mips (samples)", FIELD(backface_axis), SETTING_NAME, 0, 0, backface_axis_name},
     {"cluster-size", "8 .. 256 pixels (64)", FIELD(cluster_size), SETTING_INTEGER, 8, 256, NULL},
     {"slices", "1 .. 1024 (32)", FIELD(slices), SETTING_INTEGER, 1, 1024, NULL},
     {"distribution", "exponential or linear slices (exponential)", FIELD(distribution), SETTING_NAME, 0, 0, slices_name},

@@ -80,6 +80,14 @@ typedef enum fnl_raster_nodes {
     FNL_RASTER_NODES_COUNT
 } fnl_raster_nodes;
 
+/** Where the axis of the cone round a tile's normals comes from. */
+typedef enum fnl_backface_axis {
+    FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
+    FNL_BACKFACE_AXIS_SUM,  /**< a sum over the pixels of those tiles that need one */
+    FNL_BACKFACE_AXIS_MIPS,    /**< a level of a pyramid of all normals */
+    FNL_BACKFACE_AXIS_COUNT
+} fnl_backface_axis;
+
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
     bool frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
@@ -92,6 +100,7 @@ typedef struct fnl_list_options {
     bool fine_pruning;       /**< each pixel is tested against the lights' true volumes; default true. fine */
     uint32_t fine_masks;     /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
     bool normal_cones;     /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
+    fnl_backface_axis backface_axis; /**< default samples. backface */
     uint32_t cluster_size;   /**< pixels, 8 .. 256; default 64. Lists of clusters */
     uint32_t slices;         /**< 1 .. 1024; default 32. Lists of clusters */
     fnl_slices distribution; /**< default exponential. Lists of clusters */
@@ -127,6 +136,8 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_LIGHTS,   /**< heat map of the lights that a pixel visits, with a legend */
     FNL_DEBUG_CELLS,    /**< tiles, or depth slices in colours, of the light lists */
     FNL_DEBUG_OVERDRAW, /**< fragments per pixel, hidden ones too, with a legend */
+    FNL_DEBUG_TILE_NORMALS, /**< mean normals of the tiles of backface lists */
+    FNL_DEBUG_BACKFACES, /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -134,6 +145,7 @@ typedef enum fnl_debug_view {
 FNL_API const char *fnl_shading_name(fnl_shading shading);
 FNL_API const char *fnl_light_lists_name(fnl_light_lists lists);
 FNL_API const char *fnl_tile_bounds_name(fnl_tile_bounds bounds);
+FNL_API const char *fnl_backface_axis_name(fnl_backface_axis axis);
 FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
@@ -213,6 +225,7 @@ typedef struct fnl_frame_stats {
     bool evaluations_counted;       /**< the next four are only known with fnl_frame.count_lights */
     uint64_t evaluations;           /**< lights visited by shaded fragments, directional lights left out */
     uint64_t evaluations_useful; /**< those that reach the fragment's surface point: the least that any list could visit */
+    uint64_t lights_behind;      /**< backface lists: lights in view that are behind the surfaces of every tile they touch */
     double mean_per_pixel;
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */

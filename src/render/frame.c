@@ -279,7 +279,7 @@ struct count_copy {
     uint64_t from_offset, to_offset, size;
 };
 struct counts_data {
-    struct count_copy copies[6];
+    struct count_copy copies[7];
     uint32_t count;
 };
 
@@ -308,6 +308,9 @@ static void add_counts(struct frame_state *f) {
     if (f->class_counts.id)
         data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
                                                         sizeof f->r->stats.shading_blocks};
+    if (f->lights.culled.id)
+        data.copies[data.count++] =
+            (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};
     if (f->exposure.id)
         data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/lists.h"
 
-#include "passes/lights/mesh_lists.h"
+#include "passes/lights/backface.h"
 #include "passes/lights/fine.h"
+#include "passes/lights/mesh_lists.h"
 
 /* ---- life ---- */
 
@@ -23,6 +24,7 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, o->tile_size == 8 || o->tile_size == 16 || o->tile_size == 32 || o->tile_size == 64);
     REQUIRE(host, (uint32_t)o->tile_bounds < FNL_TILE_BOUNDS_COUNT);
     REQUIRE(host, o->fine_masks <= 2);
+    REQUIRE(host, (uint32_t)o->backface_axis < FNL_BACKFACE_AXIS_COUNT);
     REQUIRE(host, o->cluster_size >= 8 && o->cluster_size <= 256);
     REQUIRE(host, o->slices >= 1 && o->slices <= 1024);
     REQUIRE(host, (uint32_t)o->distribution < FNL_SLICES_COUNT);
@@ -201,6 +203,24 @@ static void add_mesh(struct lists_context *c) {
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, c->pool_capacity);
 }
 
+_Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_SUM == FNL_BACKFACE_AXIS_SUM,
+               "backface_axis has the values of fnl_backface_axis");
+
+static void add_backface(struct lists_context *c) {
+    if (!c->normals.id) { /* no normals are known before shading */
+        add_tiled(c);
+        return;
+    }
+    struct lights_in_view visible = in_view(c);
+    struct backface_params params = backface_params_default();
+    params.tiles = tiled_params(c);
+    params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
+    params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
+    params.tally = c->frame->count_lights;
+    c->lights = backface_add(c->graph, c->device, c->input, &visible, c->depth, c->normals, &params);
+    add_blend_tiles(c, &visible, &params.tiles);
+}
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
@@ -224,7 +244,7 @@ static const struct builder {
     [FNL_LISTS_25D] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ENHANCED] = {NULL, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_TREE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_BACKFACE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_GRAPHICS, 0},

@@ -28,6 +28,12 @@ const char *fnl_tile_bounds_name(fnl_tile_bounds bounds) {
     return NAME_OF(names, bounds);
 }
 
+const char *fnl_backface_axis_name(fnl_backface_axis axis) {
+    static const char *const names[] = {"samples", "sum", "mips"};
+    _Static_assert(COUNT_OF(names) == FNL_BACKFACE_AXIS_COUNT, "each has a name");
+    return NAME_OF(names, axis);
+}
+
 const char *fnl_slices_name(fnl_slices slices) {
     static const char *const names[] = {"exponential", "linear"};
     _Static_assert(COUNT_OF(names) == FNL_SLICES_COUNT, "each has a name");
@@ -51,7 +57,8 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
-    static const char *const names[] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw"};
+    static const char *const names[] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw",
+                                        "tile-normals", "backfaces"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -400,6 +407,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, out);
+    out->lights_behind = counts->lights_behind;
     out->cpu_milliseconds = r->cpu_milliseconds;
     struct gpu_memory_stats memory = gpu_memory_stats(r->device);
     out->device_bytes = memory.used_bytes;

@@ -12,7 +12,7 @@
 /** What the GPU writes for the CPU in each frame. */
 struct frame_counts {
     struct light_totals lights, blend_lights;
-    uint32_t visible_items, pad;
+    uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
 };

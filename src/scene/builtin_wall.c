@@ -83,11 +83,14 @@ static void add_before(struct builtin *b, uint64_t index) {
                   random_range(&b->random, 2, 4));
 }
 
-/** In the rooms, reaching through the wall; clear of the yard's ground, so that only the wall's back is within reach. */
+/**
+ * In the rooms, reaching far through the wall; clear of the yard's ground and of what the posts hide, so that only the wall's back is
+ * within reach. As in the source they are so large that most of the frame's time is theirs.
+ */
 static void add_behind(struct builtin *b) {
-    float x = random_range(&b->random, -15, 15), y = random_range(&b->random, 2.5f, 13.5f),
-          depth = random_range(&b->random, 0.1f, 0.8f) + THICK;
-    add_light(b, vec3_make(x, y, -WALL - depth), depth + random_range(&b->random, 0.2f, 0.9f));
+    float x = random_range(&b->random, -15, 15), range = random_range(&b->random, 3.5f, 5.5f),
+          y = random_range(&b->random, range + 4.8f, 13.5f), depth = random_range(&b->random, 0.1f, 0.8f) + THICK;
+    add_light(b, vec3_make(x, y, -WALL - depth), range);
 }
 
 /** In the gardens behind the camera, no nearer to it than their range. */

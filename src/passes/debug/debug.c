@@ -4,7 +4,7 @@
 #include "fanal/renderer.h"
 #include "shaders.h"
 
-_Static_assert((uint32_t)FNL_DEBUG_OVERDRAW == GPU_DEBUG_OVERDRAW && FNL_DEBUG_COUNT == FNL_DEBUG_OVERDRAW + 1,
+_Static_assert((uint32_t)FNL_DEBUG_BACKFACES == GPU_DEBUG_BACKFACES && FNL_DEBUG_COUNT == FNL_DEBUG_BACKFACES + 1,
                "debug_shared.h has the values of fnl_debug_view");
 
 struct draw_data {
@@ -87,6 +87,7 @@ struct view_data {
     struct aov_images aov;
     struct debug_counts counts;
     VkDeviceAddress view, lights;
+    graph_buffer cones;
     graph_image target;
     bool swap;
 };
@@ -97,6 +98,8 @@ static void execute_view(const struct graph_context *context, const void *data) 
     struct gpu_debug_push push = {.view = d->view,
                                   .lights = d->lights,
                                   .counts = d->counts.buffer.id ? graph_address(context, d->counts.buffer) : 0,
+                                  .cones = d->cones.id ? graph_address(context, d->cones) : 0,
+                                  .has_cones = d->cones.id != 0,
                                   .albedo = graph_sampled(context, d->aov.albedo),
                                   .normal = graph_sampled(context, d->aov.normal),
                                   .position = graph_sampled(context, d->aov.position),
@@ -113,11 +116,12 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
                     struct debug_counts counts, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
     struct view_data data = {mode,   lights->kind, image.width,    image.height, *aov,
-                             counts, view,         lights->header, target,       swap};
+                             counts, view,         lights->header, lights->cones, target, swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->position, GRAPH_SAMPLE_COMPUTE);
+    if (lights->cones.id) graph_use_buffer(pass, lights->cones, GRAPH_READ_COMPUTE);
     if (counts.buffer.id) graph_use_buffer(pass, counts.buffer, GRAPH_READ_COMPUTE);
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
     graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);

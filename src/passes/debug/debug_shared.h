@@ -14,11 +14,14 @@
 #define GPU_DEBUG_LIGHT_COUNT 5u
 #define GPU_DEBUG_CELLS 6u
 #define GPU_DEBUG_OVERDRAW 7u
+#define GPU_DEBUG_TILE_NORMALS 8u
+#define GPU_DEBUG_BACKFACES 9u
 
 struct gpu_debug_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counts;   /* of debug_counts */
+    ADDRESS(cone_array) cones;    /* of backface lists */
     uint albedo;                  /* sampled: base colour, roughness */
     uint normal;                  /* sampled: normal, view depth */
     uint position;                /* sampled: world position, draw item + 1 */
@@ -26,6 +29,7 @@ struct gpu_debug_push {
     uint swap;                    /* 1: red and blue change places */
     uint mode;
     uint count_stride;            /* 0: no counts */
+    uint has_cones;
 };
 
 #endif

@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"
+#include "passes/lights/backface.glsl"
 #include "passes/debug/debug_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -82,7 +83,16 @@ void main() {
             if (uint(pixel.x) % tile_size == 0u || uint(pixel.y) % tile_size == 0u) color = mix(color, vec3(1.0), 0.35);
         }
     }
-    if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_OVERDRAW) {
+    if (mode == GPU_DEBUG_TILE_NORMALS || mode == GPU_DEBUG_BACKFACES) {
+        color = vec3(grey) * 0.5;
+        if (push.has_cones == 1u) {
+            uvec2 tile = tile_of(push.lights, uvec2(pixel));
+            gpu_cone cone = push.cones.at[tile.y * push.lights.list.tiles_x + tile.x];
+            vec3 map = cone.dropped == 0u ? vec3(0.0) : heat(count_level(cone.dropped));
+            color = mode == GPU_DEBUG_BACKFACES ? mix(vec3(grey), map, 0.8) : cone.axis == vec3(0.0) ? vec3(0.0) : cone.axis * 0.5 + 0.5;
+        }
+    }
+    if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_OVERDRAW || mode == GPU_DEBUG_BACKFACES) {
         vec3 key;
         if (legend(pixel, key)) color = key;
     }

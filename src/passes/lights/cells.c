@@ -41,8 +41,9 @@ static void execute_step(const struct graph_context *context, const void *data) 
             gpu_dispatch_linear(context->commands, d->build.bounds_groups_x);
         return;
     }
-    struct gpu_compute_params params = {.shader =
-                                            d->step == STEP_COUNT ? &shader_cells_count_comp : &shader_cells_fill_comp};
+    const struct gpu_shader *fill = d->build.refine.add ? d->build.refine.fill_shader : &shader_cells_fill_comp;
+    struct gpu_compute_params params = {.shader = d->step == STEP_COUNT ? &shader_cells_count_comp : fill};
+    if (d->build.refine.add) push.extra = d->build.refine.address;
     push.visible_sums = graph_address(context, d->in_view.sums);
     push.bounds = graph_address(context, d->in_view.bounds);
     push.reaches = graph_address(context, d->in_view.reaches);
@@ -128,6 +129,13 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
 
+    const struct cells_refine *refine = &build->refine;
+    if (refine->add)
+        refine->add(graph,
+                    &(struct cells_counted){input, in_view, build, data.bounds, data.sums, data.cell_count, data.chunk_size,
+                                            data.chunk_count},
+                    refine->user);
+
     prefix_sum_add(graph, &names->sum, input->queue, data.sums, sum_count);
 
     data.step = STEP_FILL;
@@ -138,6 +146,11 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
+    if (refine->add) {
+        graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
+        graph_use_buffer(pass, refine->cones, GRAPH_READ_COMPUTE);
+        if (refine->marks.id) graph_use_buffer(pass, refine->marks, GRAPH_READ_WRITE_COMPUTE);
+    }
     graph_use_buffer(pass, data.overflow, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);

@@ -19,6 +19,24 @@ struct cells_names {
             what " ids", what " overflow", what " list totals", PREFIX_SUM_NAMES(what)                                      \
     }
 
+/** What is known when the lights of each cell are counted: sums[cell * chunk_count + chunk]. */
+struct cells_counted {
+    const struct light_input *input;
+    const struct lights_in_view *in_view;
+    const struct cells_build *build;
+    graph_buffer bounds, sums;
+    uint32_t cell_count, chunk_size, chunk_count;
+};
+
+/** Passes that take counted lights out of cells again, and what fills cells without them (backface.c). */
+struct cells_refine {
+    void (*add)(struct graph *graph, const struct cells_counted *counted, const void *user); /* NULL: nothing is taken out */
+    const void *user;
+    const struct gpu_shader *fill_shader;
+    VkDeviceAddress address;   /* its gpu_cells_push.extra */
+    graph_buffer cones, marks; /* read, and written where id is not 0, by fill_shader */
+};
+
 struct cells_build {
     const struct cells_names *names;
     const struct gpu_shader *bounds_shader;
@@ -30,10 +48,12 @@ struct cells_build {
     uint32_t pool_capacity;
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
     VkDeviceAddress header_address;
+    struct cells_refine refine;
 };
 
-/** The CELLS_… flags that the parameters of tiles ask for. */
-uint32_t tiled_flags(const struct tiled_params *params);
+/** What all kinds of tiles have in common: the grid in a new header, its bounds shader run by one group a tile, flags. */
+struct cells_build tiled_build(struct graph *graph, gpu_device *device, const struct light_input *input, graph_image depth,
+                               const struct tiled_params *params);
 
 /** Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). */
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,

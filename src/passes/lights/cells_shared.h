@@ -64,6 +64,7 @@ struct gpu_cells_push {
     ADDRESS(reach_array) reaches;
     ADDRESS(uint_array) sums;      /* cell * chunk_count + chunk, and one more: counts, then their prefix sum */
     ADDRESS(uint_array) ids;       /* the pool */
+    ADDRESS(uint_array) extra;     /* what else the kind of list needs: see gpu_light_list */
     ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
     uint light_count;
     uint cell_count;

@@ -33,6 +33,7 @@ struct light_list {
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
     uint32_t entry_bytes; /* what an entry of the pool takes */
+    graph_buffer cones, culled; /* of backface lists: struct gpu_cone of each tile; one uint, lights behind all that they touch. Or id 0 */
     /* Where the counts of this frame are found: on the GPU in `totals` (struct light_totals), or already known. */
     graph_buffer totals;
     bool totals_known;

@@ -3,24 +3,22 @@
 #include "shaders.h"
 
 struct tiled_params tiled_params_default(void) {
-    return (struct tiled_params){.tile_size = 16, .bounds = TILE_BOX, .min_depth = true, .max_depth = true,
-                                 .cone_tests = true, .pool_capacity = 1u << 20};
+    return (struct tiled_params){.tile_size = 16,
+                                 .bounds = TILE_BOX,
+                                 .min_depth = true,
+                                 .max_depth = true,
+                                 .cone_tests = true,
+                                 .pool_capacity = 1u << 20};
 }
 
-uint32_t tiled_flags(const struct tiled_params *params) {
+struct cells_build tiled_build(struct graph *graph, gpu_device *device, const struct light_input *input, graph_image depth,
+                               const struct tiled_params *params) {
     static const uint32_t bounds[] = {[TILE_PLANES] = CELLS_PLANES, [TILE_BOX] = 0, [TILE_RECTANGLE] = CELLS_RECTANGLE};
-    return bounds[params->bounds] | (params->min_depth ? CELLS_MIN_DEPTH : 0) | (params->max_depth ? CELLS_MAX_DEPTH : 0) |
-           (params->cone_tests ? CELLS_CONES : 0);
-}
-
-struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
-                            const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
-    static const struct cells_names names[2] = {CELLS_NAMES("tiled"), CELLS_NAMES("tiled blend")};
-    struct cells_build build = {.names = &names[params->front.id != 0],
-                                .bounds_shader = &shader_tiled_bounds_comp,
+    struct cells_build build = {.bounds_shader = &shader_tiled_bounds_comp,
                                 .depth = depth,
                                 .front = params->front,
-                                .flags = tiled_flags(params),
+                                .flags = bounds[params->bounds] | (params->min_depth ? CELLS_MIN_DEPTH : 0) |
+                                         (params->max_depth ? CELLS_MAX_DEPTH : 0) | (params->cone_tests ? CELLS_CONES : 0),
                                 .pool_capacity = params->pool_capacity,
                                 .bounds_samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
     build.header = light_list_header(device, input, &build.header_address);
@@ -31,6 +29,14 @@ struct light_list tiled_add(struct graph *graph, gpu_device *device, const struc
         build.header->tiles_x = build.bounds_groups_x;
         build.header->tiles_y = build.bounds_groups_y;
     }
+    return build;
+}
+
+struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                            const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
+    static const struct cells_names names[2] = {CELLS_NAMES("tiled"), CELLS_NAMES("tiled blend")};
+    struct cells_build build = tiled_build(graph, device, input, depth, params);
+    build.names = &names[params->front.id != 0];
     struct light_list list = cells_add(graph, input, in_view, &build);
     list.kind = GPU_LIST_TILES;
     return list;
