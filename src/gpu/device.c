@@ -253,8 +253,11 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
             .pQueuePriorities = priorities,
         };
     }
+    static const char *const conservative = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+        .enabledExtensionCount = physical->info.conservative_raster ? 1 : 0,
+        .ppEnabledExtensionNames = &conservative,
         .pNext = &features.features,
         .queueCreateInfoCount = same_family ? 1 : GPU_QUEUE_COUNT,
         .pQueueCreateInfos = queues,

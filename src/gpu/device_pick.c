@@ -161,13 +161,18 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
         return;
     }
     VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceConservativeRasterizationPropertiesEXT conservative = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONSERVATIVE_RASTERIZATION_PROPERTIES_EXT, .pNext = &driver};
     VkPhysicalDeviceSubgroupProperties subgroup = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
                                                    .pNext = &driver};
+    if (info->conservative_raster) subgroup.pNext = &conservative;
     VkPhysicalDeviceProperties2 properties2 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
     instance->vk.GetPhysicalDeviceProperties2(handle, &properties2);
     snprintf(info->driver, sizeof info->driver, "%.120s%s%.120s", driver.driverName, driver.driverInfo[0] ? " " : "",
              driver.driverInfo);
     info->subgroup_size = subgroup.subgroupSize;
+    /* Where triangles that snapping has made flat vanish, so would small things. */
+    info->conservative_raster = info->conservative_raster && conservative.degenerateTrianglesRasterized;
 
     gpu_features_clear(&out->supported);
     instance->vk.GetPhysicalDeviceFeatures2(handle, &out->supported.features);

@@ -178,6 +178,7 @@ struct gpu_graphics_params {
     enum gpu_blend blends[GPU_MAX_COLORS];
     VkFormat depth_format; /* UNDEFINED: none */
     bool depth_test, depth_write, depth_clamp;
+    bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
     VkCompareOp depth_compare;
     uint32_t samples; /* 1, 2, 4, 8 */
 };

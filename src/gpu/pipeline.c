@@ -142,9 +142,14 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .viewportCount = 1,
         .scissorCount = 1,
     };
+    VkPipelineRasterizationConservativeStateCreateInfoEXT conservative = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_CONSERVATIVE_STATE_CREATE_INFO_EXT,
+        .conservativeRasterizationMode = VK_CONSERVATIVE_RASTERIZATION_MODE_OVERESTIMATE_EXT,
+    };
     /* The viewport's negative height turns +Y up, so what is counter-clockwise there is so for Vulkan too. */
     VkPipelineRasterizationStateCreateInfo raster = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .pNext = params->conservative ? &conservative : NULL,
         .depthClampEnable = params->depth_clamp,
         .polygonMode = VK_POLYGON_MODE_FILL,
         .cullMode = params->cull,
@@ -227,10 +232,12 @@ static fnl_result check_compute(const fnl_host *host, const struct gpu_compute_p
     return FNL_OK;
 }
 
-static fnl_result check_graphics(const fnl_host *host, const struct gpu_graphics_params *params) {
+static fnl_result check_graphics(const gpu_device *device, const struct gpu_graphics_params *params) {
+    const fnl_host *host = &device->host;
     REQUIRE(host, params->vertex != NULL);
     REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
     REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
+    REQUIRE(host, !params->conservative || device->info.conservative_raster);
     REQUIRE(host, params->samples == 1 || params->samples == 2 || params->samples == 4 || params->samples == 8);
     return FNL_OK;
 }
@@ -238,7 +245,7 @@ static fnl_result check_graphics(const fnl_host *host, const struct gpu_graphics
 /** Makes and enters a pipeline. One that the driver refuses is entered too, so that it is not tried each frame. */
 static struct gpu_pipeline *create_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key, uint64_t hash) {
     bool compute = point == VK_PIPELINE_BIND_POINT_COMPUTE;
-    fnl_result result = compute ? check_compute(&device->host, key) : check_graphics(&device->host, key);
+    fnl_result result = compute ? check_compute(&device->host, key) : check_graphics(device, key);
     struct gpu_pipeline *pipeline = NULL;
     if (result == FNL_OK) {
         pipeline = grow_table(device) ? host_allocate_zero(&device->host, sizeof *pipeline) : NULL;

@@ -247,7 +247,7 @@ static const struct builder {
     [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
 };

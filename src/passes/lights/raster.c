@@ -7,6 +7,7 @@
 #include "shaders.h"
 
 enum { MAX_SUMS = 1 << 24, CHUNK = 4096, SLOTS_START = 1 << 18 };
+enum { ARGUMENT_BYTES = 32, DRAW_OFFSET = 12, DRAW_INDICES = 3 * GPU_SPHERE_TRIANGLES };
 
 struct raster_params raster_params_default(void) {
     return (struct raster_params){
@@ -48,6 +49,7 @@ struct raster_data {
     VkDeviceAddress block_address;
     struct gpu_light_list *header;
     graph_buffer lights, slot_sums, slots, arguments, sums, cells, ids, overflow;
+    struct gpu_slice indices; /* of the draw */
     uint32_t cell_count, chunk_count, tile_count, nodes;
     bool centers;
 };
@@ -76,6 +78,35 @@ static void execute_shell(const struct graph_context *context, const void *data)
     d->block->slots = graph_address(context, d->slots);
     bind(context, d, &shader_raster_shell_comp);
     gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->arguments), 0);
+}
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    const struct gpu_buffer *slots = graph_get_buffer(context, d->slots);
+    gpu_fill_buffer(context->commands, slots, 0, slots->size, RASTER_UNSET);
+}
+
+/* The target has no images: each pixel is a tile, and fragments write into the slots. */
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct raster_data *d = data;
+    d->block->slots = graph_address(context, d->slots);
+    struct gpu_graphics_params params = {.vertex = &shader_raster_draw_vert,
+                                         .fragment = &shader_raster_draw_frag,
+                                         .constant_count = 1,
+                                         .constants = {GPU_LIST_CLUSTERS},
+                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                         .cull = VK_CULL_MODE_NONE,
+                                         .depth_clamp = true, /* nothing is cut off at the near and far planes */
+                                         .conservative = !d->centers,
+                                         .samples = 1};
+    struct gpu_rendering rendering = {.width = d->header->tiles_x, .height = d->header->tiles_y};
+    struct gpu_raster_push push = {d->block_address};
+    gpu_begin_rendering(context->commands, &rendering);
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_bind_indices(context->commands, d->indices.buffer, d->indices.offset);
+    gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, d->arguments), DRAW_OFFSET, 1);
+    gpu_end_rendering(context->commands);
 }
 
 static void execute_count(const struct graph_context *context, const void *data) {
@@ -124,6 +155,19 @@ static void add_shell(struct graph *graph, const struct raster_data *d) {
     graph_use_buffer(pass, d->slots, GRAPH_WRITE_COMPUTE);
 }
 
+static void add_draw(struct graph *graph, const struct raster_data *d) {
+    struct graph_pass *pass = graph_add_pass(graph, "raster clear", GRAPH_QUEUE_GRAPHICS, execute_clear, d, sizeof *d);
+    graph_use_buffer(pass, d->slots, GRAPH_COPY_TO);
+    pass = graph_add_pass(graph, "raster draw", GRAPH_QUEUE_GRAPHICS, execute_draw, d, sizeof *d);
+    graph_use_buffer(pass, d->input.buffer, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->lights, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->slot_sums, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, d->arguments, GRAPH_INDIRECT);
+    graph_use_buffer(pass, d->slots, GRAPH_READ_WRITE_FRAGMENT);
+}
+
 static void use_shells(struct graph_pass *pass, const struct raster_data *d) {
     graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
@@ -147,6 +191,18 @@ static struct gpu_raster *make_block(gpu_device *device, const struct light_inpu
                                  .near = params->near * 0.5f};
     raster_mesh_tables(block->vertices, block->triangles);
     return block;
+}
+
+static bool make_indices(gpu_device *device, struct raster_data *d) {
+    d->indices = gpu_frame_allocate(device, DRAW_INDICES * 4);
+    if (!d->indices.data) return false;
+    for (uint32_t i = 0; i < DRAW_INDICES; i++) ((uint32_t *)d->indices.data)[i] = i;
+    return true;
+}
+
+bool raster_on_hardware(const gpu_device *device, const struct raster_params *params) {
+    if (params->path == RASTER_PATH_SOFTWARE || params->meshes || params->gradient) return false;
+    return params->centers || gpu_info(device)->conservative_raster;
 }
 
 struct raster_list raster_add(struct graph *graph, gpu_device *device, const struct light_input *input,
@@ -182,7 +238,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     uint64_t lights = MAX(input->local_count, 1u);
     d.lights = graph_create_buffer(graph, "raster rectangles", lights * sizeof(struct gpu_raster_light));
     d.slot_sums = graph_create_buffer(graph, "raster slot sums", (input->local_count + 1) * 4ull);
-    d.arguments = graph_create_buffer(graph, "raster arguments", 12);
+    d.arguments = graph_create_buffer(graph, "raster arguments", ARGUMENT_BYTES);
     d.slots = graph_create_buffer(graph, "raster slots", MAX(params->slot_capacity, 1u) * sizeof(struct gpu_raster_slot));
     d.sums = graph_create_buffer(graph, "raster sums", sum_count * 4ull);
     d.cells = graph_create_buffer(graph, "raster cells", (uint64_t)d.cell_count * cell_bytes(d.nodes));
@@ -198,7 +254,12 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     graph_use_buffer(pass, d.slot_sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, d.arguments, GRAPH_WRITE_COMPUTE);
     prefix_sum_add(graph, &slot_names, input->queue, d.slot_sums, input->local_count + 1);
-    add_shell(graph, &d);
+    if (raster_on_hardware(device, params) && make_indices(device, &d)) {
+        d.centers = params->centers;
+        add_draw(graph, &d);
+    } else {
+        add_shell(graph, &d);
+    }
 
     pass = graph_add_pass(graph, "raster count", input->queue, execute_count, &d, sizeof d);
     use_shells(pass, &d);
@@ -283,6 +344,11 @@ struct light_list raster_add_kept(struct raster_state *state, struct graph *grap
                     "light lists: 32-bit nodes hold %u lights and %u links; %u lights in a pool of %u take 64-bit nodes",
                     GPU_NODE_32_LIGHTS, GPU_NODE_32_END, input->local_count, params->grid.pool_capacity);
         state->warned = true;
+    }
+    if (params->path == RASTER_PATH_HARDWARE && !raster_on_hardware(device, params) && !state->warned_path) {
+        log_warning(gpu_host(device), "light lists: %s does not rasterise conservatively; compute shaders do it",
+                    gpu_info(device)->name);
+        state->warned_path = true;
     }
     struct raster_list built = raster_add(graph, device, input, in_view, params);
     if (!built.slot_sums.id || !wanted->mapped) return built.list;

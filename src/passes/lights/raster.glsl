@@ -80,6 +80,13 @@ vec3 mesh_vertex(light_mesh mesh, gpu_bound bound, uint index) {
     return to_view(light.position + light.range * (light.direction * along + (light.side * part.x + up * part.y) * across));
 }
 
+// A point well inside of the same.
+vec3 mesh_inside(light_mesh mesh, gpu_bound bound) {
+    if (mesh.kind == MESH_SPHERE) return vec3(bound.center.xy, -bound.center.z);
+    if (mesh.kind == MESH_BOX) return 0.5 * (mesh_vertex(mesh, bound, 0u) + mesh_vertex(mesh, bound, 7u));
+    return 0.5 * (mesh_vertex(mesh, bound, 0u) + mesh_vertex(mesh, bound, GPU_CONE_VERTICES - 1u));
+}
+
 uvec3 mesh_triangle(light_mesh mesh, uint index) {
     uint packed = RASTER.triangles[mesh.first_triangle + index];
     return uvec3(packed & 255u, packed >> 8 & 255u, packed >> 16);

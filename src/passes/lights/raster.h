@@ -41,6 +41,8 @@ struct raster_memory {
 struct raster_memory raster_memory(const struct raster_params *params, uint32_t width, uint32_t height,
                                    uint32_t light_count);
 
+/** Whether light meshes will be drawn. */
+bool raster_on_hardware(const gpu_device *device, const struct raster_params *params);
 /** The node layout that will be used. */
 uint32_t raster_nodes(const struct raster_params *params, uint32_t light_count);
 
@@ -56,7 +58,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
 struct raster_state {
     struct gpu_buffer wanted[GPU_FRAMES_IN_FLIGHT];
     uint32_t slot_capacity;
-    bool warned; /* about 32-bit nodes */
+    bool warned, warned_path; /* about 32-bit nodes, about hardware */
 };
 void raster_state_finish(struct raster_state *state, gpu_device *device);
 /** raster_add with slots by the state. */

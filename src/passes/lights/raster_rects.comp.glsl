@@ -30,6 +30,9 @@ void main() {
         RASTER.arguments.at[0] = min(count, 32768u); // as gpu_dispatch_linear makes them
         RASTER.arguments.at[1] = (count + 32767u) / 32768u;
         RASTER.arguments.at[2] = 1u;
+        RASTER.arguments.at[3] = 3u * GPU_SPHERE_TRIANGLES; // and VkDrawIndexedIndirectCommand
+        RASTER.arguments.at[4] = count;
+        RASTER.arguments.at[5] = RASTER.arguments.at[6] = RASTER.arguments.at[7] = 0u;
     }
     if (index > RASTER.light_count) return;
     RASTER.slot_sums.at[index] = 0u;

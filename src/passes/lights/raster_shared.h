@@ -66,7 +66,7 @@ struct gpu_raster {
     ADDRESS(raster_light_array) lights;   /* one for each light in view */
     ADDRESS(uint_array) slot_sums;        /* tiles of each light in view, then where its slots begin; one more */
     ADDRESS(raster_slot_array) slots;     /* of light after light, row by row of its rectangle */
-    ADDRESS(uint_array) arguments;        /* of the dispatch with a group for each light in view */
+    ADDRESS(uint_array) arguments;        /* of the dispatch with a group for each light in view, and of the draw with an instance */
     ADDRESS(uint_array) sums;             /* cell * chunk_count + chunk, and one more: counts, then their prefix sum */
     ADDRESS(cell_array) cells;            /* or heads of linked lists, a uint each */
     ADDRESS(uint_array) ids;              /* the pool */

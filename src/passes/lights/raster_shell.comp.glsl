@@ -77,8 +77,7 @@ void main() {
     }
     barrier();
     shell s = shell_of(index, bound, unordered(nearest_depth));
-    vec3 inside = vec3(0.0); // the middle of the vertices
-    for (uint i = 0u; i < mesh.vertex_count; i++) inside += vertices[i] / float(mesh.vertex_count);
+    vec3 inside = own ? vec3(0.0) : mesh_inside(mesh, bound);
     uvec2 size = s.last_tile - s.first_tile + 1u;
     uvec2 piece = uvec2(min(size.x, PIECE), 0u);
     piece.y = min(size.y, PIECE / piece.x);
