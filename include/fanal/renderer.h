@@ -88,22 +88,6 @@ typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_COUNT
 } fnl_backface_axis;
 
-/** What draws the light meshes of raster lists. */
-typedef enum fnl_raster_path {
-    FNL_RASTER_AUTO = 0, /**< the hardware where it rasterises conservatively (fnl_device_info.conservative_raster) */
-    FNL_RASTER_HARDWARE, /**< the same: there is nothing else that hardware could do without losing lights */
-    FNL_RASTER_SOFTWARE, /**< compute shaders */
-    FNL_RASTER_COUNT
-} fnl_raster_path;
-
-/** How the clusters of raster lists hold their lights. */
-typedef enum fnl_raster_nodes {
-    FNL_RASTER_ARRAY = 0, /**< an array for each cluster */
-    FNL_RASTER_LINKS64,   /**< linked lists, 64 bits a light */
-    FNL_RASTER_LINKS32,   /**< linked lists, 32 bits a light; up to 4096 lights and 1 048 575 links, then 64 */
-    FNL_RASTER_NODES_COUNT
-} fnl_raster_nodes;
-
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
     bool frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
