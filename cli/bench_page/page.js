@@ -78,11 +78,12 @@ const metrics = {
   wall_ms: 'wall clock, with waiting'
 };
 const inCase = () => results.filter((r) => caseName(r) === state.case);
-const lightCounts = () => unique(inCase().map(lightsOf)).sort((a, b) => a - b);
+const lightCounts = () => countsOf(inCase());
 const lines = () => inCase().filter((r) => r.shading === state.shading);
 const shown = () => lines().filter((r) => !state.hidden.has(scheme(r)));
 const atLights = () => lines().filter((r) => lightsOf(r) === state.lights);
 const shownAt = () => shown().filter((r) => lightsOf(r) === state.lights);
+const countsOf = (rows) => unique(rows.map(lightsOf)).sort((a, b) => a - b);
 const byTime = (key) => (a, b) => median(a, key) - median(b, key);
 
 function settle() {
@@ -90,7 +91,7 @@ function settle() {
     const fastest = inCase().sort(byTime('frame_ms'))[0];
     state.shading = fastest ? fastest.shading : '';
   }
-  const counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
+  const counts = countsOf(lines());
   if (!counts.includes(state.lights)) state.lights = counts.length ? counts[counts.length - 1] : null;
 }
 
@@ -129,8 +130,17 @@ const whiskers = {
         if (!spread || !(spread[0] > 0)) return;
         const a = scale.getPixelForValue(spread[0]), b = scale.getPixelForValue(spread[1]);
         context.beginPath();
-        if (across) { context.moveTo(a, point.y); context.lineTo(b, point.y); context.moveTo(b, point.y - 4); context.lineTo(b, point.y + 4); context.moveTo(a, point.y - 4); context.lineTo(a, point.y + 4); }
-        else { context.moveTo(point.x, a); context.lineTo(point.x, b); }
+        if (across) {
+          context.moveTo(a, point.y);
+          context.lineTo(b, point.y);
+          for (const end of [a, b]) {
+            context.moveTo(end, point.y - 4);
+            context.lineTo(end, point.y + 4);
+          }
+        } else {
+          context.moveTo(point.x, a);
+          context.lineTo(point.x, b);
+        }
         context.stroke();
       });
     });
@@ -180,7 +190,8 @@ function logAxis(title, values) {
   return axis(title, 'logarithmic', {
     min: range.length ? Math.min(...range) / pad : undefined, max: range.length ? Math.max(...range) * pad : undefined,
     afterBuildTicks(scale) {
-      const decades = Math.log10(scale.max / scale.min), keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8], ticks = [];
+      const decades = Math.log10(scale.max / scale.min), ticks = [];
+      const keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
       for (let power = Math.floor(Math.log10(scale.min)); power <= Math.ceil(Math.log10(scale.max)); power++)
         for (const digit of keep) {
           const value = Number((digit * Math.pow(10, power)).toPrecision(3));
@@ -188,7 +199,7 @@ function logAxis(title, values) {
         }
       scale.ticks = ticks;
     },
-    ticks: {color: variable('--soft'), maxRotation: 0, callback: (value) => (value >= 1e4 ? value / 1000 + 'k' : number(value).replace(/\.?0+$/, (z) => (z.includes('.') ? '' : z)))}
+    ticks: {color: variable('--soft'), maxRotation: 0, callback: (value) => (value >= 1e4 ? value / 1000 + 'k' : String(Number(number(value))))}
   });
 }
 function lightsAxis(counts) {
@@ -215,16 +226,30 @@ function swatch(name) {
   svg.style.cssText = 'flex:none;stroke:' + s.color + ';fill:' + s.color + ';stroke-width:2';
   return svg;
 }
-/* Switches schemes on and off in all plots. */
+/* Switches schemes on and off in all plots; of many, leaves the fastest. */
 function legend() {
-  const names = unique(lines().map(scheme));
-  return element('div', {class: 'legend', role: 'group', 'aria-label': 'Light lists shown'}, ...names.map((name) =>
-    element('button', {type: 'button', 'data-scheme': name, 'aria-pressed': String(!state.hidden.has(name)), onclick() {
+  const names = unique(lines().map(scheme)), press = (selector) => {
+    redraw();
+    const again = document.querySelector('.legend button' + selector);
+    if (again) again.focus({preventScroll: true});
+  };
+  const buttons = names.map((name) => element('button', {
+    type: 'button', 'data-scheme': name, 'aria-pressed': String(!state.hidden.has(name)), onclick() {
       if (!state.hidden.delete(name)) state.hidden.add(name);
-      redraw();
-      const again = document.querySelector('.legend button[data-scheme="' + CSS.escape(name) + '"]');
-      if (again) again.focus({preventScroll: true});
-    }}, swatch(name), name)));
+      press('[data-scheme="' + CSS.escape(name) + '"]');
+    }
+  }, swatch(name), name));
+  if (names.length > 6) {
+    const fastest = atLights().sort(byTime('frame_ms')).map(scheme).slice(0, 5);
+    buttons.push(element('button', {type: 'button', 'data-choice': 'few', onclick() {
+      state.hidden = new Set(names.filter((name) => !fastest.includes(name)));
+      press('[data-choice="few"]');
+    }}, 'only the 5 fastest'), element('button', {type: 'button', 'data-choice': 'all', onclick() {
+      state.hidden.clear();
+      press('[data-choice="all"]');
+    }}, 'all of them'));
+  }
+  return element('div', {class: 'legend', role: 'group', 'aria-label': 'Light lists shown'}, ...buttons);
 }
 const roleLegend = (keys, color, names) => element('div', {class: 'legend'}, ...keys.map((role) => {
   const box = element('i');
@@ -236,207 +261,277 @@ const roleLegend = (keys, color, names) => element('div', {class: 'legend'}, ...
 function linePlot(container, name, key, title, more) {
   const counts = lightCounts().filter((n) => n > 0), rows = shown();
   const value = typeof key === 'function' ? key : (r) => median(r, key);
-  const datasets = schemes.filter((s) => rows.some((r) => scheme(r) === s)).map((s) => {
-    const own = rows.filter((r) => scheme(r) === s && lightsOf(r) > 0 && value(r) > 0).sort((a, b) => lightsOf(a) - lightsOf(b)), look = style(s);
+  const names = schemes.filter((s) => rows.some((r) => scheme(r) === s));
+  const datasets = names.map((s) => {
+    const look = style(s);
+    const own = rows.filter((r) => scheme(r) === s && lightsOf(r) > 0 && value(r) > 0).sort((a, b) => lightsOf(a) - lightsOf(b));
     return {
-      label: s, data: own.map((r) => ({x: lightsOf(r), y: value(r)})), borderColor: look.color, backgroundColor: look.color, borderDash: look.dash,
-      pointStyle: look.marker, pointRadius: 5, pointHoverRadius: 7, pointBorderWidth: 2, borderWidth: 2,
-      spreads: typeof key === 'function' ? null : own.map((r) => [r[key].p5, r[key].p95])
+      label: s, data: own.map((r) => ({x: lightsOf(r), y: value(r)})), borderColor: look.color, backgroundColor: look.color,
+      borderDash: look.dash, borderWidth: 2, pointStyle: look.marker, pointRadius: 5, pointHoverRadius: 7, pointBorderWidth: 2,
+      /* of many lines they would only hide one another */
+      spreads: typeof key === 'function' || names.length > 6 ? null : own.map((r) => [r[key].p5, r[key].p95])
     };
   });
+  const heights = datasets.concat(more || []).flatMap((d) => d.data.map((p) => p.y).concat((d.spreads || []).flat()));
   plot(container, name, 380, {
-    type: 'line', data: {datasets: datasets.concat(more || [])},
-    options: {scales: {x: lightsAxis(counts), y: logAxis(title, datasets.concat(more || []).flatMap((d) => d.data.map((p) => p.y).concat((d.spreads || []).flat())))},
-      plugins: {tooltip: {callbacks: {title: (items) => plural(items[0].parsed.x, 'light'), label: (item) => item.dataset.label + ': ' + number(item.parsed.y)}}}}
+    type: 'line',
+    data: {datasets: datasets.concat(more || [])},
+    options: {
+      scales: {x: lightsAxis(counts), y: logAxis(title, heights)},
+      plugins: {tooltip: {callbacks: {
+        title: (items) => plural(items[0].parsed.x, 'light'), label: (item) => item.dataset.label + ': ' + number(item.parsed.y)
+      }}}
+    }
   });
 }
-/* `sets`: {label, color, value(r), whisker?}; bars lie along x, one row for each result. */
+/* `sets`: {label, color, value(r), spread(r)?}; bars lie along x, one row for each result. */
 function barPlot(container, name, rows, title, sets, more) {
-  const options = more || {}, x = options.log ? logAxis(title, rows.flatMap((r) => sets.map((set) => set.value(r)))) : axis(title, 'linear', {beginAtZero: true});
-  if (options.stacked) x.stacked = true;
-  plot(container, name, barHeight(rows, sets.length > 1 && !options.stacked ? 40 : 30), {
+  const options = more || {}, stacked = !!options.stacked;
+  const x = options.log ? logAxis(title, rows.flatMap((r) => sets.map((set) => set.value(r)))) : axis(title, 'linear', {beginAtZero: true});
+  if (stacked) x.stacked = true;
+  plot(container, name, barHeight(rows, sets.length > 1 && !stacked ? 40 : 30), {
     type: 'bar',
-    data: {labels: rows.map(options.label || labelOf), datasets: sets.map((set) => ({
-      label: set.label, data: rows.map((r) => set.value(r)), backgroundColor: set.colors ? rows.map(set.colors) : set.color, borderColor: variable('--panel'),
-      borderWidth: options.stacked ? {right: 1} : 0, maxBarThickness: 26, whisker: variable('--text'), spreads: set.spread ? rows.map(set.spread) : null
-    }))},
-    options: {indexAxis: 'y', scales: {x: x, y: Object.assign(nameAxis(), {stacked: !!options.stacked})},
-      interaction: {mode: options.stacked ? 'nearest' : 'index', intersect: !!options.stacked, axis: options.stacked ? 'xy' : 'y'},
+    data: {
+      labels: rows.map(options.label || labelOf),
+      datasets: sets.map((set) => ({
+        label: set.label, data: rows.map((r) => set.value(r)), backgroundColor: set.colors ? rows.map(set.colors) : set.color,
+        borderColor: variable('--panel'), borderWidth: stacked ? {right: 1} : 0, maxBarThickness: 26, whisker: variable('--text'),
+        spreads: set.spread ? rows.map(set.spread) : null
+      }))
+    },
+    options: {
+      indexAxis: 'y', scales: {x: x, y: Object.assign(nameAxis(), {stacked: stacked})},
+      interaction: {mode: stacked ? 'nearest' : 'index', intersect: stacked, axis: stacked ? 'xy' : 'y'},
       plugins: {bound: {value: options.bound}, tooltip: {callbacks: {
-        title: (items) => String(items[0].label).replace(/,/g, ' '), label: (item) => item.dataset.label + ': ' + (options.format || number)(item.raw)}}}}
+        title: (items) => String(items[0].label).replace(/,/g, ' '),
+        label: (item) => item.dataset.label + ': ' + (options.format || number)(item.raw)
+      }}}
+    }
   });
 }
 
 /* ---- sections ---- */
 
 function addPlot(id, title, text, draw) {
-  const body = element('div'), section = element('section', {id: id}, element('h2', null, title), text ? element('p', {class: 'note'}, text) : null, body);
+  const body = element('div'), section = element('section', {id: id}, element('h2', null, title), element('p', {class: 'note'}, text), body);
   plots.push({id, section, draw: () => { body.replaceChildren(); draw(body); }});
 }
 const many = () => lightCounts().filter((n) => n > 0).length > 1;
+/* The first row of a table is the best one. */
+const ranked = (rows, cells) => rows.map((r, i) => ({best: i === 0, cells: cells(r)}));
 
-addPlot('time', 'Time', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work side by side; handing results to the CPU is left out.', (body) => {
-  const key = state.metric;
-  body.append(element('div', {class: 'controls', style: 'position:static;border:0;padding:.2rem 0;background:none'},
-    select('Time of', Object.keys(metrics), key, (value) => { state.metric = value; redraw(); }, (k) => metrics[k])), legend());
-  const counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
+addPlot('time', 'Time', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work ' +
+  'side by side; handing results to the CPU is left out.', (body) => {
+  const key = state.metric, counts = countsOf(lines());
+  body.append(
+    element('div', {class: 'choice'}, select('Time of', Object.keys(metrics), key, (value) => { state.metric = value; redraw(); }, (k) => metrics[k])),
+    legend());
   if (many()) linePlot(body, 'Time over lights', key, 'ms');
-  else barPlot(body, 'Time', shownAt().sort(byTime(key)), 'ms', [{label: metrics[key] + ', ms', value: (r) => median(r, key),
-    colors: (r) => style(scheme(r)).color, spread: (r) => [r[key].p5, r[key].p95]}]);
+  else barPlot(body, 'Time', shownAt().sort(byTime(key)), 'ms', [{
+    label: metrics[key] + ', ms', value: (r) => median(r, key), colors: (r) => style(scheme(r)).color, spread: (r) => [r[key].p5, r[key].p95]
+  }]);
   const at = (name, n) => lines().find((r) => scheme(r) === name && lightsOf(r) === n);
-  const last = (name) => { const t = median(at(name, counts[counts.length - 1]), key); return Number.isNaN(t) ? Infinity : t; };
+  const last = (name) => {
+    const time = median(at(name, counts[counts.length - 1]), key);
+    return Number.isNaN(time) ? Infinity : time;
+  };
+  const cell = (r) => (r ? number(r[key].median) + ' ± ' + number(r[key].mad) : '–');
   const names = unique(lines().map(scheme)).sort((a, b) => last(a) - last(b));
-  body.append(table('time', ['ms, median ± MAD'].concat(counts.map((n) => plural(n, 'light'))), names.map((name, i) => ({best: i === 0,
-    cells: [name].concat(counts.map((n) => { const r = at(name, n); return r ? number(r[key].median) + ' ± ' + number(r[key].mad) : '–'; }))}))));
+  body.append(table('time', ['ms, median ± MAD'].concat(counts.map((n) => plural(n, 'light'))),
+    ranked(names, (name) => [name].concat(counts.map((n) => cell(at(name, n)))))));
 });
 
-addPlot('passes', 'Where the time goes', 'Every pass of the GPU, one piece of the bar each; pieces of one kind have one colour. Touch a piece for its name.', (body) => {
-  const rows = shownAt().sort(byTime('gpu_ms')), sets = [];
-  const order = [];
-  for (const r of rows) for (const pass of r.passes) if (pass.role !== 'read' && !order.some((o) => o.name === pass.name)) order.push({name: pass.name, role: pass.role});
-  const number_of = {};
-  for (const role of roles)
-    for (const pass of order.filter((o) => o.role === role)) {
-      number_of[role] = (number_of[role] || 0) + 1;
-      sets.push({label: pass.name + ', ms', color: roleColor(role, number_of[role] - 1), value: (r) => { const p = r.passes.find((q) => q.name === pass.name); return p ? p.median : 0; }});
-    }
+addPlot('passes', 'Where the time goes', 'Every pass of the GPU, one piece of the bar each; pieces of one kind have one colour. Touch a piece for ' +
+  'its name.', (body) => {
+  const rows = shownAt().sort(byTime('gpu_ms')), sorted = atLights().sort(byTime('gpu_ms'));
+  const pass = (r, name) => r.passes.find((p) => p.name === name);
+  const all = new Map(sorted.flatMap((r) => r.passes.map((p) => [p.name, p.role])));
+  const sets = roles.flatMap((role) => [...all].filter(([, kind]) => kind === role).map(([name], i) => ({
+    label: name + ', ms', color: roleColor(role, i), value: (r) => (pass(r, name) ? pass(r, name).median : 0)
+  })));
   body.append(roleLegend(roles, roleColor, roleNames));
   barPlot(body, 'Passes', rows, 'ms', sets, {stacked: true});
-  const sorted = atLights().sort(byTime('gpu_ms'));
-  body.append(table('passes', ['ms, medians'].concat(roles.map((role) => roleNames[role]), 'all passes', 'CPU'), sorted.map((r, i) => ({best: i === 0,
-    cells: [scheme(r)].concat(roles.map((role) => number(median(r, role + '_ms'))), number(median(r, 'gpu_ms')), number(median(r, 'cpu_ms')))}))));
-  body.append(element('details', null, element('summary', null, 'Every pass'), table('every-pass', ['pass, ms', '<kind'].concat(sorted.map(scheme)),
-    unique(sorted.flatMap((r) => r.passes.map((p) => p.name))).map((name) => {
-      const cells = sorted.map((r) => r.passes.find((p) => p.name === name));
-      return [name, cells.find((p) => p).role].concat(cells.map((p) => (p ? number(p.median) : '–')));
-    }))));
+  body.append(
+    table('passes', ['ms, medians'].concat(roles.map((role) => roleNames[role]), 'all passes', 'CPU'), ranked(sorted, (r) =>
+      [scheme(r)].concat(roles.map((role) => number(median(r, role + '_ms'))), number(median(r, 'gpu_ms')), number(median(r, 'cpu_ms'))))),
+    element('details', null, element('summary', null, 'Every pass'),
+      table('every-pass', ['pass, ms', '<kind'].concat(sorted.map(scheme)), [...all].map(([name, role]) =>
+        [name, role].concat(sorted.map((r) => (pass(r, name) ? number(pass(r, name).median) : '–')))))));
 });
 
-addPlot('evaluations', 'Lights per pixel', 'How many lights a pixel evaluates on average, exactly counted, against the least possible: those that truly reach its surface (dashed).', (body) => {
-  const rows = shownAt().filter((r) => r.per_pixel !== undefined).sort((a, b) => a.per_pixel - b.per_pixel), least = rows.length ? rows[0].useful_per_pixel : 0;
+addPlot('evaluations', 'Lights per pixel', 'How many lights a pixel evaluates on average, exactly counted, against the least possible: those that ' +
+  'truly reach its surface (dashed).', (body) => {
+  const counted = (r) => r.per_pixel !== undefined, fewest = (a, b) => a.per_pixel - b.per_pixel;
+  const rows = shownAt().filter(counted).sort(fewest), least = rows.length ? rows[0].useful_per_pixel : 0;
   body.append(legend());
   if (many()) {
-    const points = unique(lines().map(lightsOf)).sort((a, b) => a - b).map((n) => lines().find((r) => lightsOf(r) === n)).filter((r) => lightsOf(r) > 0 && r.useful_per_pixel > 0);
-    linePlot(body, 'Lights per pixel over lights', (r) => r.per_pixel, 'lights per pixel', [{label: 'least possible', data: points.map((r) => ({x: lightsOf(r), y: r.useful_per_pixel})),
-      borderColor: variable('--text'), backgroundColor: variable('--text'), borderDash: [5, 4], borderWidth: 2, pointRadius: 0}]);
-  } else barPlot(body, 'Lights per pixel', rows, 'lights per pixel', [{label: 'lights per pixel', value: (r) => r.per_pixel, colors: (r) => style(scheme(r)).color}], {bound: least, log: rows.some((r) => r.per_pixel > 30 * (least || 1))});
+    const points = countsOf(lines()).map((n) => lines().find((r) => lightsOf(r) === n)).filter((r) => lightsOf(r) > 0 && r.useful_per_pixel > 0);
+    linePlot(body, 'Lights per pixel over lights', (r) => r.per_pixel, 'lights per pixel', [{
+      label: 'least possible', data: points.map((r) => ({x: lightsOf(r), y: r.useful_per_pixel})), borderColor: variable('--text'),
+      backgroundColor: variable('--text'), borderDash: [5, 4], borderWidth: 2, pointRadius: 0
+    }]);
+  } else {
+    barPlot(body, 'Lights per pixel', rows, 'lights per pixel',
+      [{label: 'lights per pixel', value: (r) => r.per_pixel, colors: (r) => style(scheme(r)).color}],
+      {bound: least, log: rows.some((r) => r.per_pixel > 30 * (least || 1))});
+  }
+  const ratio = (r) => (r.useful_per_pixel > 0 ? number(r.per_pixel / r.useful_per_pixel) + '×' : '–');
   body.append(table('evaluations', [plural(state.lights, 'light'), 'per pixel', 'least possible', 'ratio', 'most of a pixel', 'evaluations'],
-    atLights().filter((r) => r.per_pixel !== undefined).sort((a, b) => a.per_pixel - b.per_pixel).map((r, i) => ({best: i === 0,
-      cells: [scheme(r), number(r.per_pixel), number(r.useful_per_pixel), r.useful_per_pixel > 0 ? number(r.per_pixel / r.useful_per_pixel) + '×' : '–', whole(r.max_per_pixel), whole(r.evaluations)]}))));
+    ranked(atLights().filter(counted).sort(fewest), (r) =>
+      [scheme(r), number(r.per_pixel), number(r.useful_per_pixel), ratio(r), whole(r.max_per_pixel), whole(r.evaluations)])));
 });
 
-addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to build and save shading: the nearer to the lower left, the better. At the left edge stands what builds no lists on the GPU.', (body) => {
-  const rows = shownAt().filter((r) => median(r, 'shading_ms') > 0), floor = Math.min(...rows.map((r) => median(r, 'lists_ms')).filter((t) => t > 0), 1) / 2;
+addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to build and save shading: the nearer to the lower left, the better. At ' +
+  'the left edge stands what builds no lists on the GPU in this frame.', (body) => {
+  const build = (r) => median(r, 'lists_ms'), shade = (r) => median(r, 'shading_ms'), both = (r) => build(r) + shade(r);
+  const rows = shownAt().filter((r) => shade(r) > 0);
+  const edge = Math.min(...rows.map(build).filter((t) => t > 0), 1) / 2, place = (r) => Math.max(build(r), edge);
   body.append(legend());
   plot(body, 'List time against shading time', 340, {
     type: 'scatter',
-    data: {datasets: rows.map((r) => { const look = style(scheme(r)); return {label: scheme(r), data: [{x: Math.max(median(r, 'lists_ms'), floor), y: median(r, 'shading_ms')}], real: median(r, 'lists_ms'),
-      borderColor: look.color, backgroundColor: look.color, pointStyle: look.marker, pointRadius: 7, pointHoverRadius: 9, pointBorderWidth: 2}; })},
-    options: {scales: {x: logAxis('building lists, ms', rows.map((r) => Math.max(median(r, 'lists_ms'), floor))), y: logAxis('shading, ms', rows.map((r) => median(r, 'shading_ms')))}, plugins: {tooltip: {callbacks: {
-      label: (item) => item.dataset.label + ': lists ' + number(item.dataset.real) + ' ms, shading ' + number(item.parsed.y) + ' ms'}}}}
+    data: {datasets: rows.map((r) => {
+      const look = style(scheme(r));
+      return {
+        label: scheme(r), data: [{x: place(r), y: shade(r)}], real: build(r), borderColor: look.color, backgroundColor: look.color,
+        pointStyle: look.marker, pointRadius: 7, pointHoverRadius: 9, pointBorderWidth: 2
+      };
+    })},
+    options: {
+      scales: {x: logAxis('building lists, ms', rows.map(place)), y: logAxis('shading, ms', rows.map(shade))},
+      plugins: {tooltip: {callbacks: {
+        label: (item) => item.dataset.label + ': lists ' + number(item.dataset.real) + ' ms, shading ' + number(item.parsed.y) + ' ms'
+      }}}
+    }
   });
-  body.append(table('balance', ['ms, medians', 'lists', 'shading', 'both', 'lists, part of both'], atLights().map((r) => ({r, both: median(r, 'lists_ms') + median(r, 'shading_ms')})).sort((a, b) => a.both - b.both).map(({r, both}, i) => ({best: i === 0,
-    cells: [scheme(r), number(median(r, 'lists_ms')), number(median(r, 'shading_ms')), number(both), both > 0 ? Math.round(100 * median(r, 'lists_ms') / both) + ' %' : '–']}))));
+  const part = (r) => (both(r) > 0 ? Math.round(100 * build(r) / both(r)) + ' %' : '–');
+  body.append(table('balance', ['ms, medians', 'lists', 'shading', 'both', 'lists, part of both'],
+    ranked(atLights().sort((a, b) => both(a) - both(b)), (r) => [scheme(r), number(build(r)), number(shade(r)), number(both(r)), part(r)])));
 });
 
 addPlot('memory', 'Memory of the lists', 'Reserved, and the part of it that this frame fills.', (body) => {
-  const key = (r) => r.list_used_bytes || 0, rows = shownAt().sort((a, b) => key(a) - key(b)), p = palette();
-  const colors = {used: p[0], reserved: p[1]}, names = {used: 'used by this frame', reserved: 'reserved'};
+  const used = (r) => r.list_used_bytes || 0, least = (a, b) => used(a) - used(b), p = palette();
+  const names = {used: 'used by this frame', reserved: 'reserved'}, colors = {used: p[0], reserved: p[1]};
+  const kibibytes = (value) => (value > 0 ? value / 1024 : null);
   body.append(roleLegend(['used', 'reserved'], (k) => colors[k], names));
-  barPlot(body, 'Memory of the lists', rows, 'KiB', [{label: names.used, color: colors.used, value: (r) => (r.list_used_bytes > 0 ? r.list_used_bytes / 1024 : null)},
-    {label: names.reserved, color: colors.reserved, value: (r) => (r.list_bytes > 0 ? r.list_bytes / 1024 : null)}], {log: true, format: (v) => (v === null ? 'none' : number(v) + ' KiB')});
-  body.append(table('memory', [plural(state.lights, 'light'), 'used', 'reserved', 'entries', 'cells', 'cells that overflowed'], atLights().sort((a, b) => key(a) - key(b)).map((r) =>
-    [scheme(r), bytes(r.list_used_bytes), bytes(r.list_bytes), whole(r.list_entries), whole(r.cells), whole(r.overflow_cells)])));
+  barPlot(body, 'Memory of the lists', shownAt().sort(least), 'KiB', [
+    {label: names.used, color: colors.used, value: (r) => kibibytes(r.list_used_bytes)},
+    {label: names.reserved, color: colors.reserved, value: (r) => kibibytes(r.list_bytes)}
+  ], {log: true, format: (value) => (value === null ? 'none' : number(value) + ' KiB')});
+  body.append(table('memory', [plural(state.lights, 'light'), 'used', 'reserved', 'entries', 'cells', 'cells that overflowed'],
+    atLights().sort(least).map((r) =>
+      [scheme(r), bytes(r.list_used_bytes), bytes(r.list_bytes), whole(r.list_entries), whole(r.cells), whole(r.overflow_cells)])));
 });
 
 /* ---- pictures ---- */
 
-const pictureKey = (r, lists, options, kind) => [r.scene, r.asked_lights === null ? -1 : r.asked_lights, r.width + 'x' + r.height, r.msaa, r.shading, lists, options, kind].join('|');
 function figure(uri, text, alt) {
   return element('figure', null, element('img', {src: uri, alt: alt, loading: 'lazy'}), element('figcaption', null, text));
 }
-addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order, bit for bit, before tone mapping.', (body) => {
-  const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'});
-  const reference = data.settings.reference;
-  const orders = unique(all.map((r) => r.shading)), of = (shading, kind) => pictures[pictureKey(all.find((x) => x.shading === shading), reference, '', kind)];
+addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order, bit for bit, before tone ' +
+  'mapping.', (body) => {
+  const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'}), reference = data.settings.reference;
+  const find = (r, lists, options, kind) => {
+    const lights = r.asked_lights === null ? -1 : r.asked_lights;
+    return pictures[[r.scene, lights, r.width + 'x' + r.height, r.msaa, r.shading, lists, options, kind].join('|')];
+  };
+  const add = (uri, text, alt) => { if (uri) grid.append(figure(uri, text, alt)); };
+  const orders = unique(all.map((r) => r.shading)), of = (shading, kind) => find(all.find((r) => r.shading === shading), reference, '', kind);
   const base = orders.find((shading) => of(shading, 'reference') && !of(shading, 'shading')); /* what the others were compared with */
   for (const shading of orders) {
-    const picture = of(shading, 'reference'), difference = of(shading, 'shading');
-    if (picture) grid.append(figure(picture, shading + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + shading));
-    if (difference) grid.append(figure(difference, shading + ' against ' + base + ', difference × 16', 'Differences of two shading orders'));
+    add(of(shading, 'reference'), shading + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + shading);
+    add(of(shading, 'shading'), shading + ' against ' + base + ', difference × 16', 'Differences of two shading orders');
   }
-  for (const r of lines().filter((x) => lightsOf(x) === state.lights)) {
-    const heat = pictures[pictureKey(r, r.lists, r.options, 'lights')], wrong = pictures[pictureKey(r, r.lists, r.options, 'picture')], difference = pictures[pictureKey(r, r.lists, r.options, 'difference')];
-    if (wrong) grid.append(figure(wrong, scheme(r) + ': DIFFERS', 'A picture that differs from the reference'));
-    if (difference) grid.append(figure(difference, scheme(r) + ': difference, the greatest (' + number(r.max_difference) + ' cd/m²) shown white', 'Where it differs'));
-    if (heat) grid.append(figure(heat, scheme(r) + ': lights per pixel' + (r.equal === true ? '; picture equal to the reference' : ''), 'Heat map of lights per pixel'));
+  for (const r of atLights()) {
+    const own = (kind) => find(r, r.lists, r.options, kind), equal = r.equal === true ? '; picture equal to the reference' : '';
+    add(own('picture'), scheme(r) + ': DIFFERS', 'A picture that differs from the reference');
+    add(own('difference'), scheme(r) + ': difference, the greatest (' + number(r.max_difference) + ' cd/m²) shown white', 'Where it differs');
+    add(own('lights'), scheme(r) + ': lights per pixel' + equal, 'Heat map of lights per pixel');
   }
-  if (grid.children.length) body.append(grid);
-  else body.append(element('p', {class: 'note'}, 'No pictures were kept of this number of lights; the one with most lights of each scene has them.'));
-  body.append(table('pictures', ['lists', '<shading', '<picture', 'pixels that differ', 'greatest difference, cd/m²'], all.map((r) => [scheme(r), r.shading,
-    element('span', {class: r.equal ? 'good' : r.equal === false ? 'bad' : ''}, r.equal ? 'equal' : r.equal === false ? 'DIFFERS' : 'not compared' + (r.unchecked ? ': ' + r.unchecked : '')),
-    r.equal === null ? '–' : whole(r.differing_pixels), r.equal === null ? '–' : number(r.max_difference)])));
+  const none = 'No pictures were kept of this number of lights; the one with most lights of each scene has them.';
+  body.append(grid.children.length ? grid : element('p', {class: 'note'}, none));
+  const verdict = (r) => (r.equal ? 'equal' : r.equal === false ? 'DIFFERS' : 'not compared' + (r.unchecked ? ': ' + r.unchecked : ''));
+  body.append(table('pictures', ['lists', '<shading', '<picture', 'pixels that differ', 'greatest difference, cd/m²'], all.map((r) => [
+    scheme(r), r.shading, element('span', {class: r.equal ? 'good' : r.equal === false ? 'bad' : ''}, verdict(r)),
+    r.equal === null ? '–' : whole(r.differing_pixels), r.equal === null ? '–' : number(r.max_difference)
+  ])));
 });
 
 /* ---- the rest of the page ---- */
 
 function select(label, values, chosen, change, name) {
-  const control = element('select', {onchange() { change(values[control.selectedIndex]); }}, ...values.map((v) => element('option', null, name ? name(v) : String(v))));
+  const options = values.map((value) => element('option', null, name ? name(value) : String(value)));
+  const control = element('select', {onchange() { change(values[control.selectedIndex]); }}, ...options);
   control.selectedIndex = Math.max(0, values.indexOf(chosen));
   return element('label', null, label, control);
 }
 const controls = element('div', {class: 'controls'});
 function drawControls() {
-  const own = unique(inCase().map((r) => r.shading)), counts = unique(lines().map(lightsOf)).sort((a, b) => a - b);
   controls.replaceChildren(
     select('Scene', cases, state.case, (value) => { state.case = value; redraw(); }),
-    select('Shading', own, state.shading, (value) => { state.shading = value; redraw(); }),
-    select('Lights', counts, state.lights, (value) => { state.lights = value; redraw(); }, (n) => whole(n)));
+    select('Shading', unique(inCase().map((r) => r.shading)), state.shading, (value) => { state.shading = value; redraw(); }),
+    select('Lights', countsOf(lines()), state.lights, (value) => { state.lights = value; redraw(); }, (n) => whole(n)));
 }
 function drawHead() {
   const s = data.settings, d = data.device;
-  const facts = [['Device', d.name], ['Driver', d.driver + (d.driver.includes(d.vulkan) ? '' : ', Vulkan ' + d.vulkan)], ['Kind', d.type], ['Program', data.program.version], ['Measured', data.date],
-    ['Scenes', unique(results.map((r) => r.scene)).join(', ')],
-    ['Frames', s.frames + ' of each in turn, after ' + s.warm_up + ' to warm up' + (s.camera_path ? ', along ' + s.camera_path : '')]];
-  document.getElementById('head').append(...facts.map(([name, value]) => element('div', null, element('dt', null, name), element('dd', null, value))));
+  const facts = [
+    ['Device', d.name], ['Driver', d.driver + ', Vulkan ' + d.vulkan], ['Kind', d.type], ['Program', data.program.version],
+    ['Measured', data.date], ['Scenes', unique(results.map((r) => r.scene)).join(', ')],
+    ['Frames', s.frames + ' of each in turn, after ' + s.warm_up + ' to warm up' + (s.camera_path ? ', along ' + s.camera_path : '')]
+  ];
+  document.getElementById('head').append(...facts.map(([name, value]) =>
+    element('div', null, element('dt', null, name), element('dd', null, value))));
 }
 function drawConclusions() {
-  const lead = (text) => element('li', text.startsWith('WRONG') ? {class: 'bad'} : null, text);
+  const line = (text) => element('li', text.startsWith('WRONG') ? {class: 'bad'} : null, text);
   /* Wrong pictures first, then the cases with most lights, which come last in the plan. */
-  const all = data.conclusions.slice().reverse().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG')), count = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
-  const first = all.slice(0, 6), rest = all.slice(6);
-  return element('section', {id: 'conclusions'}, element('ul', {class: 'lead'}, ...first.map(lead),
-    element('li', {class: count === compared ? 'good' : 'bad'}, compared ? count + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.')),
-    rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(lead))) : null);
-}
-function drawSuite() {
-  const suite = data.suite, body = element('section', {id: 'suite'}, element('h2', null, suite.title), element('p', {class: 'note'}, 'Ratios of the source beside ours, measured in one run on this device.'));
-  const verdict = (row) => element('span', {class: row.verdict === 'reached' ? 'good' : row.verdict === 'missed' || row.verdict === 'wrong picture' ? 'bad' : ''}, row.verdict);
-  const known = suite.rows.filter((row) => row.source !== null && row.ours !== null), p = palette();
-  if (known.length) {
-    body.append(roleLegend(['source', 'ours'], (k) => ({source: p[4], ours: p[0]}[k]), {source: 'source', ours: 'ours'}));
-    barPlot(body, 'Ratios', known, 'ratio', [{label: 'source', color: p[4], value: (row) => row.source}, {label: 'ours', color: p[0], value: (row) => row.ours}],
-      {label: (row) => wrap(row.quantity, 20)});
-  }
-  body.append(table('suite', ['<quantity', '<scene', 'source', 'ours', '±', '<verdict'], suite.rows.map((row) => [row.quantity, row.scene, row.source === null ? '–' : row.comparison.replace('>=', '≥').replace('<=', '≤') + ' ' + number(row.source), number(row.ours), number(row.spread), verdict(row)])));
-  return body;
+  const all = data.conclusions.slice().reverse().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG'));
+  const equal = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
+  const said = compared ? equal + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.';
+  const rest = all.slice(6);
+  return element('section', {id: 'conclusions'},
+    element('ul', {class: 'lead'}, ...all.slice(0, 6).map(line), element('li', {class: equal === compared ? 'good' : 'bad'}, said)),
+    rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(line))) : null);
 }
 function wrap(text, width) {
   const out = [''];
   for (const word of text.split(' ')) {
-    if ((out[out.length - 1] + ' ' + word).length > width && out[out.length - 1]) out.push(word);
-    else out[out.length - 1] = (out[out.length - 1] + ' ' + word).trim();
+    const longer = (out[out.length - 1] + ' ' + word).trim();
+    if (longer.length > width && out[out.length - 1]) out.push(word);
+    else out[out.length - 1] = longer;
   }
   return out;
 }
+function drawSuite() {
+  const suite = data.suite, p = palette(), colors = {source: p[4], ours: p[0]};
+  const body = element('section', {id: 'suite'}, element('h2', null, suite.title),
+    element('p', {class: 'note'}, 'Ratios of the source beside ours, measured in one run on this device.'));
+  const looks = {reached: 'good', missed: 'bad', 'wrong picture': 'bad'};
+  const verdict = (row) => element('span', {class: looks[row.verdict] || ''}, row.verdict);
+  const wanted = (row) => (row.source === null ? '–' : (row.comparison === '>=' ? '≥ ' : '≤ ') + number(row.source));
+  const known = suite.rows.filter((row) => row.source !== null && row.ours !== null);
+  if (known.length) {
+    body.append(roleLegend(['source', 'ours'], (k) => colors[k], {source: 'source', ours: 'ours'}));
+    barPlot(body, 'Ratios', known, 'ratio', ['source', 'ours'].map((k) => ({label: k, color: colors[k], value: (row) => row[k]})),
+      {label: (row) => wrap(row.quantity, 20)});
+  }
+  body.append(table('suite', ['<quantity', '<scene', 'source', 'ours', '±', '<verdict'], suite.rows.map((row) =>
+    [row.quantity, row.scene, wanted(row), number(row.ours), number(row.spread), verdict(row)])));
+  return body;
+}
 function drawNumbers() {
-  const columns = [['frame', (r) => number(median(r, 'frame_ms'))], ['GPU', (r) => number(median(r, 'gpu_ms'))], ['CPU', (r) => number(median(r, 'cpu_ms'))], ['lists', (r) => number(median(r, 'lists_ms'))],
-    ['shading', (r) => number(median(r, 'shading_ms'))], ['frames', (r) => whole(r.frames)], ['lights per pixel', (r) => number(r.per_pixel)], ['entries', (r) => whole(r.list_entries)]];
-  const section = element('section', {id: 'numbers'}, element('h2', null, 'All numbers'), element('p', {class: 'note'}, 'Medians, times in ms; results.csv and results.json have more.'),
-    element('details', null, element('summary', null, plural(results.length, 'result')), table('numbers', ['lists', '<shading', '<case', 'lights'].concat(columns.map((c) => c[0])),
-      results.map((r) => [scheme(r), r.shading, caseName(r), whole(r.lights)].concat(columns.map((c) => c[1](r)))))));
-  if (data.skipped.length) section.append(element('details', null, element('summary', null, plural(data.skipped.length, 'pair') + ' left out'),
-    table('skipped', ['lists', '<shading', '<case', '<reason'], data.skipped.map((s) => [scheme(s), s.shading, caseName(s), s.reason]))));
+  const time = (key) => (r) => number(median(r, key));
+  const columns = [
+    ['lists', scheme], ['<shading', (r) => r.shading], ['<case', caseName], ['lights', (r) => whole(r.lights)], ['frame', time('frame_ms')],
+    ['GPU', time('gpu_ms')], ['CPU', time('cpu_ms')], ['lists', time('lists_ms')], ['shading', time('shading_ms')],
+    ['frames', (r) => whole(r.frames)], ['lights per pixel', (r) => number(r.per_pixel)], ['entries', (r) => whole(r.list_entries)]
+  ];
+  const section = element('section', {id: 'numbers'}, element('h2', null, 'All numbers'),
+    element('p', {class: 'note'}, 'Medians, times in ms; results.csv and results.json have more.'),
+    element('details', null, element('summary', null, plural(results.length, 'result')),
+      table('numbers', columns.map((c) => c[0]), results.map((r) => columns.map((c) => c[1](r))))));
+  if (data.skipped.length)
+    section.append(element('details', null, element('summary', null, plural(data.skipped.length, 'pair') + ' left out'),
+      table('skipped', ['lists', '<shading', '<case', '<reason'], data.skipped.map((s) => [scheme(s), s.shading, caseName(s), s.reason]))));
   return section;
 }
 
@@ -446,7 +541,11 @@ function redraw() {
   for (const chart of charts) chart.destroy();
   charts = [];
   drawControls();
-  if (suiteSection) { const next = drawSuite(); suiteSection.replaceWith(next); suiteSection = next; }
+  if (suiteSection) {
+    const next = drawSuite();
+    suiteSection.replaceWith(next);
+    suiteSection = next;
+  }
   for (const p of plots) p.draw();
 }
 
@@ -456,10 +555,17 @@ function start() {
     main.append(element('section', null, element('p', null, 'Nothing was measured.')));
     return;
   }
-  if (hasChart) { Chart.defaults.font.family = getComputedStyle(document.body).fontFamily; Chart.defaults.font.size = 12; }
-  else main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
+  if (hasChart) {
+    Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
+    Chart.defaults.font.size = 12;
+  } else {
+    main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
+  }
   main.append(drawConclusions());
-  if (data.suite) { suiteSection = element('section'); main.append(suiteSection); }
+  if (data.suite) {
+    suiteSection = element('section');
+    main.append(suiteSection);
+  }
   main.append(controls);
   for (const p of plots) main.append(p.section);
   main.append(drawNumbers());
@@ -481,31 +587,36 @@ function drawn(canvas) {
   return {label: canvas.getAttribute('aria-label'), pixels: count, colors: colors.size, width: canvas.clientWidth};
 }
 function selftest() {
-  const width = document.documentElement.clientWidth, report = {errors, width, scroll: document.documentElement.scrollWidth, chart: hasChart, tables: {}, wide: [], legend: null, states: 0};
+  const page = document.documentElement, width = page.clientWidth;
+  const report = {errors, width, scroll: page.scrollWidth, tables: {}, wide: [], legend: null, states: 0};
   for (const details of document.querySelectorAll('details')) details.open = true;
   for (const e of document.querySelectorAll('body *')) {
     const inside = e.closest('.scroll');
     if ((!inside || inside === e) && e.getBoundingClientRect().right > width + 0.5) report.wide.push(e.tagName + '.' + e.className);
   }
-  report.scroll = Math.max(report.scroll, document.documentElement.scrollWidth);
+  report.scroll = Math.max(report.scroll, page.scrollWidth);
   report.canvases = [...document.querySelectorAll('canvas')].map(drawn);
-  for (const t of document.querySelectorAll('table')) report.tables[t.dataset.name] = {rows: t.tBodies[0].rows.length, text: [...t.tBodies[0].rows].map((row) => [...row.cells].map((c) => c.textContent))};
+  for (const t of document.querySelectorAll('table')) {
+    const rows = [...t.tBodies[0].rows];
+    report.tables[t.dataset.name] = {rows: rows.length, text: rows.map((row) => [...row.cells].map((c) => c.textContent))};
+  }
   report.images = [...document.images].map((image) => image.complete && image.naturalWidth > 0);
   report.requests = performance.getEntriesByType('resource').filter((e) => !e.name.startsWith('data:')).map((e) => e.name);
-  const button = document.querySelector('.legend button');
+  const button = document.querySelector('.legend button'), time = () => charts[data.suite ? 1 : 0].data;
   if (button && charts.length) {
-    const before = charts[plots[0] && data.suite ? 1 : 0].data.datasets.length + charts[data.suite ? 1 : 0].data.labels.length;
+    const count = () => time().datasets.length + time().labels.length;
+    report.legend = [count()];
     button.click();
-    report.legend = [before, charts[data.suite ? 1 : 0].data.datasets.length + charts[data.suite ? 1 : 0].data.labels.length];
+    report.legend.push(count());
     document.querySelector('.legend button').click();
   }
   /* Every choice that the selectors offer can be drawn. */
-  for (const c of cases) { state.case = c; redraw();
-    for (const s of unique(inCase().map((r) => r.shading))) { state.shading = s; redraw();
-      for (const n of unique(lines().map(lightsOf))) { state.lights = n; redraw(); report.states++; } } }
-  for (const m of Object.keys(metrics)) { state.metric = m; redraw(); report.states++; }
-  const out = element('pre', {id: 'selftest', hidden: ''}, JSON.stringify(report));
-  document.body.append(out);
+  const draw = () => { redraw(); report.states++; };
+  for (state.case of cases)
+    for (state.shading of unique(inCase().map((r) => r.shading)))
+      for (state.lights of countsOf(lines())) draw();
+  for (state.metric of Object.keys(metrics)) draw();
+  document.body.append(element('pre', {id: 'selftest', hidden: ''}, JSON.stringify(report)));
   if (parent !== window) parent.postMessage(JSON.stringify(report), '*');
 }
 
