@@ -72,7 +72,8 @@ static void print_counts(const fnl_scene_info *info) {
     int used = 0;
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i <= FNL_LIGHT_SPOT || kinds[i])
-            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i], fnl_light_kind_name((fnl_light_kind)i));
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i],
+                             fnl_light_kind_name((fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
     print_count("cameras", info->camera_count, "");
@@ -215,11 +216,12 @@ static json_t *json_counts(const fnl_scene_info *info) {
 
 static json_t *json_light(const fnl_light_params *light) {
     json_t *object =
-        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity, "color",
-                  (double)light->color[0], (double)light->color[1], (double)light->color[2]);
+        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity,
+                  "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));
-        if (light->kind != FNL_LIGHT_BOX) json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
+        if (light->kind != FNL_LIGHT_BOX)
+            json_object_set_new(object, "range", isinf(light->range) ? json_null() : json_real((double)light->range));
     }
     if (light->kind != FNL_LIGHT_POINT) json_object_set_new(object, "direction", json_vec3(light->direction));
     if (light->kind == FNL_LIGHT_SPOT) {

@@ -25,8 +25,7 @@ static inline void light_axes(const fnl_light_params *light, double axes[3][3]) 
     double lean = light_dot(up, along);
     for (int i = 0; i < 3; i++) up[i] -= lean * along[i];
     light_unit(up);
-    for (int i = 0; i < 3; i++)
-        side[i] = along[(i + 1) % 3] * up[(i + 2) % 3] - along[(i + 2) % 3] * up[(i + 1) % 3];
+    for (int i = 0; i < 3; i++) side[i] = along[(i + 1) % 3] * up[(i + 2) % 3] - along[(i + 2) % 3] * up[(i + 1) % 3];
     light_unit(side);
 }
 

@@ -25,8 +25,8 @@ struct gpu_light {
     uint kind;
     uint hull_count;     /* planes that bound it besides its shape; 0: none */
     vec3 direction;      /* unit, where it shines to */
-    float spot_scale;    /* angular ramp of KHR_lights_punctual: sat(cos * scale + offset)^2; wedge and box: sat((1 - part) * scale)^2 of the
-                            part of the way from axis to edge */
+    float spot_scale;    /* angular ramp of KHR_lights_punctual: sat(cos * scale + offset)^2; wedge and box: sat((1 - part) * scale)^2
+                            of the part of the way from axis to edge */
     float spot_offset;
     vec3 bound_center;   /* world-space sphere that holds everything that is lit */
     float bound_radius;  /* 0: nothing is lit */

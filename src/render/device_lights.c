@@ -84,7 +84,9 @@ static void add_hull(struct device_scene *d, struct gpu_light *g, const struct l
     }
 }
 
-uint64_t device_lights_planes_offset(uint32_t light_count) { return DIVIDE_UP(light_count * sizeof(struct gpu_light), sizeof(vec4)) * sizeof(vec4); }
+uint64_t device_lights_planes_offset(uint32_t light_count) {
+    return DIVIDE_UP(light_count * sizeof(struct gpu_light), sizeof(vec4)) * sizeof(vec4);
+}
 
 fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d) {
     d->light_data.count = d->plane_data.count = d->bound_radii.count = 0;

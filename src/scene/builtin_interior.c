@@ -10,7 +10,7 @@
 enum { BAYS = 4 };
 
 /* Metres. */
-#define BAY 9.0f       /* length of a room */
+#define BAY 9.0f /* length of a room */
 #define LENGTH (BAY * BAYS)
 #define HALF_WIDTH 3.2f /* of the corridor */
 #define WALL 0.3f       /* thickness */
@@ -55,8 +55,8 @@ static uint32_t make_corridor_wall(struct builtin *b, const struct interior *s) 
         mesh_bevel_box(&m, vec3_make(-half - 0.08f, 0, fminf(z, z + sign * 0.22f)),
                        vec3_make(half + 0.08f, DOOR_HEIGHT + 0.1f, fmaxf(z, z + sign * 0.22f)), 0.02f);
     }
-    mesh_bevel_box(&m, vec3_make(-half - 0.1f, DOOR_HEIGHT, -BAY + side - 0.3f), vec3_make(half + 0.1f, DOOR_HEIGHT + 0.24f, -side + 0.3f),
-                   0.03f);
+    mesh_bevel_box(&m, vec3_make(-half - 0.1f, DOOR_HEIGHT, -BAY + side - 0.3f),
+                   vec3_make(half + 0.1f, DOOR_HEIGHT + 0.24f, -side + 0.3f), 0.03f);
     mesh_bevel_box(&m, vec3_make(-half - 0.14f, HEIGHT - 0.26f, -BAY), vec3_make(half + 0.14f, HEIGHT, 0), 0.07f);
     return mesh_end(&m, "corridor wall");
 }
@@ -103,7 +103,8 @@ static uint32_t make_room(struct builtin *b, const struct interior *s) {
     for (int end = 0; end < 2; end++) {
         float z = end ? -BAY + 0.1f : -0.1f, to = end ? z + 0.04f : z - 0.04f;
         mesh_bevel_box(&m, vec3_make(0, 0, fminf(z, to)), vec3_make(DEPTH, 0.16f, fmaxf(z, to)), 0.012f);
-        mesh_bevel_box(&m, vec3_make(0, HEIGHT - 0.2f, fminf(z, to) - 0.04f), vec3_make(DEPTH, HEIGHT, fmaxf(z, to) + 0.04f), 0.03f);
+        mesh_bevel_box(&m, vec3_make(0, HEIGHT - 0.2f, fminf(z, to) - 0.04f), vec3_make(DEPTH, HEIGHT, fmaxf(z, to) + 0.04f),
+                       0.03f);
     }
     mesh_bevel_box(&m, vec3_make(DEPTH - 0.05f, 0, -BAY), vec3_make(DEPTH, 0.16f, 0), 0.012f);
     for (int i = 0; i < 3; i++) {
@@ -159,7 +160,8 @@ static uint32_t make_sculpture(struct builtin *b, const struct interior *s, int 
         vec2 p[22];
         for (int i = 0; i < 22; i++) {
             float t = (float)i / 21;
-            p[i] = vec2_make(0.10f + 0.22f * sinf(PI * fminf(1, t * 1.25f)) * (1 - 0.25f * t) + 0.10f * fmaxf(0, t - 0.85f) / 0.15f,
+            p[i] = vec2_make(0.10f + 0.22f * sinf(PI * fminf(1, t * 1.25f)) * (1 - 0.25f * t) +
+                                 0.10f * fmaxf(0, t - 0.85f) / 0.15f,
                              1.05f * t);
         }
         mesh_lathe(&m, vec3_make(0, top, 0), p, COUNT_OF(p), 40);
@@ -246,7 +248,8 @@ struct lamps {
     uint32_t tube, pendant, housing;
 };
 
-static fnl_light_params light_of(fnl_light_kind kind, vec3 position, vec3 direction, vec3 color, float intensity, float range) {
+static fnl_light_params light_of(fnl_light_kind kind, vec3 position, vec3 direction, vec3 color, float intensity,
+                                 float range) {
     fnl_light_params light = fnl_light_params_default();
     light.kind = kind;
     light.position = position;
@@ -265,7 +268,8 @@ static mat4 aim(vec3 position, vec3 direction) {
     return (mat4){{x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, position.x, position.y, position.z, 1}};
 }
 
-static void add_spot(struct builtin *b, const struct lamps *l, vec3 from, vec3 to, vec3 color, float intensity, float angle) {
+static void add_spot(struct builtin *b, const struct lamps *l, vec3 from, vec3 to, vec3 color, float intensity,
+                     float angle) {
     vec3 direction = vec3_sub(to, from);
     builtin_place(b, l->housing, aim(from, direction));
     fnl_light_params light = light_of(FNL_LIGHT_SPOT, from, direction, color, intensity, 18);
@@ -274,8 +278,8 @@ static void add_spot(struct builtin *b, const struct lamps *l, vec3 from, vec3 t
     builtin_light(b, &light);
 }
 
-static void add_wedge(struct builtin *b, const struct lamps *l, vec3 from, vec3 to, vec3 color, float intensity, float range, float across,
-                      float high) {
+static void add_wedge(struct builtin *b, const struct lamps *l, vec3 from, vec3 to, vec3 color, float intensity, float range,
+                      float across, float high) {
     vec3 direction = vec3_sub(to, from);
     builtin_place(b, l->housing, aim(from, direction));
     fnl_light_params light = light_of(FNL_LIGHT_WEDGE, from, direction, color, intensity, range);
@@ -287,7 +291,8 @@ static void add_wedge(struct builtin *b, const struct lamps *l, vec3 from, vec3 
 }
 
 /** A shaft of daylight of the given width and height that ends `depth` from its start. */
-static void add_shaft(struct builtin *b, vec3 start, vec3 direction, vec3 color, float lux, float width, float height, float depth) {
+static void add_shaft(struct builtin *b, vec3 start, vec3 direction, vec3 color, float lux, float width, float height,
+                      float depth) {
     direction = vec3_normalize(direction);
     fnl_light_params light =
         light_of(FNL_LIGHT_BOX, vec3_add_scaled(start, direction, depth / 2), direction, color, lux, INFINITY);
@@ -298,7 +303,8 @@ static void add_shaft(struct builtin *b, vec3 start, vec3 direction, vec3 color,
     builtin_light(b, &light);
 }
 
-static void add_tube(struct builtin *b, const struct lamps *l, vec3 at, vec3 color, float intensity, float range, bool across) {
+static void add_tube(struct builtin *b, const struct lamps *l, vec3 at, vec3 color, float intensity, float range,
+                     bool across) {
     builtin_place(b, l->tube, builtin_at(at.x, at.y, at.z, across ? PI / 2 : 0, 1));
     at.y -= 0.25f; /* below the tube, or the channel above it would shine as brightly */
     fnl_light_params light =
@@ -315,32 +321,34 @@ static void add_room_light(struct builtin *b, const struct lamps *l, int role, i
     vec3 middle = {s * ROOM_MIDDLE, 0, z};
     switch (role) {
     case 0: /* over the picture on the far end of the room, washing the wall */
-        add_wedge(b, l, vec3_make(middle.x, HEIGHT - 0.5f, z + turn * 1.4f), vec3_make(middle.x, 1.9f, z + turn * BAY / 2), warm, 380, 13,
-                  0.62f, 0.36f);
+        add_wedge(b, l, vec3_make(middle.x, HEIGHT - 0.5f, z + turn * 1.4f), vec3_make(middle.x, 1.9f, z + turn * BAY / 2),
+                  warm, 380, 13, 0.62f, 0.36f);
         break;
     case 1: /* on the sculpture, across the room */
-        add_spot(b, l, vec3_make(s * (OUTER - 0.9f), HEIGHT - 0.4f, z - turn * 3.6f), vec3_make(middle.x, 1.3f, z), LIGHT_NEUTRAL, 1100,
-                 0.21f);
+        add_spot(b, l, vec3_make(s * (OUTER - 0.9f), HEIGHT - 0.4f, z - turn * 3.6f), vec3_make(middle.x, 1.3f, z),
+                 LIGHT_NEUTRAL, 1100, 0.21f);
         break;
     case 2:
         builtin_place(b, l->pendant, builtin_at(middle.x + s * 2.2f, 2.9f, z - turn * 2.6f, 0, 1));
         builtin_point(b, vec3_make(middle.x + s * 2.2f, 2.9f, z - turn * 2.6f), warm, 75, 6);
         break;
     case 3: /* through the windows, down to the boards */
-        add_shaft(b, vec3_make(s * (OUTER + 0.4f), 3.4f, z + turn), vec3_make(-s, -0.62f, 0.35f * turn), daylight, 60, 4.2f, 1.5f, 9.5f);
+        add_shaft(b, vec3_make(s * (OUTER + 0.4f), 3.4f, z + turn), vec3_make(-s, -0.62f, 0.35f * turn), daylight, 60, 4.2f,
+                  1.5f, 9.5f);
         break;
     case 4:
         add_tube(b, l, vec3_make(middle.x, HEIGHT - 1.05f, z + turn * 2.4f), tint, 62, 6.5f, true);
         break;
     case 5: /* on the pictures of the other end */
-        add_spot(b, l, vec3_make(middle.x + s * 2, HEIGHT - 0.4f, z + turn * 3), vec3_make(middle.x - s, 1.7f, z - turn * BAY / 2), tint,
-                 900, 0.24f);
+        add_spot(b, l, vec3_make(middle.x + s * 2, HEIGHT - 0.4f, z + turn * 3),
+                 vec3_make(middle.x - s, 1.7f, z - turn * BAY / 2), tint, 900, 0.24f);
         break;
     case 6: /* out of the room through its doorway onto the corridor's floor */
         add_wedge(b, l, vec3_make(s * (OUTER - 1.2f), 3.7f, z), vec3_make(s * 1.2f, 0, z), tint, 700, 15, 0.2f, 0.14f);
         break;
     default: /* on the sculpture from the doorway */
-        add_spot(b, l, vec3_make(s * (HALF_WIDTH + 0.9f), HEIGHT - 0.4f, z + turn * 3.4f), vec3_make(middle.x, 1.2f, z), warm, 800, 0.23f);
+        add_spot(b, l, vec3_make(s * (HALF_WIDTH + 0.9f), HEIGHT - 0.4f, z + turn * 3.4f), vec3_make(middle.x, 1.2f, z),
+                 warm, 800, 0.23f);
         break;
     }
 }
@@ -353,19 +361,20 @@ static void add_corridor_light(struct builtin *b, const struct lamps *l, int rol
         add_tube(b, l, vec3_make(0, HEIGHT - 1.0f, z), LIGHT_NEUTRAL, 58, 6, false);
         break;
     case 1: /* through a skylight */
-        add_shaft(b, vec3_make(-0.9f, HEIGHT + 0.2f, z + 1.5f), vec3_make(0.42f, -1, -0.3f), LIGHT_COOL, 55, 2.6f, 1.7f, 6.2f);
+        add_shaft(b, vec3_make(-0.9f, HEIGHT + 0.2f, z + 1.5f), vec3_make(0.42f, -1, -0.3f), LIGHT_COOL, 55, 2.6f, 1.7f,
+                  6.2f);
         break;
     case 2:
     case 3: { /* washing the walls between the doorways */
         float s = role == 2 ? -1.0f : 1.0f;
-        add_wedge(b, l, vec3_make(-s * 1.3f, HEIGHT - 0.5f, z + BAY / 2), vec3_make(s * HALF_WIDTH, 1.2f, z + BAY / 2), LIGHT_WARM, 300, 13,
-                  0.5f, 0.3f);
+        add_wedge(b, l, vec3_make(-s * 1.3f, HEIGHT - 0.5f, z + BAY / 2), vec3_make(s * HALF_WIDTH, 1.2f, z + BAY / 2),
+                  LIGHT_WARM, 300, 13, 0.5f, 0.3f);
         break;
     }
     default: { /* along the corridor onto what stands beside the doorways */
         float s = role == 4 ? -1.0f : 1.0f;
-        add_spot(b, l, vec3_make(-s * 1.6f, HEIGHT - 0.45f, z + 3.4f), vec3_make(s * (HALF_WIDTH - 0.65f), 1.2f, z - BAY / 2 + 0.9f),
-                 LIGHT_NEUTRAL, 1300, 0.19f);
+        add_spot(b, l, vec3_make(-s * 1.6f, HEIGHT - 0.45f, z + 3.4f),
+                 vec3_make(s * (HALF_WIDTH - 0.65f), 1.2f, z - BAY / 2 + 0.9f), LIGHT_NEUTRAL, 1300, 0.19f);
         break;
     }
     }
@@ -422,8 +431,10 @@ static void place_exhibits(struct builtin *b, const struct interior *s) {
         }
         /* In the corridor: small pictures beside the doorways, sculptures before the piers. */
         float pier = z + BAY / 2;
-        builtin_place(b, sculptures[(i + 1) % 4], builtin_at(side * (HALF_WIDTH - 0.65f), 0, z - BAY / 2 + 0.9f, (float)i, 0.85f));
-        builtin_place(b, pictures[(i * 2 + 1) % 8], builtin_at(side * (HALF_WIDTH - 0.01f), 1.95f, pier - 1.2f, -side * PI / 2, 0.62f));
+        builtin_place(b, sculptures[(i + 1) % 4],
+                      builtin_at(side * (HALF_WIDTH - 0.65f), 0, z - BAY / 2 + 0.9f, (float)i, 0.85f));
+        builtin_place(b, pictures[(i * 2 + 1) % 8],
+                      builtin_at(side * (HALF_WIDTH - 0.01f), 1.95f, pier - 1.2f, -side * PI / 2, 0.62f));
     }
     builtin_place(b, sculptures[1], builtin_at(0, 0, -LENGTH + 1.6f, 0, 1.5f));
     struct mesh_builder m;
@@ -459,6 +470,8 @@ void builtin_make_interior(struct builtin *b, const uint64_t *values) {
     b->scene->ambient_ground = vec3_make(0.26f, 0.22f, 0.18f);
     b->scene->background = vec3_make(0.01f, 0.015f, 0.03f);
     builtin_camera(b, "corridor", vec3_make(0.9f, 1.7f, -0.6f), vec3_make(-0.25f, 1.75f, -10), 1.05f);
-    builtin_camera(b, "room", vec3_make(HALF_WIDTH + 1.1f, 1.7f, -BAY - 0.9f), vec3_make(OUTER - 2.2f, 1.5f, -BAY - 7), 1.1f);
-    builtin_camera(b, "across", vec3_make(-OUTER + 0.8f, 1.75f, -BAY * 2 - 2.2f), vec3_make(OUTER, 1.2f, -BAY * 2 - 5.6f), 0.95f);
+    builtin_camera(b, "room", vec3_make(HALF_WIDTH + 1.1f, 1.7f, -BAY - 0.9f), vec3_make(OUTER - 2.2f, 1.5f, -BAY - 7),
+                   1.1f);
+    builtin_camera(b, "across", vec3_make(-OUTER + 0.8f, 1.75f, -BAY * 2 - 2.2f), vec3_make(OUTER, 1.2f, -BAY * 2 - 5.6f),
+                   0.95f);
 }

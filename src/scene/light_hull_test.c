@@ -33,8 +33,7 @@ static void test_boxes_have_six_planes(void **state) {
                                turn == 0 ? quat_identity() : quat_axis_angle(axis, random_range(&random, 0, 6)),
                                vec3_make(1, random_range(&random, 0.1f, 9), 2));
         vec3 points[9];
-        for (int i = 0; i < 8; i++)
-            points[i] = mat4_point(&m, vec3_make(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+        for (int i = 0; i < 8; i++) points[i] = mat4_point(&m, vec3_make(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
         points[8] = mat4_point(&m, vec3_make(0.3f, 0.2f, 0.9f)); /* inside: no part of it */
         struct light_hull *hull = hull_of(points, 9);
         if (turn == 0) assert_int_equal(hull->plane_count, 6);
@@ -124,8 +123,9 @@ static void test_shapes_are_checked(void **state) {
     assert_int_equal(fnl_scene_create(&host, &scene), FNL_OK);
     for (int i = 0; i < 8; i++) {
         fnl_light_params lamp = fnl_light_params_default();
-        static const char *const expected[] = {"length >= 0", "wedge_angles[0]", "wedge_angles[1]", "box_size",
-                                               "box_size",    "inner_fraction",  "up",              "FNL_LIGHT_KIND_COUNT"};
+        static const char *const expected[] = {
+            "length >= 0", "wedge_angles[0]",     "wedge_angles[1]", "box_size", "box_size", "inner_fraction",
+            "up",          "FNL_LIGHT_KIND_COUNT"};
         lamp.kind = i == 0 ? FNL_LIGHT_CAPSULE : i < 3 || i == 6 ? FNL_LIGHT_WEDGE : FNL_LIGHT_BOX;
         if (i == 0) lamp.length = -1;
         if (i == 1) lamp.wedge_angles[0] = 1.6f;

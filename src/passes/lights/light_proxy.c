@@ -34,8 +34,7 @@ static struct extent extent_of(const struct gpu_light *light) {
         e.z[0] = 0;
         break;
     case GPU_LIGHT_BOX:
-        e = (struct extent){
-            {light->size.x, light->size.x}, {light->size.y, light->size.y}, {-light->size.z, light->size.z}};
+        e = (struct extent){{light->size.x, light->size.x}, {light->size.y, light->size.y}, {-light->size.z, light->size.z}};
         break;
     default:
         break;
@@ -60,7 +59,7 @@ void light_corners(const struct gpu_light *light, vec3 corners[8]) {
     for (uint32_t i = 0; i < 8; i++) {
         uint32_t far = i >> 2;
         float x = e.x[far] * (1 + 1e-5f) + slack, y = e.y[far] * (1 + 1e-5f) + slack, z = e.z[far] + (far ? slack : -slack);
-        corners[i] = vec3_add_scaled(vec3_add_scaled(vec3_add_scaled(center, side, i & 1 ? x : -x), up, i & 2 ? y : -y),
-                                     along, z);
+        corners[i] =
+            vec3_add_scaled(vec3_add_scaled(vec3_add_scaled(center, side, i & 1 ? x : -x), up, i & 2 ? y : -y), along, z);
     }
 }

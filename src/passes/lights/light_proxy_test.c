@@ -18,7 +18,8 @@ static struct {
 } bench;
 
 static vec3 random_vector(struct random_state *random, float size) {
-    return vec3_make(random_range(random, -size, size), random_range(random, -size, size), random_range(random, -size, size));
+    return vec3_make(random_range(random, -size, size), random_range(random, -size, size),
+                     random_range(random, -size, size));
 }
 
 static fnl_light_params random_light(struct random_state *random, uint32_t i) {
@@ -33,7 +34,8 @@ static fnl_light_params random_light(struct random_state *random, uint32_t i) {
     l.inner_cone_angle = l.outer_cone_angle * (i % 8 == 1 ? 1 : random_range(random, 0, 1));
     l.length = i % 10 == 2 ? 0 : exp2f(random_range(random, -4, 4));
     for (int k = 0; k < 2; k++) l.wedge_angles[k] = random_range(random, 0.02f, i % 2 ? 0.3f : 1.5f);
-    l.box_size = (vec3){exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4))};
+    l.box_size =
+        (vec3){exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4)), exp2f(random_range(random, -3, 4))};
     l.inner_fraction = i % 9 == 4 ? 1 : random_range(random, 0, 0.99f);
     return l;
 }
@@ -235,7 +237,8 @@ static void test_proxies(void **state) {
         vec3 corners[8];
         light_corners(g, corners);
         float scale = g->range + vec3_length(g->position);
-        for (int k = 0; k < 8; k++) assert_true(vec3_distance(corners[k], bench.corners[light * 8 + (uint32_t)k]) < 1e-6f * scale);
+        for (int k = 0; k < 8; k++)
+            assert_true(vec3_distance(corners[k], bench.corners[light * 8 + (uint32_t)k]) < 1e-6f * scale);
         struct light_hull *hull;
         if (light_hull_create(gpu_host(harness_device()), corners, 8, &hull) != FNL_OK) fail_msg("proxy %u is flat", light);
         for (uint32_t k = 0; k < POINTS_EACH; k++) {
@@ -243,7 +246,8 @@ static void test_proxies(void **state) {
             if (!bench.answers[i].reaches) continue;
             inside++;
             double out = out_of_hull(hull, bench.points[i]);
-            if (out > 1e-6 * (double)scale) fail_msg("light %u of kind %u lights a point %g m outside of its proxy", light, g->kind, out);
+            if (out > 1e-6 * (double)scale)
+                fail_msg("light %u of kind %u lights a point %g m outside of its proxy", light, g->kind, out);
             double from_center = (double)vec3_distance(bench.points[i], g->bound_center);
             if (from_center > (double)g->bound_radius * (1 + 1e-4) + 1e-6 * (double)scale)
                 fail_msg("light %u of kind %u lights a point %g m from its bound's centre, radius %g", light, g->kind,
@@ -264,9 +268,9 @@ static void test_proxies_fit(void **state) {
     static const struct {
         fnl_light_kind kind;
         float angle, most; /* most: proxy to sphere, by volume */
-    } cases[] = {{FNL_LIGHT_POINT, 0, 1.92f},       {FNL_LIGHT_SPOT, 0.05f, 0.007f}, {FNL_LIGHT_SPOT, 0.3f, 0.24f},
-                 {FNL_LIGHT_SPOT, PI / 2, 0.96f},   {FNL_LIGHT_WEDGE, 0.05f, 0.002f}, {FNL_LIGHT_WEDGE, 1.5f, 0.24f},
-                 {FNL_LIGHT_CAPSULE, 0, 0.13f},     {FNL_LIGHT_BOX, 0, 0.0025f}};
+    } cases[] = {{FNL_LIGHT_POINT, 0, 1.92f},     {FNL_LIGHT_SPOT, 0.05f, 0.007f},  {FNL_LIGHT_SPOT, 0.3f, 0.24f},
+                 {FNL_LIGHT_SPOT, PI / 2, 0.96f}, {FNL_LIGHT_WEDGE, 0.05f, 0.002f}, {FNL_LIGHT_WEDGE, 1.5f, 0.24f},
+                 {FNL_LIGHT_CAPSULE, 0, 0.13f},   {FNL_LIGHT_BOX, 0, 0.0025f}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         l.kind = cases[i].kind;
         l.outer_cone_angle = l.wedge_angles[0] = cases[i].angle;
@@ -284,8 +288,8 @@ static void test_proxies_fit(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        {"ES-5: lights of all shapes give exactly nothing from their range on, and tell lists what shading gets", test_answers,
-         NULL, harness_check, NULL},
+        {"ES-5: lights of all shapes give exactly nothing from their range on, and tell lists what shading gets",
+         test_answers, NULL, harness_check, NULL},
         {"spheres and proxies hold all that a light lights", test_proxies, NULL, harness_check, NULL},
         {"proxies of narrow lights are far smaller than their spheres", test_proxies_fit, NULL, harness_check, NULL},
     };

@@ -44,8 +44,7 @@ void light_fade_add(struct graph *graph, struct light_input *input, const struct
     data.push.plane_first = (uint32_t)DIVIDE_UP(count * sizeof(struct gpu_light), sizeof(vec4));
     data.push.plane_count = plane_count;
     graph_buffer faded = graph_import_buffer(graph, "faded lights", copy);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "fade lights", GRAPH_QUEUE_GRAPHICS, execute_fade, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "fade lights", GRAPH_QUEUE_GRAPHICS, execute_fade, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, faded, GRAPH_WRITE_COMPUTE);
     input->buffer = faded;

@@ -29,7 +29,8 @@ static struct stage floor_stage(fnl_light_params *lamp, fnl_light_id *id) {
     assert_int_equal(fnl_scene_add_material(scene, &grey, &material), FNL_OK);
     static const float positions[] = {-200, 0, 200, 200, 0, 200, 200, 0, -200, -200, 0, -200};
     static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    fnl_mesh_params params = {.vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices, .material = material};
+    fnl_mesh_params params = {
+        .vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices, .material = material};
     fnl_mesh_id mesh;
     fnl_instance_id instance;
     fnl_mat4 identity = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
@@ -79,9 +80,9 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             frame.light_lod = size * 1.001f;
             struct shot far = stage_shoot(&stage, &frame);
             if (far.stats.evaluations_useful || (is_for_the_view(lists) && far.stats.evaluations))
-                fail_msg("%s + %s: %llu evaluations of a light past its detail, %llu useful", fnl_shading_name(frame.shading),
-                         fnl_light_lists_name(frame.lists), (unsigned long long)far.stats.evaluations,
-                         (unsigned long long)far.stats.evaluations_useful);
+                fail_msg("%s + %s: %llu evaluations of a light past its detail, %llu useful",
+                         fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists),
+                         (unsigned long long)far.stats.evaluations, (unsigned long long)far.stats.evaluations_useful);
             assert_true(energy_of(&far.radiance) > 0); /* its sprite */
             frame.light_lod = 0;
             struct shot again = stage_shoot(&stage, &frame);
@@ -134,8 +135,9 @@ static void test_sweep_has_no_pop(void **state) {
         shot_free(&last);
         last = shot;
     }
-    print_message("threshold: a step changes a pixel by %.3f of the brightest at most; energy %.3g whole, %.3g as a sprite\n",
-                  worst / greatest, first_energy, last_energy);
+    print_message(
+        "threshold: a step changes a pixel by %.3f of the brightest at most; energy %.3g whole, %.3g as a sprite\n",
+        worst / greatest, first_energy, last_energy);
     assert_true(worst < 0.06 * greatest && worst > 0);
     assert_true(last_energy > first_energy / 2 && last_energy < first_energy * 2);
     assert_true(least > 0.9 * fmin(first_energy, last_energy) && most < 1.1 * fmax(first_energy, last_energy));
@@ -143,14 +145,16 @@ static void test_sweep_has_no_pop(void **state) {
 
     double previous = 0, previous_off = 0;
     stage.frame.light_lod = size * 0.7f;
-    for (uint32_t i = 0; i <= STEPS; i++) { /* pixels are sampled at their centres: what that does is there without fading too */
+    for (uint32_t i = 0; i <= STEPS;
+         i++) { /* pixels are sampled at their centres: what that does is there without fading too */
         float away = 0.5f * powf(4, (float)i / STEPS);
         fnl_frame frame = stage.frame;
         frame.camera.position = vec3_scale(vec3_make(0, 60, 80), away);
         struct shot shot = stage_shoot(&stage, &frame);
         frame.light_lod = 0;
         struct shot off = stage_shoot(&stage, &frame);
-        double energy = energy_of(&shot.radiance) * (double)(away * away), energy_off = energy_of(&off.radiance) * (double)(away * away);
+        double energy = energy_of(&shot.radiance) * (double)(away * away),
+               energy_off = energy_of(&off.radiance) * (double)(away * away);
         if (i > 0 && fabs(energy / previous - 1) > 0.06 + fabs(energy_off / previous_off - 1))
             fail_msg("step %u of the way changes the energy by %g", i, energy / previous);
         previous = energy;
@@ -185,7 +189,8 @@ static void test_lists_agree_on_faded_lights(void **state) {
             frame.light_lod = 6;
             struct shot shot = stage_shoot(&stage, &frame);
             if (count_differing(&all.radiance, &shot.radiance))
-                fail_msg("%s + %s: %llu pixels differ from all", fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists),
+                fail_msg("%s + %s: %llu pixels differ from all", fnl_shading_name(frame.shading),
+                         fnl_light_lists_name(frame.lists),
                          (unsigned long long)count_differing(&all.radiance, &shot.radiance));
             if (is_for_the_view(lists) && shot.stats.lights_in_view >= whole.stats.lights_in_view)
                 fail_msg("%s + %s: %u lights in view, %u without fading", fnl_shading_name(frame.shading),
@@ -234,7 +239,8 @@ static void test_sprites_have_the_light_they_replace(void **state) {
         if (l.kind == FNL_LIGHT_WEDGE) /* solid angle of a pyramid */
             part = 4 * asin(sin((double)l.wedge_angles[0]) * sin((double)l.wedge_angles[1])) / (2 * (double)PI);
         if (l.kind == FNL_LIGHT_BOX) part = 0.3 * 0.5 / (2 * (double)PI);
-        double distance = (double)vec3_distance(l.position, view.eye), depth = -(double)mat4_point(&view.world_to_view, l.position).z;
+        double distance = (double)vec3_distance(l.position, view.eye),
+               depth = -(double)mat4_point(&view.world_to_view, l.position).z;
         double pixel = 4 * (double)view.ndc_scale.x * (double)view.ndc_scale.y / ((double)frame.width * frame.height);
         double solid = frame.camera.orthographic ? pixel : pixel * pow(depth, 3) / distance;
         double wanted = 3 * 100 * SPRITE_ALBEDO * part / solid;
@@ -253,11 +259,13 @@ static void test_sprites_have_the_light_they_replace(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        {"ES-6: lights past their detail cost no evaluation; off and whole the bytes stay", test_lights_past_their_detail_cost_nothing, NULL,
-         harness_check, NULL},
+        {"ES-6: lights past their detail cost no evaluation; off and whole the bytes stay",
+         test_lights_past_their_detail_cost_nothing, NULL, harness_check, NULL},
         {"ES-6: nothing pops while lights fade", test_sweep_has_no_pop, NULL, harness_check, NULL},
-        {"ES-6: every list gives the bits of brute force with faded lights", test_lists_agree_on_faded_lights, NULL, harness_check, NULL},
-        {"ES-6: sprites have the light that they replace", test_sprites_have_the_light_they_replace, NULL, harness_check, NULL},
+        {"ES-6: every list gives the bits of brute force with faded lights", test_lists_agree_on_faded_lights, NULL,
+         harness_check, NULL},
+        {"ES-6: sprites have the light that they replace", test_sprites_have_the_light_they_replace, NULL, harness_check,
+         NULL},
     };
     return cmocka_run_group_tests_name("light sprites", tests, harness_begin, harness_end);
 }
