@@ -126,8 +126,18 @@ static struct bench_case case_of(const struct bench_suite *suite, const struct r
                                .msaa = 1};
 }
 
-static struct bench_candidate candidate_of(const struct setup *setup) {
-    return (struct bench_candidate){setup->shading, setup->lists, (char *)setup->options};
+/* At another size than the source's clusters shrink along, so that their grid stays; within what the lists take. */
+static struct bench_candidate candidate_of(const struct bench_suite *suite, const struct setup *setup, uint32_t width,
+                                           char options[128]) {
+    unsigned size;
+    int used = 0;
+    snprintf(options, 128, "%s", setup->options);
+    if (width && sscanf(setup->options, "cluster-size=%u%n", &size, &used) == 1) {
+        unsigned scaled = (unsigned)((uint64_t)size * width / suite->width);
+        scaled = scaled < 8 ? 8 : scaled > 256 ? 256 : scaled;
+        snprintf(options, 128, "cluster-size=%u%s", scaled, setup->options + used);
+    }
+    return (struct bench_candidate){setup->shading, setup->lists, options};
 }
 
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan) {
@@ -137,7 +147,8 @@ bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t 
         for (int side = 0; side < 2; side++) {
             struct bench_case wanted = case_of(suite, row, side ? row->lights_b : row->lights_a, width, height);
             struct bench_case *to = bench_plan_case(plan, &wanted);
-            struct bench_candidate candidate = candidate_of(setups[side]);
+            char options[128];
+            struct bench_candidate candidate = candidate_of(suite, setups[side], width, options);
             if (!to || !bench_plan_candidate(plan, to, &candidate)) return false;
         }
     }
@@ -180,7 +191,9 @@ static json_t *conclude_row(const struct bench_suite *suite, const struct row *r
                             const struct bench_data *data) {
     struct bench_case at = case_of(suite, row, row->lights_a, width, height),
                       bt = case_of(suite, row, row->lights_b, width, height);
-    struct bench_candidate ac = candidate_of(&row->a), bc = candidate_of(&row->b);
+    char a_options[128], b_options[128];
+    struct bench_candidate ac = candidate_of(suite, &row->a, width, a_options),
+                           bc = candidate_of(suite, &row->b, width, b_options);
     const json_t *a = bench_find(data, &at, &ac), *b = bench_find(data, &bt, &bc);
     double ours = a && b ? quantity_of(a, row->metric) / quantity_of(b, row->metric) : NAN;
     bool known = isfinite(ours),

@@ -177,6 +177,15 @@ static void test_files_round_trip(void **state) {
 
 /* ---- suites ---- */
 
+static void free_plan(struct bench_plan *plan) {
+    for (uint32_t c = 0; c < plan->case_count; c++) {
+        for (uint32_t k = 0; k < plan->cases[c].candidate_count; k++) free(plan->cases[c].candidates[k].options);
+        free(plan->cases[c].candidates);
+    }
+    free(plan->cases);
+    json_decref(plan->skipped);
+}
+
 /* A suite's candidates, all with the same numbers: every ratio is 1, wherever it stands. */
 static void test_suites(void **state) {
     (void)state;
@@ -218,15 +227,28 @@ static void test_suites(void **state) {
             if (!isnan(limit)) assert_string_equal(verdict, (least ? 1 >= limit : 1 <= limit) ? "reached" : "missed");
         }
         assert_true(i >= 4);
-        for (uint32_t c = 0; c < plan.case_count; c++) {
-            for (uint32_t k = 0; k < plan.cases[c].candidate_count; k++) free(plan.cases[c].candidates[k].options);
-            free(plan.cases[c].candidates);
-        }
-        free(plan.cases);
-        json_decref(plan.skipped);
+        free_plan(&plan);
         json_decref(data.root);
     }
     assert_null(bench_suite_find("nonsense"));
+}
+
+/* At a quarter of the size as many clusters: they shrink along. */
+static void test_suites_scale_their_clusters(void **state) {
+    (void)state;
+    struct bench_plan plan = {.skipped = json_array()};
+    assert_true(bench_suite_plan(bench_suite_find("clustered"), 384, 192, &plan));
+    uint32_t coarse = 0, fine = 0;
+    for (uint32_t c = 0; c < plan.case_count; c++)
+        for (uint32_t i = 0; i < plan.cases[c].candidate_count; i++) {
+            const char *options = plan.cases[c].candidates[i].options;
+            coarse += strncmp(options, "cluster-size=16,slices=", 23) == 0;
+            fine += strncmp(options, "cluster-size=8,slices=", 22) == 0;
+            assert_null(strstr(options, "cluster-size=64"));
+        }
+    assert_int_equal(coarse, 18);
+    assert_int_equal(fine, 18);
+    free_plan(&plan);
 }
 
 int main(void) {
@@ -236,6 +258,7 @@ int main(void) {
         cmocka_unit_test(test_conclusions),
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_suites),
+        cmocka_unit_test(test_suites_scale_their_clusters),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -487,9 +487,9 @@ function drawConclusions() {
   const all = data.conclusions.slice().reverse().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG'));
   const equal = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
   const said = compared ? equal + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.';
-  const rest = all.slice(6);
+  const rest = all.slice(3);
   return element('section', {id: 'conclusions'},
-    element('ul', {class: 'lead'}, ...all.slice(0, 6).map(line), element('li', {class: equal === compared ? 'good' : 'bad'}, said)),
+    element('ul', {class: 'lead'}, ...all.slice(0, 3).map(line), element('li', {class: equal === compared ? 'good' : 'bad'}, said)),
     rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(line))) : null);
 }
 function wrap(text, width) {
@@ -571,6 +571,8 @@ function start() {
   main.append(drawNumbers());
   redraw();
   dark.addEventListener('change', redraw);
+  const wanted = document.getElementById(location.hash.slice(1)); /* report.html#memory */
+  if (wanted) wanted.scrollIntoView();
   document.getElementById('foot').append('Made by ' + data.program.version + (hasChart ? ' with Chart.js ' + Chart.version : '') + '.');
 }
 
