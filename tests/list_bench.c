@@ -6,13 +6,14 @@
 /* ---- reading back ---- */
 
 struct readback_data {
-    graph_buffer from[3], to[3];
-    uint64_t sizes[3];
+    graph_buffer from[4], to[4];
+    uint64_t sizes[4];
+    int count;
 };
 
 static void execute_readback(const struct graph_context *context, const void *data) {
     const struct readback_data *d = data;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < d->count; i++)
         gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
                         d->sizes[i]);
 }
@@ -23,21 +24,22 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 }
 
 void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out) {
-    struct readback_data data = {.from = {list->cells, list->ids, list->totals}};
-    struct gpu_buffer *buffers[3] = {&out->cells, &out->ids, &out->totals};
-    static const char *const names[3] = {"test cells", "test ids", "test totals"};
-    for (int i = 0; i < 3; i++) {
+    struct readback_data data = {.from = {list->cells, list->ids, list->totals, list->extra}, .count = list->extra.id ? 4 : 3};
+    struct gpu_buffer *buffers[4] = {&out->cells, &out->ids, &out->totals, &out->extra};
+    static const char *const names[4] = {"test cells", "test ids", "test totals", "test extra"};
+    for (int i = 0; i < data.count; i++) {
         data.sizes[i] = graph_buffer_size(graph, data.from[i]);
         assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, buffers[i]),
                          FNL_OK);
         data.to[i] = graph_import_buffer(graph, names[i], buffers[i]);
     }
+    if (!list->extra.id) out->extra = (struct gpu_buffer){0};
     out->cell_count = list->cell_count;
     struct graph_pass *pass =
         graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_readback, &data, sizeof data);
     struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
     graph_keep(host);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < data.count; i++) {
         graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
         graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
         graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
@@ -57,9 +59,11 @@ struct list_copy list_readback_take(struct list_readback *readback, const struct
     list.cells = copy_bytes(readback->cells.mapped, list.cell_count * sizeof *list.cells);
     list.ids = copy_bytes(readback->ids.mapped, readback->ids.size);
     memcpy(&list.totals, readback->totals.mapped, sizeof list.totals);
+    if (readback->extra.size) list.extra = copy_bytes(readback->extra.mapped, readback->extra.size);
     gpu_buffer_destroy(harness_device(), &readback->cells);
     gpu_buffer_destroy(harness_device(), &readback->ids);
     gpu_buffer_destroy(harness_device(), &readback->totals);
+    gpu_buffer_destroy(harness_device(), &readback->extra);
     return list;
 }
 
@@ -73,10 +77,14 @@ struct list_copy list_copy_of_cpu(const struct clustered_cpu *builder, const str
 
 /* ---- building ---- */
 
+static bool is_tiled(const struct list_request *request) { return request->builder <= LIST_ENHANCED; }
+static bool has_halves(const struct list_request *request) { return request->builder == LIST_HALFZ && request->depth; }
+
 struct gpu_light_list list_grid(const struct list_request *request) {
     struct gpu_light_list grid = {.local_count = request->light_count, .slices = 1};
     uint32_t width = request->view.size.x, height = request->view.size.y;
-    if (request->builder == LIST_TILED) {
+    if (is_tiled(request)) {
+        grid.slices = has_halves(request) ? 2 : 1;
         grid.tile_size = request->tiled.tile_size;
         grid.tiles_x = DIVIDE_UP(width, grid.tile_size);
         grid.tiles_y = DIVIDE_UP(height, grid.tile_size);
@@ -153,6 +161,12 @@ struct list_copy list_build(const struct list_request *request) {
     struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
     struct light_list list = request->builder == LIST_TILED
                                  ? tiled_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_HALFZ
+                                 ? halfz_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_25D
+                                 ? tiled25d_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_ENHANCED
+                                 ? enhanced_add(graph, device, &input, &in_view, &tiled)
                              : request->builder == LIST_BVH
                                  ? bvh_add(graph, device, &input, &in_view, &request->clustered)
                                  : clustered_add(graph, device, &input, &in_view, &request->clustered);
@@ -174,6 +188,7 @@ struct list_copy list_build(const struct list_request *request) {
 void list_free(struct list_copy *list) {
     free(list->cells);
     free(list->ids);
+    free(list->extra);
     *list = (struct list_copy){0};
 }
 
@@ -245,6 +260,13 @@ bool list_equal(const struct list_copy *a, const struct list_copy *b) {
 void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double view_depth, uint32_t out[2]) {
     const struct gpu_light_list *g = &list->grid;
     uint32_t tile = y / g->tile_size * g->tiles_x + x / g->tile_size;
+    if (list->extra && g->slices == 2 && g->slice_scale == 0) { /* halves */
+        float split;
+        memcpy(&split, &list->extra[tile], sizeof split);
+        out[0] = view_depth < (double)split * (1 - 1e-5) ? tile : g->tiles_x * g->tiles_y + tile;
+        out[1] = view_depth < (double)split * (1 + 1e-5) ? tile : g->tiles_x * g->tiles_y + tile;
+        return;
+    }
     for (int i = 0; i < 2; i++) {
         double slice = 0;
         if (g->slices > 1) {
@@ -315,8 +337,8 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
     uint32_t x0 = tile_x * grid->tile_size, y0 = tile_y * grid->tile_size;
     uint32_t x1 = MIN(x0 + grid->tile_size, v->size.x), y1 = MIN(y0 + grid->tile_size, v->size.y);
     double near = 0, far = FAR_AWAY;
-    if (request->builder == LIST_TILED) {
-        if (request->depth) {
+    if (is_tiled(request)) {
+        if (request->depth && request->builder != LIST_ENHANCED) {
             double nearest = FAR_AWAY, farthest = 0;
             for (uint32_t y = y0; y < y1; y++)
                 for (uint32_t x = x0; x < x1; x++) {
@@ -327,6 +349,20 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
                     farthest = fmax(farthest, d <= 0 ? FAR_AWAY : view_depth_of(v, d));
                 }
             r.empty = farthest == 0;
+            if (has_halves(request)) { /* each from its nearest to its farthest pixel */
+                double split = 0.5 * (nearest * (1 - 1e-4) + farthest * (1 + 1e-4)), ends[2] = {FAR_AWAY, 0};
+                for (uint32_t y = y0; y < y1; y++)
+                    for (uint32_t x = x0; x < x1; x++) {
+                        float d = request->depth[(size_t)y * v->size.x + x];
+                        double z = d <= 0 ? 0 : view_depth_of(v, d);
+                        if (d <= 0 || (slice == 0 ? z > split * (1 + slack) : z < split * (1 - slack))) continue;
+                        ends[0] = fmin(ends[0], z);
+                        ends[1] = fmax(ends[1], z);
+                    }
+                r.empty = r.empty || ends[1] == 0;
+                nearest = ends[0];
+                farthest = ends[1];
+            }
             if (request->tiled.min_depth) near = nearest * (1 - slack);
             if (request->tiled.max_depth && farthest < FAR_AWAY) far = farthest * (1 + slack);
         }
@@ -400,7 +436,7 @@ void reference_slopes(double x, double depth, double radius, double near, double
 }
 
 bool reference_takes(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack) {
-    bool box = request->builder != LIST_TILED || request->tiled.bounds == TILE_BOX;
+    bool box = !is_tiled(request) || request->tiled.bounds == TILE_BOX;
     if (box || request->tiled.bounds == TILE_PLANES) return reference_touches(cell, request, light, slack, box);
     double c[3], radius = bound_in_view(request, light, c), slopes[2];
     if (!(radius > 0) || cell->empty) return false;
@@ -535,7 +571,7 @@ bool reference_in_view(const struct list_request *request, uint32_t light) {
 void reference_check(const struct list_request *request, const struct list_copy *list) {
     enum { SAID = 5 };
     uint32_t missing = 0, needless = 0;
-    bool cones = request->builder == LIST_TILED ? request->tiled.cone_tests : request->clustered.cone_tests;
+    bool cones = is_tiled(request) ? request->tiled.cone_tests : request->clustered.cone_tests;
     bool *in_view = malloc(request->light_count + 1);
     assert_non_null(in_view);
     for (uint32_t light = 0; light < request->light_count; light++) in_view[light] = reference_in_view(request, light);

@@ -8,7 +8,7 @@
 
 #include "tests/render_harness.h"
 
-enum list_builder { LIST_TILED, LIST_CLUSTERED, LIST_CLUSTERED_CPU, LIST_BVH };
+enum list_builder { LIST_TILED, LIST_HALFZ, LIST_25D, LIST_ENHANCED, LIST_CLUSTERED, LIST_CLUSTERED_CPU, LIST_BVH };
 
 struct list_request {
     enum list_builder builder;
@@ -25,13 +25,14 @@ struct list_copy {
     struct gpu_light_list grid; /* without its addresses */
     struct gpu_cell *cells;
     uint32_t *ids; /* the whole pool */
+    uint32_t *extra; /* or NULL */
     uint32_t cell_count;
     struct light_totals totals;
 };
 
 /** Declares the copies of a list's cells, ids and totals to the host; only for lists whose buffers the graph owns. */
 struct list_readback {
-    struct gpu_buffer cells, ids, totals;
+    struct gpu_buffer cells, ids, totals, extra;
     uint32_t cell_count;
 };
 void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out);

@@ -101,6 +101,7 @@ typedef struct fnl_list_options {
     uint32_t fine_masks;     /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
     bool normal_cones;     /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     fnl_backface_axis backface_axis; /**< default samples. backface */
+    bool tree_hybrid;        /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */
     uint32_t cluster_size;   /**< pixels, 8 .. 256; default 64. Lists of clusters */
     uint32_t slices;         /**< 1 .. 1024; default 32. Lists of clusters */
     fnl_slices distribution; /**< default exponential. Lists of clusters */

@@ -41,6 +41,7 @@ uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_
 
 #include "lights/bins.glsl"
 #include "lights/fine.glsl"
+#include "lights/tree.glsl"
 #include "lights/sparse.glsl"
 
 struct light_cursor {
@@ -48,6 +49,8 @@ struct light_cursor {
     bool direct;    // a position is a light, not an index into ids
     bins_cursor bins; // of GPU_LIST_BINS alone
     fine_cursor fine; // of GPU_LIST_FINE alone
+    tree_cursor tree; // of GPU_LIST_TREE alone
+    uint depth;       // of GPU_LIST_RANGES alone: code of the view depth
 };
 
 light_cursor cursor_over(uint next, uint end, bool direct) {
@@ -71,6 +74,10 @@ uint cell_of(light_list_block l, light_point p) {
     if (LIST_KIND == GPU_LIST_WORLD) return world_cell_of(l, p.position);
     if (LIST_KIND == GPU_LIST_ITEMS) return p.item;
     uvec2 tile = tile_of(l, p.pixel);
+    if (LIST_KIND == GPU_LIST_HALVES) {
+        uint index = tile.y * l.list.tiles_x + tile.x;
+        return p.view_depth < uintBitsToFloat(l.list.extra.at[index]) ? index : l.list.tiles_x * l.list.tiles_y + index;
+    }
     uint slice = LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_LINKS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;
 }
@@ -113,7 +120,10 @@ light_cursor lights_begin(light_list_block l, light_point p) {
     }
     gpu_cell cell = l.list.cells.at[index];
     if (cell.count == GPU_CELL_ALL) return c;
-    return cursor_over(cell.offset, cell.offset + cell.count, false);
+    c = cursor_over(cell.offset, cell.offset + cell.count, false);
+    if (LIST_KIND == GPU_LIST_RANGES) c.depth = depth_code(p.view_depth);
+    if (LIST_KIND == GPU_LIST_TREE) c.tree = tree_begin(cell, p.view_depth);
+    return c;
 }
 
 // Moves on; false at the end. `light` is an index into list.lights.
@@ -131,6 +141,14 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
         light = l.list.directional_count + id;
         return true;
     }
+    if (LIST_KIND == GPU_LIST_TREE && !c.direct) {
+        uint id;
+        if (!tree_next(l, c.tree, id)) return false;
+        light = l.list.directional_count + id;
+        return true;
+    }
+    if (LIST_KIND == GPU_LIST_RANGES && !c.direct)
+        while (c.next < c.end && !depth_in_range(c.depth, l.list.extra.at[c.next])) c.next++;
     if (c.next >= c.end) return false;
     if (LIST_KIND == GPU_LIST_LINKS && !c.direct) {
         light = l.list.directional_count + links_next(l, c.next);

@@ -71,6 +71,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 #define GPU_NODE_32_END 0xfffffu /* next of the last node */
 #define GPU_NODE_32_LIGHTS 4096u /* that fit into the bits */
 
+/* GPU_LIST_TREE */
+#define GPU_TREE_LIGHTS 128u /* that share a tree */
+#define GPU_TREE_LEAF 0x80000000u
+
 struct gpu_cell {
     uint offset;         /* into ids */
     uint count;          /* or GPU_CELL_ALL */
@@ -92,7 +96,9 @@ struct gpu_light_list {
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
-    ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and positions */
+    ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and
+                                        positions. Halves: bits of the view depth where a tile's farther half begins. Ranges: a depth
+                                        range for each entry. Tree: nodes */
     uint first_cell;     /* fine: of this list in cells */
     uint other_cell;     /* fine: of the list for points that no mask was made for; GPU_CELL_ALL: they take all lights */
     uint mask_size;      /* fine: side of the squares of pixels that share a mask; 0: no masks */

@@ -7,12 +7,16 @@
 
 /* ---- life ---- */
 
-void lists_init(struct lists_state *state, const fnl_host *host) { clustered_cpu_init(&state->clustered_cpu, host);
+void lists_init(struct lists_state *state, const fnl_host *host) {
+    clustered_cpu_init(&state->clustered_cpu, host);
+    light_tree_init(&state->tree, host);
     world_grid_init(&state->world, host);
-    world_grid_init(&state->grid2d, host); }
+    world_grid_init(&state->grid2d, host);
+}
 
 void lists_finish(struct lists_state *state, gpu_device *device) {
     clustered_cpu_finish(&state->clustered_cpu);
+    light_tree_finish(&state->tree);
     raster_state_finish(&state->raster, device);
     world_grid_finish(&state->world, device);
     world_grid_finish(&state->grid2d, device);
@@ -78,6 +82,34 @@ static void add_tiled(struct lists_context *c) {
     struct tiled_params params = tiled_params(c);
     c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
+}
+
+static void add_halfz(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct tiled_params params = tiled_params(c);
+    c->lights = halfz_add(c->graph, c->device, c->input, &visible, c->depth, &params);
+    add_blend_tiles(c, &visible, &params);
+}
+
+static void add_25d(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct tiled_params params = tiled_params(c);
+    c->lights = tiled25d_add(c->graph, c->device, c->input, &visible, c->depth, &params);
+    add_blend_tiles(c, &visible, &params);
+}
+
+static void add_enhanced(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct tiled_params params = tiled_params(c);
+    c->lights = enhanced_add(c->graph, c->device, c->input, &visible, &params);
+}
+
+static void add_tree(struct lists_context *c) {
+    struct light_tree_params params = {.tile_size = c->frame->list_options.tile_size,
+                                       .hybrid = c->frame->list_options.tree_hybrid};
+    const struct gpu_light *lights =
+        c->input->local_count ? c->device_scene->light_data.data + c->input->directional_count : NULL;
+    c->lights = light_tree_add(&c->state->tree, c->device, c->input, lights, c->view, &params);
 }
 
 /* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
@@ -240,10 +272,10 @@ static const struct builder {
     [FNL_LISTS_MULTIPASS] = {NULL, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
     [FNL_LISTS_GRID2D] = {add_grid2d, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_WORLD] = {add_world, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_HALFZ] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_25D] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_ENHANCED] = {NULL, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_TREE] = {NULL, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_HALFZ] = {add_halfz, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_25D] = {add_25d, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_ENHANCED] = {add_enhanced, GRAPH_QUEUE_ASYNC, 0},
+    [FNL_LISTS_TREE] = {add_tree, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},

@@ -8,6 +8,7 @@
 #include "passes/lights/bvh.h"
 #include "passes/lights/clustered.h"
 #include "passes/lights/light_list.h"
+#include "passes/lights/tree.h"
 #include "passes/lights/raster.h"
 #include "passes/lights/sparse.h"
 #include "passes/lights/world_grid.h"
@@ -17,6 +18,7 @@
 /** What builders keep from frame to frame. */
 struct lists_state {
     struct clustered_cpu clustered_cpu;
+    struct light_tree tree;
     struct raster_state raster;
     struct world_grid world, grid2d;
 };

@@ -26,7 +26,8 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         struct shot shot = stage_shoot(stage, &frame);
         uint64_t differing = count_differing(&all.radiance, &shot.radiance);
-        if (frame.msaa > 1 && l == FNL_LISTS_TILED) {
+        bool by_samples = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D; /* bounded by depth samples */
+        if (frame.msaa > 1 && by_samples) {
             uint64_t beyond = count_beyond(&all.color, &shot.color, ALLOWED);
             if (differing)
                 print_message("  %s: %llu pixels differ, %d/255 at most, %llu by more than %d/255\n", pair_name(&frame),
@@ -223,7 +224,7 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
     for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
         frame.lists = (fnl_light_lists)l;
         /* These count before they store, and need no pool. */
-        if (l == FNL_LISTS_CLUSTERED_CPU || l == FNL_LISTS_GRID2D || l == FNL_LISTS_WORLD) continue;
+        if (l == FNL_LISTS_TREE || l == FNL_LISTS_CLUSTERED_CPU || l == FNL_LISTS_GRID2D || l == FNL_LISTS_WORLD) continue;
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         stage->renderer->pool_capacity = 1u << 22;
         struct shot fits = stage_shoot(stage, &frame);

@@ -70,6 +70,7 @@ fnl_list_options fnl_list_options_default(void) {
                               .min_depth = true,
                               .max_depth = true,
                               .cone_tests = true,
+                              .tree_hybrid = true,
                               .normal_cones = true,
                               .fine_pruning = true,
                               .fine_masks = 1,

@@ -76,6 +76,9 @@ void main() {
                 uint slice = by_place ? cell_of(push.lights, point) : slice_of(push.lights, normal.w);
                 vec3 hue = abs(fract(float(slice) * 0.381966 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
                 color = mix(color, clamp(hue, 0.0, 1.0), 0.45);
+            } else if (LIST_KIND == GPU_LIST_HALVES && !sky) {
+                bool near_half = cell_of(push.lights, point) < push.lights.list.tiles_x * push.lights.list.tiles_y;
+                color = mix(color, near_half ? vec3(1.0, 0.45, 0.1) : vec3(0.1, 0.45, 1.0), 0.45);
             } else {
                 color = mix(color, map, 0.45);
             }

@@ -10,7 +10,7 @@ struct step_data {
     struct light_input input;
     struct lights_in_view in_view;
     struct cells_build build;
-    graph_buffer bounds, sums, cells, ids, overflow;
+    graph_buffer bounds, sums, cells, ids, overflow, extra;
     uint32_t cell_count, chunk_size, chunk_count;
     enum step step;
 };
@@ -28,6 +28,8 @@ static void execute_step(const struct graph_context *context, const void *data) 
                                   .flags = d->build.flags,
                                   .depth = GPU_NO_DEPTH,
                                   .front = GPU_NO_DEPTH};
+    if (d->extra.id && (d->step == STEP_FILL || !(d->build.flags & CELLS_RANGES)))
+        push.extra = graph_address(context, d->extra);
     if (d->step == STEP_BOUNDS) {
         struct gpu_compute_params params = {
             .shader = d->build.bounds_shader, .constant_count = 2, .constants = {GPU_LIST_ALL, d->build.bounds_samples}};
@@ -55,6 +57,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
         if (d->build.header) {
             d->build.header->cells = graph_address(context, d->cells);
             d->build.header->ids = push.ids;
+            if (d->extra.id) d->build.header->extra = push.extra;
         }
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
@@ -113,12 +116,15 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     data.cells = graph_create_buffer(graph, names->cells_buffer, data.cell_count * sizeof(struct gpu_cell));
     data.ids = graph_create_buffer(graph, names->ids_buffer, MAX(build->pool_capacity, 1u) * 4ull);
     data.overflow = graph_create_buffer(graph, names->overflow_buffer, 4);
+    if (build->extra_bytes) data.extra = graph_create_buffer(graph, names->extra_buffer, build->extra_bytes);
+    bool ranges = build->flags & CELLS_RANGES; /* then fill writes what is extra, else the bounds do */
 
     struct graph_pass *pass = graph_add_pass(graph, names->bounds, input->queue, execute_step, &data, sizeof data);
     if (build->depth.id) graph_use_image(pass, build->depth, GRAPH_SAMPLE_COMPUTE);
     if (build->front.id) graph_use_image(pass, build->front, GRAPH_SAMPLE_COMPUTE);
     if (build->bounds_input.id) graph_use_buffer(pass, build->bounds_input, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
+    if (data.extra.id && !ranges) graph_use_buffer(pass, data.extra, GRAPH_WRITE_COMPUTE);
 
     data.step = STEP_COUNT;
     pass = graph_add_pass(graph, names->count, input->queue, execute_step, &data, sizeof data);
@@ -128,6 +134,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
+    if (data.extra.id && !ranges) graph_use_buffer(pass, data.extra, GRAPH_READ_COMPUTE);
 
     const struct cells_refine *refine = &build->refine;
     if (refine->add)
@@ -154,14 +161,18 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.overflow, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
+    if (data.extra.id) graph_use_buffer(pass, data.extra, ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
 
+    uint64_t fixed_bytes = data.cell_count * sizeof(struct gpu_cell) + (ranges ? 0 : build->extra_bytes);
+    uint32_t entry_bytes = ranges ? 8 : 4;
     return (struct light_list){.lights = input->buffer,
                                .header = build->header_address,
                                .cells = data.cells,
                                .ids = data.ids,
+                               .extra = data.extra,
                                .cell_count = data.cell_count,
-                               .byte_count = data.cell_count * sizeof(struct gpu_cell) + build->pool_capacity * 4ull,
-                               .fixed_bytes = data.cell_count * sizeof(struct gpu_cell),
-                               .entry_bytes = 4,
+                               .byte_count = fixed_bytes + (uint64_t)build->pool_capacity * entry_bytes,
+                               .fixed_bytes = fixed_bytes,
+                               .entry_bytes = entry_bytes,
                                .totals = cells_totals_add(graph, names, input, in_view, data.sums, sum_count, data.overflow)};
 }

@@ -10,13 +10,13 @@
 /** Names of the passes and buffers; one static table for each list that a frame may hold. */
 struct cells_names {
     const char *bounds, *count, *fill, *totals;
-    const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer;
+    const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer, *extra_buffer;
     struct prefix_sum_names sum;
 };
 #define CELLS_NAMES(what)                                                                                                   \
     {                                                                                                                       \
         what " bounds", what " count", what " fill", what " totals", what " cell bounds", what " sums", what " cells",      \
-            what " ids", what " overflow", what " list totals", PREFIX_SUM_NAMES(what)                                      \
+            what " ids", what " overflow", what " list totals", what " extra", PREFIX_SUM_NAMES(what)                                      \
     }
 
 /** What is known when the lights of each cell are counted: sums[cell * chunk_count + chunk]. */
@@ -46,6 +46,7 @@ struct cells_build {
     graph_image depth, front;                  /* or id 0 */
     uint32_t flags;                            /* CELLS_… */
     uint32_t pool_capacity;
+    uint64_t extra_bytes;          /* 0: nothing extra */
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
     VkDeviceAddress header_address;
     struct cells_refine refine;

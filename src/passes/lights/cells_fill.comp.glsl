@@ -8,7 +8,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
-#include "passes/lights/cells_takes.glsl"
+#include "passes/lights/cells_entry.glsl"
 
 void main() {
     uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
@@ -25,6 +25,10 @@ void main() {
     if (slot == slot_end) return;
     gpu_cell_bounds bounds = push.cells.at[cell];
     uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
+    uint range;
     for (uint i = chunk * push.chunk_size; i < end; i++)
-        if (cell_takes(bounds, i)) push.ids.at[slot++] = push.visible_ids.at[i];
+        if (cell_takes_entry(bounds, cell, i, range)) {
+            if ((push.flags & CELLS_RANGES) != 0u) push.extra.at[slot] = range;
+            push.ids.at[slot++] = push.visible_ids.at[i];
+        }
 }

@@ -81,5 +81,7 @@ struct gpu_cells_push {
 #define CELLS_CONES 4u             /* spots and wedges are tested as cones, once their sphere touches */
 #define CELLS_PLANES 8u            /* spheres are tested against planes alone, not against the box */
 #define CELLS_RECTANGLE 16u        /* … by their rectangle on the screen and their depth range */
+#define CELLS_MASKS 32u            /* extra holds a mask of occupied depth cells for each cell; lights must touch one of them */
+#define CELLS_RANGES 64u           /* extra gets a depth range for each entry */
 
 #endif

@@ -85,6 +85,22 @@ struct tiled_params tiled_params_default(void);
 struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);
 
+/**
+ * Tiles with two lists each, for the nearer and the farther half of their depth range (the "HalfZ" of AMD's TiledLighting11 sample, 2014);
+ * a pixel takes the list of its half. Bounds of depth are always on. Without depth these are plain tiles. So do the next ones.
+ */
+struct light_list halfz_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                            const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);
+/** Tiles that drop lights which touch none of the 32 depth cells that hold pixels (Harada 2012). */
+struct light_list tiled25d_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                               const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params);
+/**
+ * Tiles whose entries carry the depths between which the light is in the tile; a pixel visits those that hold its own (Bezrati 2014). Needs
+ * no depth; of the parameters only tile size, cone tests and pool count. Cost: 8 bytes an entry.
+ */
+struct light_list enhanced_add(struct graph *graph, gpu_device *device, const struct light_input *input,
+                               const struct lights_in_view *in_view, const struct tiled_params *params);
+
 struct clustered_params {
     uint32_t tile_size; /* pixels; default 64 */
     uint32_t slices;    /* 1 .. 1024; default 32 */

@@ -145,7 +145,8 @@ static void test_rectangle_of_sphere_ES_15(void **state) {
                              x + sqrt(radius * radius - (near - depth) * (near - depth)));
                 at[1] = near;
             }
-            assert_true(at[0] / at[1] >= slopes[0] - 1e-9 * fabs(slopes[0]) && at[0] / at[1] <= slopes[1] + 1e-9 * fabs(slopes[1]));
+            assert_true(at[0] / at[1] >= slopes[0] - 1e-9 * fabs(slopes[0]) &&
+                        at[0] / at[1] <= slopes[1] + 1e-9 * fabs(slopes[1]));
             low = fmin(low, at[0] / at[1]);
             high = fmax(high, at[0] / at[1]);
         }
@@ -161,8 +162,8 @@ static void test_rectangle_of_sphere_ES_15(void **state) {
 static void make_spots(struct random_state *random, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         params[i].kind = FNL_LIGHT_SPOT;
-        params[i].direction = vec3_normalize(
-            vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+        params[i].direction =
+            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
         params[i].range = exp2f(random_range(random, -2, 4.5f));
         params[i].outer_cone_angle = i % 16 == 0 ? PI / 2 : i % 16 == 1 ? 0.002f : exp2f(random_range(random, -5, 0.6f));
         params[i].inner_cone_angle = i % 3 ? params[i].outer_cone_angle * 0.5f : params[i].outer_cone_angle;
@@ -203,7 +204,8 @@ static void test_cones_ES_40(void **state) {
             free(depth);
         }
     print_message("%llu spheres touch, %llu cones are kept, about %llu of them needlessly; %llu lit pairs\n",
-                  (unsigned long long)spheres, (unsigned long long)kept, (unsigned long long)needless, (unsigned long long)lit);
+                  (unsigned long long)spheres, (unsigned long long)kept, (unsigned long long)needless,
+                  (unsigned long long)lit);
     assert_true(spheres > 100000 && lit > 20000);
     assert_true((double)kept < 0.7 * (double)spheres);
     assert_true((double)needless < 0.05 * (double)kept);
