@@ -9,12 +9,11 @@ const float FINE_POSITION_SLACK = 1e-5; // of the distances of position and eye 
 // How far from the tested position a point may be.
 float fine_slack(light_list_block l, vec3 position) { return FINE_POSITION_SLACK * (length(position) + l.list.eye_distance); }
 
-// Where the words of a pixel of a tile begin. A tile's words begin behind those of all tiles before it: n entries take no more than
-// n / 32 + 1 words a pixel, so (entries before) / 32 + (tiles before) are enough for all of them.
-uint fine_mask_of(light_list_block l, uint cell, uint first, uvec2 pixel_in_tile, uint words) {
+// Where the masks of a tile begin, behind those of all tiles before it: n entries take no more than n / 32 + 1 words a pixel, so
+// (entries before) / 32 + (tiles before) are enough for all of them.
+uint fine_masks_of(light_list_block l, uint cell, uint first) {
     uint side = l.list.tile_size / l.list.mask_size;
-    uvec2 square = pixel_in_tile / l.list.mask_size;
-    return (first / 32u + cell) * side * side + (square.y * side + square.x) * words;
+    return (first / 32u + cell) * side * side;
 }
 
 // Pixels of the tiles, tile by tile.
@@ -51,7 +50,11 @@ bool fine_begin(light_list_block l, uvec2 tile, uvec2 pixel, vec3 position, out 
     if (at.count == GPU_CELL_ALL) return false;
     c.first = at.offset;
     c.end = at.offset + at.count;
-    if (c.masked) c.word = fine_mask_of(l, cell, at.offset, pixel_in_tile, (at.count + 31u) / 32u);
+    if (c.masked) {
+        uvec2 square = pixel_in_tile / l.list.mask_size;
+        c.word = fine_masks_of(l, cell, at.offset) +
+                 (square.y * (l.list.tile_size / l.list.mask_size) + square.x) * ((at.count + 31u) / 32u);
+    }
     return true;
 }
 

@@ -218,7 +218,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         all.ranges =
             graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
     all.marks = graph_create_buffer(graph, "fine marks", block_bytes);
-    all.found = graph_create_buffer(graph, "fine found", (uint64_t)cell_count * FINE_FOUND * 4);
+    all.found = graph_create_buffer(graph, "fine found", (uint64_t)cell_count * (FINE_FOUND + side * side) * 4);
     all.sums = graph_create_buffer(graph, "fine sums", (cell_count + 1) * 4ull);
     all.overflow = graph_create_buffer(graph, "fine overflow", 4);
     all.cells = graph_create_buffer(graph, "fine cells", cell_count * sizeof(struct gpu_cell));

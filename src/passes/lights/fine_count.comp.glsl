@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Counts the lights of each tile and keeps the first of them.
+// Counts the lights of each tile, and keeps what it finds for the fill.
 #include "common.glsl"
 #include "passes/lights/fine_steps.glsl"
 #include "passes/lights/fine_tile.glsl"
@@ -9,8 +9,12 @@
 void main() {
     begin_tile();
     if ((flags & FINE_PIXELS) != 0u) take_positions();
-    uint count = walk(push.found, cell * FINE_FOUND, (cell + 1u) * FINE_FOUND);
+    makes_masks = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u;
+    uint first = fine_found_of(cell), end = first + FINE_FOUND - 1u;
+    uint count = walk(push.found, first, end);
+    if (has_masks) store_masks(push.found, first + FINE_FOUND, 1u, 0u);
     if (thread != 0u) return;
+    push.found.at[end] = has_masks ? 1u : 0u;
     push.sums.at[cell] = count;
     if (cell == 0u) {
         push.sums.at[fine_tile_count() * gl_NumWorkGroups.z] = 0u; // becomes the total

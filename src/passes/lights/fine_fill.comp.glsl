@@ -7,30 +7,19 @@
 #include "passes/lights/fine_steps.glsl"
 #include "passes/lights/fine_tile.glsl"
 
-// Each thread makes the words of its own pixels, or the one of all of them.
-void write_masks(uint first, uint count) {
-    uint size = push.list.list.mask_size, words = (count + 31u) / 32u;
-    uvec2 corner = gl_LocalInvocationID.xy * SIDE;
+void make_masks(uint first, uint count) {
+    uint words = (count + 31u) / 32u;
     for (uint w = 0u; w < words; w++) {
-        uint masks[OWN];
         for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
         uint end = min(32u, count - w * 32u);
         for (uint b = 0u; b < end; b++) {
-            fine_volume v = fine_volume_of(push.list.list.directional_count + push.ids.at[first + w * 32u + b]);
+            uint light = push.list.list.directional_count + push.ids.at[first + w * 32u + b];
+            if (!in_range(light)) continue;
+            fine_volume v = fine_volume_of(light);
             for (uint i = 0u; i < OWN; i++)
                 if (holds_own(v, i)) masks[i] |= 1u << b;
         }
-        if (size == 1u) {
-            for (uint i = 0u; i < OWN; i++)
-                push.extra.at[fine_mask_of(push.list, cell, first, corner + uvec2(i % SIDE, i / SIDE), words) + w] = masks[i];
-            continue;
-        }
-        for (uint y = 0u; y + 1u < SIDE; y += 2u) // squares of 2 x 2, which divide what a thread owns
-            for (uint x = 0u; x + 1u < SIDE; x += 2u) {
-                uint i = y * SIDE + x;
-                push.extra.at[fine_mask_of(push.list, cell, first, corner + uvec2(x, y), words) + w] =
-                    masks[i] | masks[i + 1u] | masks[i + SIDE] | masks[i + SIDE + 1u];
-            }
+        store_masks(push.extra, fine_masks_of(push.list, cell, first), words, w);
     }
 }
 
@@ -43,15 +32,19 @@ void main() {
         if (!fits) atomicAdd(push.overflow.at[0], 1u);
     }
     if (!fits || count == 0u) return;
-    bool masks = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u;
-    if (masks || ((flags & FINE_PIXELS) != 0u && count > FINE_FOUND)) take_positions();
-    if (count <= FINE_FOUND) {
-        for (uint i = thread; i < count; i += THREADS) push.ids.at[first + i] = push.found.at[cell * FINE_FOUND + i];
+    bool has_words = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u, found = count < FINE_FOUND;
+    uint from = fine_found_of(cell), to = fine_masks_of(push.list, cell, first);
+    bool copies = has_words && push.found.at[from + FINE_FOUND - 1u] == 1u;
+    if ((has_words && !copies) || ((flags & FINE_PIXELS) != 0u && !found)) take_positions();
+    if (found) {
+        for (uint i = thread; i < count; i += THREADS) push.ids.at[first + i] = push.found.at[from + i];
     } else {
         walk(push.ids, first, last);
     }
-    if (!masks) return;
+    if (copies)
+        for (uint i = thread; i < fine_squares(); i += THREADS) push.extra.at[to + i] = push.found.at[from + FINE_FOUND + i];
+    if (!has_words || copies) return;
     memoryBarrierBuffer();
     barrier();
-    write_masks(first, count);
+    make_masks(first, count);
 }

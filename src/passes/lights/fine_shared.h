@@ -23,7 +23,10 @@ struct gpu_fine_range {
     uint sky;            /* 1: some pixel shows the sky; blended surfaces before it may stand at any depth */
 };
 
-/* Survivors of a tile that the count keeps for the fill; longer lists are found again. */
+/*
+ * What the count keeps of a tile for the fill: the survivors, up to FINE_FOUND - 1 of them (longer lists are found again); a word that
+ * says whether it keeps masks as well, as it does where 32 lights at most had to be tested; and those, a word each.
+ */
 #define FINE_FOUND 128u
 /* Positions are known to this part of their distance from the world's origin and from the eye. */
 #define FINE_SLACK 1e-5
@@ -45,7 +48,7 @@ struct gpu_fine_push {
     ADDRESS(fine_box_array) boxes;
     ADDRESS(fine_range_array) ranges;       /* one per tile */
     ADDRESS(uint_array) marks;              /* a bit for each light in view, for each block of tiles, for each list */
-    ADDRESS(uint_array) found;              /* FINE_FOUND local lights a cell: the survivors, when there are no more */
+    ADDRESS(uint_array) found;              /* for each cell FINE_FOUND words, then its masks */
     ADDRESS(uint_array) sums;               /* one per cell and one more: counts, then their prefix sum */
     ADDRESS(uint_array) overflow;           /* [0]: number of cells that did not fit */
     ADDRESS(uint_array) ids;                /* the pool */

@@ -147,7 +147,22 @@ bool holds_own(fine_volume v, uint i) {
     return s.w > 1e6 || fine_holds(v, positions[i] + s.xyz * (0.5 * s.w), slacks[i] + 0.5 * s.w);
 }
 
+// Whether one of the thread's pixels is in range: most lights that are not are put aside by two members.
+bool in_range(uint light) {
+    if ((flags & FINE_BLENDED) != 0u) return true;
+    vec3 center = push.list.list.lights.at[light].position;
+    float range = push.list.list.lights.at[light].range;
+    bool any_in = false;
+    for (uint i = 0u; i < OWN; i++) {
+        vec3 from = positions[i] - center;
+        float reach = range + slacks[i];
+        any_in = any_in || (slacks[i] >= 0.0 && !(dot(from, from) > reach * reach));
+    }
+    return any_in;
+}
+
 bool holds_any(uint light) {
+    if (!in_range(light)) return false;
     fine_volume v = fine_volume_of(light);
     for (uint i = 0u; i < OWN; i++)
         if (holds_own(v, i)) return true;
@@ -156,14 +171,39 @@ bool holds_any(uint light) {
 
 // ---- the walk ----
 
+// Masks of the thread's pixels over what the tile keeps; the count makes them on the way where it tests no more than 32 lights.
+bool makes_masks = false, has_masks = false;
+uint masks[OWN];
+
 uint local_light(uint index) { return push.visible_ids.at[index]; }
 
-// Gives what is kept to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept.
-uint flush(uint count, uint_array out_ids, uint out_first, uint out_end) {
+// Gives what is kept to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept. `whole`: the tile has
+// nothing before and behind.
+uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_end) {
     uint words = (count + 31u) / 32u;
     for (uint w = thread; w < words; w += THREADS) kept_bits[w] = (flags & FINE_PIXELS) != 0u ? 0u : 0xffffffffu;
     barrier();
-    if ((flags & FINE_PIXELS) != 0u) {
+    has_masks = makes_masks && whole && count <= 32u;
+    if (has_masks) {
+        uint bits = 0u;
+        for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
+        for (uint b = 0u; b < count; b++) {
+            uint light = push.list.list.directional_count + local_light(held[b]);
+            if (!in_range(light)) continue;
+            fine_volume v = fine_volume_of(light);
+            for (uint i = 0u; i < OWN; i++)
+                if (holds_own(v, i)) masks[i] |= 1u << b;
+        }
+        for (uint i = 0u; i < OWN; i++) bits |= masks[i];
+        if (bits != 0u) atomicOr(kept_bits[0], bits);
+        barrier();
+        uint kept = kept_bits[0]; // their bits close up
+        for (uint i = 0u; i < OWN; i++) {
+            uint mask = 0u, at = 0u;
+            for (bits = kept; bits != 0u; bits &= bits - 1u, at++) mask |= (masks[i] >> uint(findLSB(bits)) & 1u) << at;
+            masks[i] = mask;
+        }
+    } else if ((flags & FINE_PIXELS) != 0u) {
         for (uint w = 0u; w < words; w++) {
             uint bits = 0u, end = min(32u, count - w * 32u);
             for (uint b = 0u; b < end; b++)
@@ -186,8 +226,10 @@ uint flush(uint count, uint_array out_ids, uint out_first, uint out_end) {
 }
 
 uint walk(uint_array out_ids, uint out_first, uint out_end) {
-    uint list = gl_WorkGroupID.z, marks = fine_marks_of(list, gl_WorkGroupID.xy), words = (push.visible_sums.at[push.list.list.local_count] + 31u) / 32u;
+    uint marks = fine_marks_of(gl_WorkGroupID.z, gl_WorkGroupID.xy);
+    uint words = (push.visible_sums.at[push.list.list.local_count] + 31u) / 32u;
     uint kept = 0u, count = 0u;
+    bool flushed = false;
     vec2 depths = vec2(0.0, FINE_FAR);
     if ((flags & (FINE_MIN_DEPTH | FINE_MAX_DEPTH)) != 0u)
         depths = fine_depths(flags, fine_range_of(flags, gl_WorkGroupID.xy));
@@ -204,12 +246,25 @@ uint walk(uint_array out_ids, uint out_first, uint out_end) {
         count += total;
         barrier();
         if (count > HELD) {
-            kept += flush(count, out_ids, out_first + kept, out_end);
+            kept += flush(count, false, out_ids, out_first + kept, out_end);
             count = 0u;
+            flushed = true;
         }
     }
-    if (count > 0u) kept += flush(count, out_ids, out_first + kept, out_end);
+    if (count > 0u) kept += flush(count, !flushed, out_ids, out_first + kept, out_end);
     return kept;
+}
+
+// Word `w` of `words` of the thread's pixels or squares of them, which divide what it owns.
+void store_masks(uint_array to, uint first, uint words, uint w) {
+    uint size = push.list.list.mask_size, row = TILE_SIZE / size;
+    uvec2 corner = gl_LocalInvocationID.xy * SIDE;
+    for (uint y = 0u; y < SIDE; y += size)
+        for (uint x = 0u; x < SIDE; x += size) {
+            uint i = y * SIDE + x, mask = masks[i];
+            if (size == 2u) mask |= masks[i + 1u] | masks[i + SIDE] | masks[i + SIDE + 1u];
+            to.at[first + ((corner.y + y) / size * row + (corner.x + x) / size) * words + w] = mask;
+        }
 }
 
 void begin_tile() {
