@@ -72,8 +72,9 @@ void main() {
         if (mode == GPU_DEBUG_CELLS && LIST_KIND != GPU_LIST_ALL) {
             uint tile_size = push.lights.list.tile_size;
             bool by_place = LIST_KIND == GPU_LIST_WORLD || LIST_KIND == GPU_LIST_ITEMS; // not by pixel
-            if ((LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_BINS || by_place) && !sky) {
+            if ((LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_BINS || LIST_KIND == GPU_LIST_SPARSE || by_place) && !sky) {
                 uint slice = by_place ? cell_of(push.lights, point) : slice_of(push.lights, normal.w);
+                if (LIST_KIND == GPU_LIST_SPARSE && push.lights.list.buckets > 1u) slice += 7u * normal_bucket(normal.xyz);
                 vec3 hue = abs(fract(float(slice) * 0.381966 + vec3(0.0, 0.333, 0.667)) * 6.0 - 3.0) - 1.0;
                 color = mix(color, clamp(hue, 0.0, 1.0), 0.45);
             } else if (LIST_KIND == GPU_LIST_HALVES && !sky) {

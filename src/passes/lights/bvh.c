@@ -91,7 +91,7 @@ struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, co
 /* ---- queries ---- */
 
 /* Masks of groups take at most this many words, and sums this many numbers, unless there are more cells than that. */
-enum { MASKS_LIMIT = 1 << 23, SUMS_LIMIT = 1 << 20, CHUNKS_LIMIT = 65535, SORT_GROUPS = 1 << 14 };
+enum { MASKS_LIMIT = 1 << 23, SUMS_LIMIT = 1 << 20, SPARSE_SUMS_LIMIT = 1 << 18, SORT_GROUPS = 1 << 12 };
 enum query_step { QUERY_GROUPS, QUERY_MASKS, QUERY_COUNT, QUERY_FILL, QUERY_SORT };
 
 struct query_data {
@@ -174,7 +174,7 @@ static void execute_query(const struct graph_context *context, const void *data)
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->query.cell_count + 1, 64u), d->chunk_count, 1);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP((d->query.cell_count + 1) * d->chunk_count, 64u));
 }
 
 static void execute_sort(const struct graph_context *context, const void *data) {
@@ -263,9 +263,8 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
     add_masks(graph, &data);
 
     uint32_t words = data.words[0], chunk_words = 1;
-    for (uint32_t chunks; (chunks = DIVIDE_UP(words, chunk_words)) > CHUNKS_LIMIT ||
-                          (chunks > 1 && (uint64_t)query->cell_count * chunks > SUMS_LIMIT);)
-        chunk_words *= 2;
+    uint32_t sums_limit = query->cell_counter.id ? SPARSE_SUMS_LIMIT : SUMS_LIMIT; /* few of the cells that could be are */
+    while (chunk_words < words && (uint64_t)query->cell_count * DIVIDE_UP(words, chunk_words) > sums_limit) chunk_words *= 2;
     data.chunk_count = DIVIDE_UP(words, chunk_words);
     uint32_t sum_count = query->cell_count * data.chunk_count + 1;
     struct gpu_slice block = gpu_frame_allocate(device, sizeof(struct gpu_bvh_query));

@@ -31,7 +31,9 @@ bool cell_faces(uint cell, uint i) {
 
 void main() {
     gpu_bvh_query q = push.query.query;
-    uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
+    // Cells first: threads that run together ask the same leaves.
+    uint cell = LINEAR_INVOCATION % (q.cell_count + 1u), chunk = LINEAR_INVOCATION / (q.cell_count + 1u);
+    if (chunk >= q.chunk_count) return;
     if (cell > q.cell_count || (cell == q.cell_count && chunk > 0u)) return;
     uint cell_count = q.rule.run > 0u ? min(push.cell_counter.at[0], q.cell_count) : q.cell_count, slot = 0u, slot_end = 0u;
     if (FILL == 0u) {

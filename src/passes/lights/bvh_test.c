@@ -135,9 +135,10 @@ static void test_broken_lights(void **state) {
     check_equal(request_of(&view, LIGHTS));
 }
 
+/* Where the CPU is the device, its work, which does not depend on what else it does. */
 static double seconds(void) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(gpu_info(harness_device())->type == FNL_DEVICE_CPU ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -167,8 +168,8 @@ static void test_100k_lights_sublinear_ES_55(void **state) {
     flat.builder = LIST_CLUSTERED;
     uint64_t entries = check_equal(many);
     double times[3] = {time_of(&few), time_of(&many), time_of(&flat)};
-    print_message("%u lights: %.1f times as long as %u; flat %.1f times as long as the tree (%.0f ms); %llu entries\n", MOST,
-                  times[1] / times[0], MOST / 100, times[2] / times[1], times[1] * 1e3, (unsigned long long)entries);
+    print_message("%u lights: %.1f times the work of %u (%.0f ms); flat %.1f times the work of the tree; %llu entries\n", MOST,
+                  times[1] / times[0], MOST / 100, times[1] * 1e3, times[2] / times[1], (unsigned long long)entries);
     assert_true(times[1] < 70 * times[0]);
     assert_true(times[2] > 2 * times[1]);
 }
