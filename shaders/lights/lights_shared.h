@@ -50,7 +50,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 #define GPU_LIST_HALVES 3u  /* tiles with two depth ranges each */
 #define GPU_LIST_RANGES 4u  /* tiles whose entries carry a depth range */
 #define GPU_LIST_TREE 5u    /* tiles with a tree over depth ranges */
-#define GPU_LIST_FINE 6u    /* tiles with masks per pixel quad */
+#define GPU_LIST_FINE 6u    /* tiles with masks per pixel */
 #define GPU_LIST_SPARSE 7u  /* occupied clusters only, found through a table */
 #define GPU_LIST_LINKS 8u   /* clusters with linked lists */
 #define GPU_LIST_BINS 9u    /* bit masks of tiles, cut by ranges of depth bins */
