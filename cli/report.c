@@ -96,6 +96,7 @@ static json_t *make_json(const struct render_report *r) {
                   "list_bytes", integer(s->list_bytes), "list_entries", integer(s->list_entries), "overflow_cells",
                   integer(s->overflow_cells), "dropped", integer(s->lights_dropped));
     json_object_set_new(lights, "list_used_bytes", integer(s->list_used_bytes));
+    json_object_set_new(lights, "behind", integer(s->lights_behind));
     json_object_set_new(lights, "evaluations", integer(s->evaluations));
     json_object_set_new(lights, "evaluations_useful", integer(s->evaluations_useful));
     json_object_set_new(lights, "mean_per_pixel", json_real(s->mean_per_pixel));

@@ -173,7 +173,8 @@ static void test_cells(void **state) {
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         test_render_frame(renderer, &frame);
         fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
-        uint32_t size = lists == FNL_LISTS_TILED ? 16 : 64;
+        bool tiles = lists == FNL_LISTS_TILED || lists == FNL_LISTS_BACKFACE;
+        uint32_t size = tiles ? 16 : 64;
         const uint8_t *inside = test_pixel8(&image, size + 5, 70), *line = test_pixel8(&image, size, 70),
                       *far = test_pixel8(&image, 150, 70);
         double half_grey = grey_of(&m, 0) * 0.5;
@@ -183,10 +184,9 @@ static void test_cells(void **state) {
         } else {
             for (int c = 0; c < 3; c++) assert_true(fabs(line[c] - (inside[c] * 0.65 + 255 * 0.35)) <= 1.5);
             bool same = memcmp(inside, far, 4) == 0;
-            assert_int_equal(same,
-                             lists == FNL_LISTS_TILED); /* slices have hues of their own, tiles the colour of their count */
+            assert_int_equal(same, tiles); /* slices have hues of their own, tiles the colour of their count */
             vec3 one = heat(1);
-            if (lists == FNL_LISTS_TILED)
+            if (tiles)
                 assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45,
                              half_grey * 0.55 + one.z * 0.45);
         }

@@ -110,19 +110,20 @@ static void test_scenes_TD_3(void **state) {
     }
 }
 
-static void test_cameras_TD_3(void **state) {
+static void test_cameras_TD_3_ES_16(void **state) {
     UNUSED(state);
-    static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide", "one pixel"};
+    static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide",
+                                        "one pixel",     "at the rim"};
     struct stage stage = stage_open("builtin:spheres?lights=150", 0);
     const fnl_frame start = stage.frame;
     for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
         stage.frame = start;
         fnl_camera *camera = &stage.frame.camera;
-        if (kind == 0) {
+        if (kind == 0 || kind == 5) {
             fnl_light_params light;
             assert_int_equal(fnl_scene_query_light(stage.scene, 5, &light), FNL_OK);
             camera->position = light.position;
-            camera->position.x += 1e-3f;
+            camera->position.x += kind ? light.range : 1e-3f;
         } else if (kind == 1) {
             camera->orthographic = true;
             camera->vertical_extent = 8;
@@ -225,7 +226,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_solids, harness_check),
         cmocka_unit_test_teardown(test_scenes_TD_3, harness_check),
-        cmocka_unit_test_teardown(test_cameras_TD_3, harness_check),
+        cmocka_unit_test_teardown(test_cameras_TD_3_ES_16, harness_check),
         cmocka_unit_test_teardown(test_shapes_TD_3, harness_check),
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
         cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
