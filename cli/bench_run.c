@@ -84,7 +84,7 @@ static void format_seconds(double seconds, char *text, size_t capacity) {
 static void show_progress(const struct bench_run *run, const char *what) {
     enum { WIDTH = 24 };
     if (run->settings->quiet || !isatty(STDERR_FILENO)) return;
-    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 1) : 1, elapsed = lane_now() - run->started;
+    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 0.99) : 1, elapsed = lane_now() - run->started;
     char left[32] = "?";
     if (part > 0) format_seconds(elapsed / part * (1 - part), left, sizeof left);
     fputs("\r[", stderr);
@@ -101,7 +101,8 @@ static void end_progress(const struct bench_run *run) {
 /* Frames of a case count by their pixels. */
 static double frame_work(const struct bench_case *c) { return (double)c->width * c->height * c->msaa; }
 static double lane_work(const struct bench_run *run, const struct bench_case *c) {
-    return frame_work(c) * (run->settings->frames + run->settings->warm_up + 2 * run->settings->checks);
+    /* Besides the timed ones: to warm up, again after the comparison, two for each point compared, and a heat map. */
+    return frame_work(c) * (run->settings->frames + run->settings->warm_up + 2 * run->settings->checks + 2);
 }
 
 static bool is_measured(const struct bench_run *run, const struct bench_case *c, const struct bench_candidate *candidate) {
