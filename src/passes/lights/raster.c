@@ -169,6 +169,7 @@ static void add_draw(struct graph *graph, const struct raster_data *d) {
 }
 
 static void use_shells(struct graph_pass *pass, const struct raster_data *d) {
+    graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, d->slot_sums, GRAPH_READ_COMPUTE);

@@ -278,6 +278,30 @@ bool has_slots(uint index) {
     return end > RASTER.slot_sums.at[index] && end <= RASTER.slot_capacity;
 }
 
+// Leaves those slices that the light's sphere touches in a tile: meshes stick out of it. What a plane cuts off a sphere fits into a
+// smaller one round the middle of the cut.
+uvec2 slices_of_sphere(uint index, uvec2 tile, uvec2 slices) {
+    gpu_bound bound = RASTER.bounds.at[index];
+    vec3 center = vec3(bound.center.xy, -bound.center.z);
+    float margin = light_margin(bound), radius = bound.radius + margin;
+    bool orthographic = RASTER.view.view.orthographic > 0.5, moved = false;
+    for (int axis = 0; axis < 2; axis++) {
+        vec2 slopes = axis == 0 ? vec2(column_slope(tile.x), column_slope(tile.x + 1u)) : vec2(row_slope(tile.y + 1u), row_slope(tile.y));
+        vec2 scale = orthographic ? vec2(1.0) : inversesqrt(1.0 + slopes * slopes);
+        vec2 outside = (slopes * depth_scale(center) - center[axis]) * vec2(scale.x, -scale.y) - 2e-6 * radius;
+        float most = max(outside.x, outside.y);
+        if (most > radius) return uvec2(1u, 0u);
+        if (!(most > 0.0)) continue;
+        bool low = outside.x > outside.y;
+        center[axis] += low ? most * scale.x : -most * scale.y;
+        if (!orthographic) center.z += low ? -most * scale.x * slopes.x : most * scale.y * slopes.y;
+        radius = sqrt(max(radius * radius - most * most, 0.0));
+        moved = true;
+    }
+    if (!moved) return slices;
+    return uvec2(max(slices.x, near_slice(center.z - radius, margin)), min(slices.y, far_slice(center.z + radius, margin)));
+}
+
 // First and last slice of a light in a tile; first > last: none. A light without slots counts as if it filled its rectangle.
 uvec2 slices_in_tile(uint index, uvec2 tile) {
     gpu_raster_light light = RASTER.lights.at[index];
@@ -285,7 +309,8 @@ uvec2 slices_in_tile(uint index, uvec2 tile) {
     uvec2 high = uvec2(light.columns >> 16, light.rows >> 16);
     if (any(lessThan(tile, low)) || any(greaterThan(tile, high))) return none;
     uvec2 slices = uvec2(light.slices & 0xffffu, light.slices >> 16);
-    if (!has_slots(index)) return slices;
+    slices = slices_of_sphere(index, tile, slices);
+    if (slices.x > slices.y || !has_slots(index)) return slices;
     gpu_raster_slot slot =
         RASTER.slots.at[RASTER.slot_sums.at[index] + (tile.y - low.y) * (high.x - low.x + 1u) + (tile.x - low.x)];
     if (slot.last == RASTER_UNSET) return none;

@@ -13,9 +13,9 @@
  */
 #define GPU_SPHERE_VERTICES 42u
 #define GPU_SPHERE_TRIANGLES 80u
-#define GPU_CONE_SIDES 8u
-#define GPU_CONE_VERTICES 18u
-#define GPU_CONE_TRIANGLES 32u
+#define GPU_CONE_SIDES 12u
+#define GPU_CONE_VERTICES 26u
+#define GPU_CONE_TRIANGLES 48u
 #define GPU_BOX_VERTICES 8u
 #define GPU_BOX_TRIANGLES 12u
 #define GPU_CONE_APEX 0.0
@@ -29,7 +29,7 @@
 /* The inscribed sphere of the unit sphere mesh has the radius 0.93417: vertices lie this far out for the mesh to enclose the sphere. */
 #define GPU_SPHERE_SCALE 1.07048
 /* 1 / cos(pi / GPU_CONE_SIDES): rings are drawn round their circles. */
-#define GPU_CONE_SCALE 1.0823923
+#define GPU_CONE_SCALE 1.0352762
 
 /* A light in view on the grid of tiles. */
 struct gpu_raster_light {

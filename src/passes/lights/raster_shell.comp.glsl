@@ -20,27 +20,39 @@ uint ordered(float f) {
 }
 float unordered(uint bits) { return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits); }
 
+void put(shell s, vec2 depths, bool front, uint at) {
+    span found = span_of(s, depths, front);
+    atomicMin(firsts[at], found.first);
+    atomicMin(lasts[at], found.last);
+}
+
 void draw(shell s, vec3 a, vec3 b, vec3 c, bool front, uvec2 first, uvec2 last) {
     vec2 all_depths = vec2(min(a.z, min(b.z, c.z)), max(a.z, max(b.z, c.z)));
     if (!(all_depths.y >= RASTER.near)) return;
+    uint width = last.x - first.x + 1u;
+    bool cut_by_near = all_depths.x < RASTER.near;
+    if (!cut_by_near && RASTER.gradient == 0u) {
+        // Most triangles lie in one tile: nothing is to be cut.
+        vec3 scale = 1.0 / vec3(depth_scale(a), depth_scale(b), depth_scale(c));
+        vec3 x = vec3(a.x, b.x, c.x) * scale, y = vec3(a.y, b.y, c.y) * scale;
+        float wider = s.slack + s.margin * max(scale.x, max(scale.y, scale.z));
+        vec2 x_range = vec2(min(x.x, min(x.y, x.z)) - wider, max(x.x, max(x.y, x.z)) + wider);
+        vec2 y_range = vec2(min(y.x, min(y.y, y.z)) - wider, max(y.x, max(y.y, y.z)) + wider);
+        vec2 columns = slope_tiles(x_range, 0), rows = slope_tiles(y_range, 1);
+        vec2 low = vec2(first), high = vec2(last);
+        if (columns.y < low.x || columns.x > high.x || rows.y < low.y || rows.x > high.y) return;
+        // The last tiles may be cut short by the edge of the picture.
+        if (columns.x == columns.y && rows.x == rows.y && x_range.y <= column_slope(uint(columns.x) + 1u) &&
+            y_range.x >= row_slope(uint(rows.x) + 1u)) {
+            put(s, all_depths, front, (uint(rows.x) - first.y) * width + uint(columns.x) - first.x);
+            return;
+        }
+    }
     polygon p = visible_part(a, b, c);
     if (p.count == 0u) return;
     all_depths.x = max(all_depths.x, RASTER.near);
+    float wider = s.slack + s.margin / (RASTER.view.view.orthographic > 0.5 ? 1.0 : all_depths.x);
     ivec2 rows = tiles_of(s, slope_range(p, 1, s.margin), 1, first.y, last.y);
-    ivec2 all_columns = tiles_of(s, slope_range(p, 0, s.margin), 0, first.x, last.x);
-    uint width = last.x - first.x + 1u;
-    float widened = s.slack + s.margin / (RASTER.view.view.orthographic > 0.5 ? 1.0 : all_depths.x);
-    if (rows.x == rows.y && all_columns.x == all_columns.y && RASTER.gradient == 0u) {
-        // Wholly within a tile, or beside it.
-        polygon part = row_part(s, p, uint(rows.x));
-        vec2 depths = tile_depths(s, part, uint(all_columns.x));
-        if (part.count == 0u || depths.x > depths.y) return;
-        span found = span_of(s, depths, front);
-        uint at = (uint(rows.x) - first.y) * width + uint(all_columns.x) - first.x;
-        atomicMin(firsts[at], found.first);
-        atomicMin(lasts[at], found.last);
-        return;
-    }
     for (int row = rows.x; row <= rows.y; row++) {
         polygon part = row_part(s, p, uint(row));
         if (part.count == 0u) continue;
@@ -50,13 +62,9 @@ void draw(shell s, vec3 a, vec3 b, vec3 c, bool front, uvec2 first, uvec2 last) 
             if (RASTER.gradient == 0u)
                 depths = tile_depths(s, part, uint(column));
             else
-                depths = gradient_range(a, b, c, all_depths, vec2(column_slope(uint(column)), row_slope(uint(row) + 1u)) - widened,
-                                        vec2(column_slope(uint(column) + 1u), row_slope(uint(row))) + widened);
-            if (depths.x > depths.y) continue;
-            span found = span_of(s, depths, front);
-            uint at = (uint(row) - first.y) * width + uint(column) - first.x;
-            atomicMin(firsts[at], found.first);
-            atomicMin(lasts[at], found.last);
+                depths = gradient_range(a, b, c, all_depths, vec2(column_slope(uint(column)), row_slope(uint(row) + 1u)) - wider,
+                                        vec2(column_slope(uint(column) + 1u), row_slope(uint(row))) + wider);
+            if (depths.x <= depths.y) put(s, depths, front, (uint(row) - first.y) * width + uint(column) - first.x);
         }
     }
 }
