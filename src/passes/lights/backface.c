@@ -13,14 +13,14 @@ struct backface_params backface_params_default(void) {
 }
 
 /* The steps of this list alone; those of all cells are in cells.c. */
-enum step { STEP_PICK, STEP_CULL, STEP_TALLY };
+enum step { STEP_PICK, STEP_CULL, STEP_TALLY, STEP_BLOCKS, STEP_AXES };
 
 struct own_data {
     struct light_input input;
     struct lights_in_view in_view;
     struct cells_build build;
     graph_image depth, normals;
-    graph_buffer bounds, sums, cones, picks, axes, marks, tally;
+    graph_buffer bounds, sums, cones, picks, blocks, axes, marks, tally;
     struct gpu_backface *block; /* addresses are filled in while recording */
     VkDeviceAddress block_address;
     uint32_t cell_count, chunk_size, chunk_count;
@@ -38,24 +38,31 @@ static void execute_clear(const struct graph_context *context, const void *data)
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->tally), 0, 4, 0);
 }
 
-static void execute_axes(const struct graph_context *context, const void *data) {
+/* The pyramid of normals: level 2, then the level of the tiles. */
+static void execute_pyramid(const struct graph_context *context, const void *data) {
     const struct own_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_backface_axes_comp};
-    struct gpu_cells_push push = {.view = d->input.view,
-                                  .list = d->build.header_address,
-                                  .extra = d->block_address,
-                                  .depth = graph_sampled(context, d->depth)};
-    if (d->block) d->block->axes = graph_address(context, d->axes);
-    push.front = graph_sampled(context, d->normals); /* the only image besides depth that the push constants name */
+    bool tiles = d->step == STEP_AXES;
+    struct gpu_compute_params params = {.shader = tiles ? &shader_backface_axes_comp : &shader_backface_blocks_comp};
+    struct gpu_cells_push push = {.view = d->input.view, .list = d->build.header_address, .extra = d->block_address};
+    if (tiles) {
+        if (d->block) d->block->axes = graph_address(context, d->axes);
+    } else {
+        if (d->block) d->block->blocks = graph_address(context, d->blocks);
+        push.depth = graph_sampled(context, d->depth);
+        push.front = graph_sampled(context, d->normals); /* the only image besides depth that the push constants name */
+    }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, d->build.bounds_groups_x, d->build.bounds_groups_y, 1);
+    uint32_t threads = tiles ? d->build.bounds_groups_x * d->build.bounds_groups_y
+                             : DIVIDE_UP(d->input.width, 4u) * DIVIDE_UP(d->input.height, 4u);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
 }
 
 static void execute_step(const struct graph_context *context, const void *data) {
     const struct own_data *d = data;
-    static const struct gpu_shader *const shaders[] = {
-        [STEP_PICK] = &shader_backface_pick_comp, [STEP_CULL] = &shader_backface_cull_comp, [STEP_TALLY] = &shader_backface_tally_comp};
+    static const struct gpu_shader *const shaders[] = {[STEP_PICK] = &shader_backface_pick_comp,
+                                                       [STEP_CULL] = &shader_backface_cull_comp,
+                                                       [STEP_TALLY] = &shader_backface_tally_comp};
     struct gpu_compute_params params = {.shader = shaders[d->step]};
     struct gpu_cells_push push = {.view = d->input.view,
                                   .list = d->build.header_address,
@@ -133,11 +140,10 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
     data.block = slice.data;
     data.block_address = slice.address;
     if (data.block)
-        *data.block = (struct gpu_backface){
-            .axis = (uint32_t)params->axis,
-            .least = params->least,
-            .every_tile = params->every_tile || params->tally,
-            .marking = params->tally};
+        *data.block = (struct gpu_backface){.axis = (uint32_t)params->axis,
+                                            .least = params->least,
+                                            .every_tile = params->every_tile || params->tally,
+                                            .marking = params->tally};
     data.cones = graph_create_buffer(graph, "backface cones", tile_count * sizeof(struct gpu_cone));
     data.picks = graph_create_buffer(graph, "backface picks", (tile_count + 4ull) * 4);
     if (params->tally) {
@@ -151,10 +157,17 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
         graph_use_buffer(pass, data.tally, GRAPH_COPY_TO);
     }
     if (params->axis == BACKFACE_PYRAMID) {
+        data.blocks = graph_create_buffer(
+            graph, "backface blocks", (uint64_t)DIVIDE_UP(input->width, 4u) * DIVIDE_UP(input->height, 4u) * sizeof(vec3));
         data.axes = graph_create_buffer(graph, "backface axes", tile_count * sizeof(vec3));
-        pass = graph_add_pass(graph, "backface axes", input->queue, execute_axes, &data, sizeof data);
+        data.step = STEP_BLOCKS;
+        pass = graph_add_pass(graph, "backface blocks", input->queue, execute_pyramid, &data, sizeof data);
         graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
         graph_use_image(pass, normals, GRAPH_SAMPLE_COMPUTE);
+        graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
+        data.step = STEP_AXES;
+        pass = graph_add_pass(graph, "backface axes", input->queue, execute_pyramid, &data, sizeof data);
+        graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, data.axes, GRAPH_WRITE_COMPUTE);
     }
     struct cells_build build = data.build;

@@ -18,10 +18,10 @@ enum backface_axis {
 struct backface_params {
     struct tiled_params tiles; /* default tiled_params_default() */
     enum backface_axis axis;   /* default BACKFACE_SAMPLES */
-    uint32_t least;            /* tiles with fewer lights, or with a third as many behind four of their pixels, are left alone: finding
+    uint32_t least;  /* tiles with fewer lights, or with a third as many behind four of their pixels, are left alone: finding
                                   the cone costs about as much as these do; default 12 */
-    bool every_tile;           /* cones are found even so, for the debug view; lists stay the same; default false */
-    bool tally;                /* lights behind the surfaces of every tile they touch are counted in light_list.culled; default false */
+    bool every_tile; /* cones are found even so, for the debug view; lists stay the same; default false */
+    bool tally; /* lights behind the surfaces of every tile they touch are counted in light_list.culled; default false */
 };
 struct backface_params backface_params_default(void);
 /**

@@ -24,6 +24,7 @@ struct gpu_cone {
 struct gpu_backface {
     ADDRESS(cone_array) cones;
     ADDRESS(uint_array) picks;     /* a dispatch: row, rows, 1; then the number of picked tiles, and these */
+    ADDRESS(axis_array) blocks;    /* sums of the normals of 4 x 4 pixels, for BACKFACE_AXIS_PYRAMID */
     ADDRESS(axis_array) axes;      /* sums of the normals of each tile, for BACKFACE_AXIS_PYRAMID */
     ADDRESS(uint_array) marks;     /* of each light in view: bit 0 behind a tile's surfaces, bit 1 not behind another's */
     ADDRESS(uint_array) tally;     /* [0]: lights behind the surfaces of every tile they touch */

@@ -57,8 +57,8 @@ static struct surfaces make_surfaces(const struct gpu_view *view, enum surface k
             s.depth[i] = sky ? 0 : depth_of_view_depth(view, at);
             vec3 n = towards;
             float bend = kind == SURFACE_CURVED ? 0.6f * sinf(0.05f * (float)x) : 0, noise = kind == SURFACE_NOISY  ? 0.15f
-                                                                                       : kind == SURFACE_WILD ? 2
-                                                                                                              : 0;
+                                                                                             : kind == SURFACE_WILD ? 2
+                                                                                                                    : 0;
             n = vec3_add(n, vec3_make(bend + noise * random_range(random, -1, 1), noise * random_range(random, -1, 1),
                                       noise * random_range(random, -1, 1)));
             pack_normal(vec3_normalize(n), s.normals + 4 * i);
@@ -77,8 +77,8 @@ static void make_lights(const struct gpu_view *view, struct random_state *random
     for (uint32_t i = 0; i < count; i++) {
         if (i % 16 != 5 && i % 16 != 9 && i % 16 != 13) continue;
         params[i].kind = i % 16 == 5 ? FNL_LIGHT_CAPSULE : i % 16 == 9 ? FNL_LIGHT_BOX : FNL_LIGHT_WEDGE;
-        params[i].direction = vec3_normalize(
-            vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+        params[i].direction =
+            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
         params[i].length = params[i].range;
         params[i].box_size = vec3_make(params[i].range, params[i].range, params[i].range);
         lights[i] = device_light(&params[i]);
@@ -99,7 +99,8 @@ static graph_image import_image(struct graph *graph, const struct gpu_view *view
                                  .samples = 1,
                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     assert_int_equal(gpu_image_create(device, &p, image), FNL_OK);
-    assert_int_equal(gpu_upload_image(device, image, pixels, (uint64_t)p.width * p.height * pixel_bytes, false, false), FNL_OK);
+    assert_int_equal(gpu_upload_image(device, image, pixels, (uint64_t)p.width * p.height * pixel_bytes, false, false),
+                     FNL_OK);
     assert_int_equal(gpu_upload_flush(device), FNL_OK);
     return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
@@ -108,7 +109,8 @@ static graph_image import_image(struct graph *graph, const struct gpu_view *view
 /* Plain tiles without `p`. */
 static struct list_copy build(const struct gpu_view *v, const struct surfaces *s, uint32_t count,
                               const struct tiled_params *tiles, const struct backface_params *p) {
-    struct list_request request = {.builder = LIST_TILED, .view = *v, .lights = lights, .light_count = count, .tiled = *tiles};
+    struct list_request request = {
+        .builder = LIST_TILED, .view = *v, .lights = lights, .light_count = count, .tiled = *tiles};
     if (!p) {
         request.depth = s->depth;
         return list_build(&request);
@@ -122,8 +124,7 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
     if (count) memcpy(buffer.mapped, lights, count * sizeof *lights);
     graph_begin(graph);
     graph_image depth = import_image(graph, v, VK_FORMAT_R32_SFLOAT, 4, s->depth, "test depth", &depth_image);
-    graph_image normals =
-        import_image(graph, v, VK_FORMAT_R16G16B16A16_UNORM, 8, s->normals, "test normals", &normal_image);
+    graph_image normals = import_image(graph, v, VK_FORMAT_R16G16B16A16_UNORM, 8, s->normals, "test normals", &normal_image);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct gpu_slice view = gpu_frame_allocate(device, sizeof *v);
     assert_non_null(view.data);
@@ -160,7 +161,8 @@ static bool point_of(const struct gpu_view *view, const struct surfaces *s, uint
     double depth = (double)s->depth[i], seen[3];
     if (depth <= 0) return false;
     const vec4 *d = &view->depth_decode;
-    view_of_pixel(view, x + 0.5, y + 0.5, ((double)d->x + (double)d->y * depth) / ((double)d->z + (double)d->w * depth), seen);
+    view_of_pixel(view, x + 0.5, y + 0.5, ((double)d->x + (double)d->y * depth) / ((double)d->z + (double)d->w * depth),
+                  seen);
     view_to_world(view, seen, point);
     unpack_normal(s->normals + 4 * i, normal);
     return true;
@@ -244,7 +246,8 @@ static void check_sets(const struct gpu_view *view, const struct surfaces *s, co
             bool kept = list_holds(list, c, light);
             counts->plain++;
             counts->kept += kept;
-            if (by_angles && lights[light].kind <= GPU_LIGHT_SPOT && dropped_by_angles(view, s, x0, y0, size, lights[light].position)) {
+            if (by_angles && lights[light].kind <= GPU_LIGHT_SPOT &&
+                dropped_by_angles(view, s, x0, y0, size, lights[light].position)) {
                 counts->angles++;
                 assert_false(kept);
             }
@@ -295,8 +298,9 @@ static void test_sets_TD_2_TD_4_TD_5_TD_9(void **state) {
             list_free(&plain);
             free_surfaces(&s);
         }
-        print_message("surface %u: %llu entries of %llu are left; the angles of the source alone drop %llu of a third\n", surface,
-                      (unsigned long long)counts.kept, (unsigned long long)counts.plain, (unsigned long long)counts.angles);
+        print_message("surface %u: %llu entries of %llu are left; the angles of the source alone drop %llu of a third\n",
+                      surface, (unsigned long long)counts.kept, (unsigned long long)counts.plain,
+                      (unsigned long long)counts.angles);
         if (surface != SURFACE_WILD) {
             assert_true(counts.kept * 100 < counts.plain * 95);
             assert_true(counts.plain - counts.kept > 3 * counts.angles && counts.angles > 20);
@@ -372,7 +376,8 @@ static void test_printed_planes_TD_10(void **state) {
                 near = fmin(near, (double)-seen.z);
                 far = fmax(far, (double)-seen.z);
             }
-        double c1[3] = {sx / (double)view.ndc_scale.x, 0, -(sx - gx)}, c2[3] = {0, -sy / (double)view.ndc_scale.y, -(sy - gy)};
+        double c1[3] = {sx / (double)view.ndc_scale.x, 0, -(sx - gx)},
+               c2[3] = {0, -sy / (double)view.ndc_scale.y, -(sy - gy)};
         double planes[4][3];
         for (int k = 0; k < 3; k++) {
             double c4 = k == 2 ? -1 : 0;
@@ -388,7 +393,8 @@ static void test_printed_planes_TD_10(void **state) {
             for (int p = 0; p < 4; p++) {
                 const double *n = planes[p];
                 double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-                holds = holds && (n[0] * (double)at.x + n[1] * (double)at.y + n[2] * (double)at.z) / length >= -radius - slack;
+                holds =
+                    holds && (n[0] * (double)at.x + n[1] * (double)at.y + n[2] * (double)at.z) / length >= -radius - slack;
             }
             printed += holds;
             bool held = list_holds(&list, c, i);
@@ -452,9 +458,12 @@ static void test_frames_TD_1_TD_2_TD_9_TD_11(void **state) {
     static const struct {
         const char *source;
         uint32_t scattered, width, height;
-    } scenes[] = {{"builtin:wall?test=2", 0, 161, 91}, {"builtin:spheres?lights=120", 0, 161, 91},
-                  {"builtin:hall?lights=256", 0, 97, 55}, {"builtin:glass?lights=80", 0, 97, 55},
-                  {"builtin:sky", 0, 61, 31},        {"builtin:spheres?lights=0", 0, 61, 31}};
+    } scenes[] = {{"builtin:wall?test=2", 0, 161, 91},
+                  {"builtin:spheres?lights=120", 0, 161, 91},
+                  {"builtin:hall?lights=256", 0, 97, 55},
+                  {"builtin:glass?lights=80", 0, 97, 55},
+                  {"builtin:sky", 0, 61, 31},
+                  {"builtin:spheres?lights=0", 0, 61, 31}};
     static const uint32_t tile_sizes[] = {8, 16, 32, 64};
     for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
         struct stage stage = stage_open(scenes[i].source, scenes[i].scattered);
@@ -493,7 +502,7 @@ static void test_views_TD_12(void **state) {
     struct shot normals = stage_shoot(&stage, &frame);
     const uint8_t *wall = (const uint8_t *)normals.color.pixels + (60 * 320 + 150) * 4,
                   *ground = (const uint8_t *)normals.color.pixels + (170 * 320 + 120) * 4;
-    assert_true(abs(wall[0] - 128) < 2 && abs(wall[1] - 128) < 2 && wall[2] == 255);     /* towards +z */
+    assert_true(abs(wall[0] - 128) < 2 && abs(wall[1] - 128) < 2 && wall[2] == 255);       /* towards +z */
     assert_true(abs(ground[0] - 128) < 2 && ground[1] == 255 && abs(ground[2] - 128) < 2); /* up */
     frame.debug = FNL_DEBUG_BACKFACES;
     struct shot dropped = stage_shoot(&stage, &frame);

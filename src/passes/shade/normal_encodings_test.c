@@ -35,9 +35,9 @@ static void ask_device(struct gpu_encodings_push push) {
     assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
     graph_begin(graph);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(gpu_buffer_create(device, names[i], sizeof normals, i ? GPU_MEMORY_READBACK : GPU_MEMORY_UPLOAD,
-                                           &buffers[i]),
-                         FNL_OK);
+        assert_int_equal(
+            gpu_buffer_create(device, names[i], sizeof normals, i ? GPU_MEMORY_READBACK : GPU_MEMORY_UPLOAD, &buffers[i]),
+            FNL_OK);
         handles[i] = graph_import_buffer(graph, names[i], &buffers[i]);
     }
     memcpy(buffers[0].mapped, normals, sizeof normals);
@@ -62,7 +62,8 @@ static void ask_device(struct gpu_encodings_push push) {
 }
 
 static double degrees_between(vec3 a, vec3 b) {
-    double x = (double)a.y * (double)b.z - (double)a.z * (double)b.y, y = (double)a.z * (double)b.x - (double)a.x * (double)b.z,
+    double x = (double)a.y * (double)b.z - (double)a.z * (double)b.y,
+           y = (double)a.z * (double)b.x - (double)a.x * (double)b.z,
            z = (double)a.x * (double)b.y - (double)a.y * (double)b.x;
     double dot = (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z;
     return atan2(sqrt(x * x + y * y + z * z), dot) * 57.29577951308232;
@@ -89,9 +90,12 @@ static void test_round_trips_TD_13(void **state) {
     static const struct {
         const char *name;
         double lowest_z, most[2]; /* degrees at 8 and 16 bits; 0: not for this size */
-    } encodings[ENCODING_COUNT] = {{"xy", 0, {7.2, 0.45}},           {"spherical", -1, {5.2, 0.33}},
-                                   {"sphere map", -1, {12, 0.75}},   {"stereographic", -0.5, {1.2, 0.005}},
-                                   {"octahedral", -1, {0.96, 0.004}}, {"view space", 0, {7.2, 0.45}},
+    } encodings[ENCODING_COUNT] = {{"xy", 0, {7.2, 0.45}},
+                                   {"spherical", -1, {5.2, 0.33}},
+                                   {"sphere map", -1, {12, 0.75}},
+                                   {"stereographic", -0.5, {1.2, 0.005}},
+                                   {"octahedral", -1, {0.96, 0.004}},
+                                   {"view space", 0, {7.2, 0.45}},
                                    {"best fit", -1, {0.33, 0}}};
     make_normals();
     vec3 to_view = vec3_normalize(vec3_make(0.3f, 0.5f, -0.7f));

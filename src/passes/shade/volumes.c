@@ -138,8 +138,7 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
     cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
     cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
     cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
-    struct graph_pass *pass =
-        graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
+    struct graph_pass *pass = graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
     prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, cull.sums, 2 * count + 1);

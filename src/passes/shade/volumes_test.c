@@ -98,10 +98,11 @@ static void test_scenes_TD_3(void **state) {
     static const struct {
         const char *source;
         float ev;
-    } scenes[] = {{"builtin:wall?test=2", 4},     {"builtin:hall?lights=256", 3}, {"builtin:spheres?lights=100", 5},
-                  {"builtin:lamps", 5},           {"builtin:nearplane", 5},       {"builtin:onetile?lights=300", 5},
-                  {"builtin:glass?lights=40", 5}, {"builtin:sky", 5},             {"builtin:spheres?lights=0", 5},
-                  {"builtin:spheres?lights=1", 5}};
+    } scenes[] = {{"builtin:wall?test=2", 4},        {"builtin:hall?lights=256", 3},
+                  {"builtin:spheres?lights=100", 5}, {"builtin:lamps", 5},
+                  {"builtin:nearplane", 5},          {"builtin:onetile?lights=300", 5},
+                  {"builtin:glass?lights=40", 5},    {"builtin:sky", 5},
+                  {"builtin:spheres?lights=0", 5},   {"builtin:spheres?lights=1", 5}};
     for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
         struct stage stage = stage_open(scenes[i].source, 0);
         stage.frame.ev = scenes[i].ev;
@@ -112,8 +113,8 @@ static void test_scenes_TD_3(void **state) {
 
 static void test_cameras_TD_3_ES_16(void **state) {
     UNUSED(state);
-    static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide",
-                                        "one pixel",     "at the rim"};
+    static const char *const names[] = {"in many lights",       "orthographic", "off axis",
+                                        "upside down and wide", "one pixel",    "at the rim"};
     struct stage stage = stage_open("builtin:spheres?lights=150", 0);
     const fnl_frame start = stage.frame;
     for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
@@ -150,7 +151,8 @@ static void test_shapes_TD_3(void **state) {
         fnl_light_params light = fnl_light_params_default();
         fnl_light_id id;
         light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + i % (FNL_LIGHT_KIND_COUNT - FNL_LIGHT_POINT));
-        light.position = (fnl_vec3){random_range(&random, -4, 4), random_range(&random, 0.2f, 4), random_range(&random, -4, 4)};
+        light.position =
+            (fnl_vec3){random_range(&random, -4, 4), random_range(&random, 0.2f, 4), random_range(&random, -4, 4)};
         light.direction = vec3_normalize(
             (vec3){random_range(&random, -1, 1), random_range(&random, -1, 0.2f), random_range(&random, -1, 1)});
         light.range = i == 7 ? 1e6f : random_range(&random, 1, 7);
