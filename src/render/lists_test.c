@@ -26,7 +26,9 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         struct shot shot = stage_shoot(stage, &frame);
         uint64_t differing = count_differing(&all.radiance, &shot.radiance);
-        bool by_samples = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D; /* bounded by depth samples */
+        /* Bounded by depth samples; or exact to the tile's own rays, which a shaded point may lie off where MSAA covers a pixel in part. */
+        bool by_samples = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_ENHANCED ||
+                          l == FNL_LISTS_TREE;
         if (frame.msaa > 1 && by_samples) {
             uint64_t beyond = count_beyond(&all.color, &shot.color, ALLOWED);
             if (differing)
