@@ -11,6 +11,8 @@
 
 #include "common.glsl"
 
+#include "view.glsl"
+
 layout(buffer_reference) buffer light_array;
 layout(buffer_reference) buffer cell_array;
 

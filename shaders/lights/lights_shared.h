@@ -104,6 +104,8 @@ struct gpu_light_list {
     uint mask_size;      /* fine: side of the squares of pixels that share a mask; 0: no masks */
     uint positions;      /* fine: where in extra the tested positions begin; 0: they are those of shading */
     float eye_distance;  /* fine: of the eye from the world's origin, metres */
+    uint scattered;      /* fine: 1: points may be shaded off their pixel (MSAA) */
+    ADDRESS(view_block) view; /* fine: where scattered points are seen */
     uint buckets;        /* sparse: keys of a cluster, 1 or one for each range of normals. In extra: the occupied ones before each, and one more */
     uint cell_limit;     /* sparse: cells that there is memory for */
 };

@@ -193,6 +193,7 @@ static void add_fine(struct lists_context *c) {
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
     params.exact_positions = c->frame->shading == FNL_SHADING_DEFERRED;
+    params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
     params.eye_distance = vec3_length(c->view->eye);

@@ -204,6 +204,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         header->mask_size = flags[i] & FINE_PIXELS ? mask_size : 0;
         header->positions = compares && (i == 0 || i != blend) ? (uint32_t)mask_words : 0;
         header->eye_distance = params->eye_distance;
+        header->scattered = params->scattered;
+        header->view = input->view;
     }
     all.header = addresses[0];
 

@@ -24,6 +24,7 @@ struct fine_params {
     uint32_t mask_size; /* side of the squares of pixels that share a mask: 1, 2, or 0: no masks; default 1 */
     bool
         exact_positions; /* shading makes its positions from depth as well, so that none have to be compared; default true */
+    bool scattered;      /* MSAA: shading may be off its pixel; default false */
     bool blend;          /* a second list for blended surfaces; default false */
     graph_image
         blend_depth; /* of the nearest of them; id 0 (default): they may be anywhere before what is opaque, and are not pruned */

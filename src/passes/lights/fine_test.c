@@ -750,6 +750,24 @@ static void test_pictures_FP_1(void **state) {
     }
 }
 
+/* With MSAA a surface that covers a pixel in part may be shaded far off along its plane, in another tile. */
+static void test_partly_covered_pixels_FP_1(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=1024", 0);
+    stage.frame.msaa = 4;
+    for (uint32_t s = FNL_SHADING_FORWARD; s <= FNL_SHADING_FORWARD_PREPASS; s++) {
+        stage.frame.shading = (fnl_shading)s;
+        stage.frame.lists = FNL_LISTS_ALL;
+        struct shot all = stage_shoot(&stage, &stage.frame);
+        stage.frame.lists = FNL_LISTS_FINE;
+        struct shot fine = stage_shoot(&stage, &stage.frame);
+        assert_int_equal(count_differing(&all.radiance, &fine.radiance), 0);
+        shot_free(&all);
+        shot_free(&fine);
+    }
+    stage_close(&stage);
+}
+
 /* A pixel visits hardly more lights than reach it: without blended surfaces, none but those within the slack. */
 static void test_evaluations(void **state) {
     UNUSED(state);
@@ -796,6 +814,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_lights_and_probes_FP_12, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces, harness_check),
         cmocka_unit_test_teardown(test_pictures_FP_1, harness_check),
+        cmocka_unit_test_teardown(test_partly_covered_pixels_FP_1, harness_check),
         cmocka_unit_test_teardown(test_evaluations, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
