@@ -188,6 +188,47 @@ vec2 depth_range(polygon p, float low, float high, float margin) {
     return range;
 }
 
+// Depths of the part of an edge that lies in a tile.
+void edge_depths(vec3 a, vec3 b, vec2 low, vec2 high, float margin, inout vec2 range) {
+    float wa = depth_scale(a), wb = depth_scale(b), t0 = 0.0, t1 = 1.0;
+    vec4 from = vec4(a.xy - low * wa, high * wa - a.xy) + margin, to = vec4(b.xy - low * wb, high * wb - b.xy) + margin;
+    for (int k = 0; k < 4; k++) {
+        float t = from[k] / (from[k] - to[k]);
+        t0 = from[k] < 0.0 ? (to[k] < 0.0 ? 2.0 : max(t0, t)) : t0;
+        t1 = from[k] >= 0.0 && to[k] < 0.0 ? min(t1, t) : t1;
+    }
+    if (t0 > t1) return;
+    float d0 = mix(a.z, b.z, t0), d1 = mix(a.z, b.z, t1);
+    range = vec2(min(range.x, min(d0, d1)), max(range.y, max(d0, d1)));
+}
+
+// Least and greatest depth of a triangle that is wholly before the viewer in a tile: of its edges within, and where the tile's corner rays
+// hit it. Rays that pass it by less than the margin count too.
+vec2 triangle_depths(vec3 a, vec3 b, vec3 c, vec2 depths, vec2 low, vec2 high, float margin, float wider) {
+    vec2 range = vec2(3e38, -3e38);
+    edge_depths(a, b, low, high, margin, range);
+    edge_depths(b, c, low, high, margin, range);
+    edge_depths(c, a, low, high, margin, range);
+    bool orthographic = RASTER.view.view.orthographic > 0.5;
+    vec3 ha = vec3(a.xy, depth_scale(a)), hb = vec3(b.xy, depth_scale(b)), hc = vec3(c.xy, depth_scale(c));
+    vec3 e0 = cross(ha, hb), e1 = cross(hb, hc), e2 = cross(hc, ha), n = cross(b - a, c - a);
+    float side = dot(e0, hc) < 0.0 ? -1.0 : 1.0, d = dot(n, a), scale = orthographic ? n.z : d;
+    vec3 tolerance = wider * vec3(abs(e0.x) + abs(e0.y), abs(e1.x) + abs(e1.y), abs(e2.x) + abs(e2.y));
+    float change = wider * (abs(n.x) + abs(n.y)) / abs(scale);
+    for (uint k = 0u; k < 4u; k++) {
+        vec3 ray = vec3((k & 1u) != 0u ? high.x : low.x, (k & 2u) != 0u ? high.y : low.y, 1.0);
+        if (any(lessThan(side * vec3(dot(e0, ray), dot(e1, ray), dot(e2, ray)), -tolerance))) continue;
+        float at = (orthographic ? d - dot(n.xy, ray.xy) : dot(n, ray)) / scale;
+        vec2 hit = vec2(at - change, at + change);
+        if (!orthographic) hit = vec2(1.0 / hit.y, hit.x > 0.0 ? 1.0 / hit.x : 3e38);
+        // Edge on a ray may hit it anywhere.
+        bool known = hit.y >= hit.x && hit.y > 0.0;
+        range = vec2(min(range.x, known ? clamp(hit.x, depths.x, depths.y) : depths.x),
+                     max(range.y, known ? clamp(hit.y, depths.x, depths.y) : depths.y));
+    }
+    return range;
+}
+
 // The same for the whole plane of a triangle over a tile, cut to the triangle's own depths (M. Pettineo): the inverse of depth (in
 // orthographic views, depth) is linear on the screen, so from the middle of the tile it changes by half of both slopes. A superset.
 vec2 gradient_range(vec3 a, vec3 b, vec3 c, vec2 depths, vec2 low, vec2 high) {

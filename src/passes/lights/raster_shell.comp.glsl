@@ -47,6 +47,14 @@ void draw(shell s, vec3 a, vec3 b, vec3 c, bool front, uvec2 first, uvec2 last) 
             put(s, all_depths, front, (uint(rows.x) - first.y) * width + uint(columns.x) - first.x);
             return;
         }
+        uvec2 begin = uvec2(max(vec2(columns.x, rows.x), low)), end = uvec2(min(vec2(columns.y, rows.y), high));
+        for (uint row = begin.y; row <= end.y; row++)
+            for (uint column = begin.x; column <= end.x; column++) {
+                vec2 depths = triangle_depths(a, b, c, all_depths, vec2(column_slope(column), row_slope(row + 1u)) - s.slack,
+                                              vec2(column_slope(column + 1u), row_slope(row)) + s.slack, s.margin, wider);
+                if (depths.x <= depths.y) put(s, depths, front, (row - first.y) * width + column - first.x);
+            }
+        return;
     }
     polygon p = visible_part(a, b, c);
     if (p.count == 0u) return;
