@@ -17,6 +17,19 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
+// What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
+// occlusion) and the surface's own glow.
+vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
+    float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
+    vec2 environment = environment_brdf(s.roughness, n_v);
+    vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
+    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - max_component(s.dielectric_f0));
+    vec3 ambient = diffuse * ambient_radiance(v, s.normal) +
+                   (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
+    return sum + ambient * s.occlusion + s.emissive;
+}
+
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
 // or LIGHT_NO_ITEM.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
@@ -45,15 +58,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
 
-    // Ambient: diffuse by the normal, specular by the mirror direction, both dimmed by occlusion.
-    float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
-    vec2 environment = environment_brdf(s.roughness, n_v);
-    vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
-    float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
-    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - max_component(s.dielectric_f0));
-    vec3 ambient = diffuse * ambient_radiance(v, s.normal) +
-                   (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
-    return sum + ambient * s.occlusion + s.emissive;
+    return shade_rest(s, v, to_view, sum);
 }
 
 #endif

@@ -31,7 +31,7 @@ typedef enum fnl_light_lists {
     FNL_LISTS_CLUSTERED,     /**< 64 x 64 pixel tiles times exponential depth slices, built on the GPU */
     FNL_LISTS_CLUSTERED_CPU, /**< the same clusters, built by threads on the CPU */
     FNL_LISTS_MESH,          /**< a list for each drawn primitive; forward orders only */
-    FNL_LISTS_BATCHES, /**< the same, drawn in batches of like light counts by shaders of fixed loops; forward orders only */
+    FNL_LISTS_BATCHES, /**< the same, drawn in batches of like light counts by shaders of fixed loops; forward-prepass only */
     FNL_LISTS_MULTIPASS, /**< one pass over the geometry per light, added up; forward-prepass only */
     FNL_LISTS_GRID2D,    /**< a world-space grid seen from above */
     FNL_LISTS_WORLD,     /**< world-space clusters, kept while the camera moves */

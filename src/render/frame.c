@@ -3,6 +3,7 @@
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
 #include "passes/shade/classify.h"
+#include "passes/shade/regroup.h"
 #include "passes/shade/shade.h"
 #include "passes/lights/sprites.h"
 #include "passes/shade/volumes.h"
@@ -142,6 +143,26 @@ static void add_volumes(struct frame_state *f, struct shade_input input, bool pr
     }
 }
 
+/* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
+static bool draws_batches(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
+}
+
+static bool draws_per_light(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
+           multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
+}
+
+static void add_forward(struct frame_state *f, const struct shade_input *input, bool prepass, graph_image depth) {
+    const struct light_input *lights = &f->scene->lights;
+    if (draws_batches(f))
+        batches_add(f->graph, input, f->radiance, depth);
+    else if (draws_per_light(f))
+        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance, depth);
+    else
+        forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
+}
+
 static void add_shading(struct frame_state *f) {
     uint32_t samples = f->frame->msaa;
     f->radiance = create_image(f, "radiance", radiance_format(f), samples);
@@ -170,7 +191,7 @@ static void add_shading(struct frame_state *f) {
         deferred_add(f->graph, &input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance, depth);
     } else {
         add_lists(f, prepass ? depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
-        forward_add(f->graph, &input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
+        add_forward(f, &input, prepass, depth);
     }
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, depth);
     if (has_blend(f)) {
@@ -342,6 +363,10 @@ static void note_stats(struct frame_state *f) {
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (has_prepass(f->frame) ? 2 : 1) +
                geometry_draw_count(scene, GEOMETRY_BLEND);
+    uint32_t opaque = geometry_draw_count(scene, GEOMETRY_OPAQUE);
+    if (draws_batches(f)) s->draws += batches_draw_count(scene) - opaque;
+    if (draws_per_light(f))
+        s->draws += multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count) - opaque;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
     r->entry_bytes = f->lights.entry_bytes;

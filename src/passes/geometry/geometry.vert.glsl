@@ -17,6 +17,7 @@ layout(location = 2) centroid out vec4 out_tangent;
 layout(location = 3) centroid out vec4 out_uv; // uv0, uv1
 layout(location = 4) centroid out vec4 out_color;
 layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the instance mirrors
+layout(location = 6) flat out uint out_corner; // tells triangles of an item apart
 
 invariant gl_Position;
 
@@ -32,6 +33,7 @@ void main() {
     precise vec4 clip = push.view.view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
     gl_PointSize = 1.0;
+    out_corner = uint(gl_VertexIndex);
 
     float mirror;
     out_position = position;

@@ -1,0 +1,16 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Forward shading of items whose number of lights is known: FIXED_LIGHTS (iterate.glsl) unrolls the loop.
+#include "passes/shade/regroup.glsl"
+
+layout(location = 0) out vec4 out_radiance;
+
+void main() {
+    material_array materials = push.geometry.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    if (!is_shown(materials)) discard;
+    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, uvec2(gl_FragCoord.xy),
+                                  view_depth_at(s.position), in_ids.y);
+    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.hdr_max)) * s.alpha, s.alpha);
+}

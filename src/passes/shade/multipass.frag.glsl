@@ -1,0 +1,41 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// One light at a time, added up in the target: the terms of shade_surface(), in its order, so that float targets hold the very sum.
+#include "passes/shade/regroup.glsl"
+
+layout(constant_id = 7) const uint STEP = MULTIPASS_LIGHT;
+
+layout(location = 0) out vec4 out_radiance;
+
+void main() {
+    material_array materials = push.geometry.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    if (!is_shown(materials)) discard;
+    view_block v = push.geometry.view;
+    light_list_block lights = push.geometry.lights;
+    vec3 to_view = to_viewer(v, s.position);
+    if (STEP == MULTIPASS_REST) {
+        vec3 sum = texelFetch(textures[push.sum], ivec2(gl_FragCoord.xy), 0).rgb;
+        vec3 radiance = shade_rest(s, v, to_view, sum);
+        out_radiance = vec4(min(radiance, vec3(v.view.hdr_max)) * s.alpha, s.alpha);
+        return;
+    }
+    brdf_view b = brdf_prepare(s, to_view);
+    precise vec3 sum = vec3(0.0);
+    if (STEP == MULTIPASS_DIRECTIONAL) {
+        uint count = lights.list.directional_count;
+        for (uint i = 0u; i < count; i++) sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].direction);
+    } else {
+        vec3 to_light;
+        vec3 illuminance = illuminate(lights, push.light, s.position, to_light);
+        bool reaches = illuminance != vec3(0.0);
+        if (reaches) sum = illuminance * brdf_cos(s, b, to_light);
+        if (COUNT_LIGHTS == 1u) {
+            uint at = (uint(gl_FragCoord.y) * v.view.size.x + uint(gl_FragCoord.x)) * 2u;
+            atomicAdd(push.geometry.counters.at[at], 1u);
+            atomicAdd(push.geometry.counters.at[at + 1u], reaches ? 1u : 0u);
+        }
+    }
+    out_radiance = vec4(sum, 0.0);
+}
