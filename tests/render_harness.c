@@ -51,6 +51,7 @@ struct stage stage_open_scene(fnl_scene *scene) {
     while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;
     assert_true(place < COUNT_OF(open_stages));
     assert_int_equal(fnl_renderer_create(device, scene, &stage.renderer), FNL_OK);
+    stage.renderer->poison = true; /* nobody may read what nobody wrote */
     open_stages[place] = stage;
     stage.frame.width = 161;
     stage.frame.height = 91;

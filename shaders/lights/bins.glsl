@@ -51,44 +51,50 @@ bins_cursor bins_begin(light_list_block l, uint tile, float view_depth) {
     return c;
 }
 
-// Moves on; false at the end.
+// Moves on; false at the end. No return from within the loops: Mesa's CPU driver runs finished threads on there, with wild addresses.
 bool bins_next(light_list_block l, inout bins_cursor c, out uint id) {
     const_uint_array table = const_uint_array(l.list.cells);
-    id = 0u;
-    while (c.left == 0u) {
-        while (c.words_left == 0u) {
-            while (c.groups_left == 0u) {
-                if (++c.top >= c.top_count) {
-                    c.top = c.top_count;
-                    return false;
-                }
-                c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
-                                (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
+    bool ended = false;
+    while (c.left == 0u && !ended) {
+        while (c.words_left == 0u && !ended) {
+            while (c.groups_left == 0u && !ended) {
+                c.top = min(c.top + 1u, c.top_count); // from -1
+                if (c.top < c.top_count)
+                    c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
+                                    (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
+                else
+                    ended = true;
             }
-            c.group = c.top * 32u + uint(findLSB(c.groups_left));
-            c.groups_left &= c.groups_left - 1u;
-            if (c.group * 1024u >= c.light_count) { // only where both are all lights
-                c.top = c.top_count;
-                return false;
+            if (!ended) {
+                c.group = c.top * 32u + uint(findLSB(c.groups_left));
+                c.groups_left &= c.groups_left - 1u;
+                ended = c.group * 1024u >= c.light_count; // only where both are all lights
             }
-            uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
-            c.tile_offset = table.at[tile_record];
-            c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
-            c.bin_offset = table.at[bin_record];
-            c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
-            c.words_left = c.tile_words & c.bin_words;
+            if (!ended) {
+                uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
+                c.tile_offset = table.at[tile_record];
+                c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
+                c.bin_offset = table.at[bin_record];
+                c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
+                c.words_left = c.tile_words & c.bin_words;
+            }
         }
-        uint word = uint(findLSB(c.words_left)), before = (1u << word) - 1u;
-        c.words_left &= c.words_left - 1u;
-        c.word = c.group * 32u + word;
-        c.left = (c.whole_tile ? 0xffffffffu : l.list.ids.at[c.tile_offset + uint(bitCount(c.tile_words & before))]) &
-                 (c.whole_bin ? 0xffffffffu : l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))]);
-        if (c.word * 32u + 32u > c.light_count)
-            c.left &= c.word * 32u >= c.light_count ? 0u : (1u << (c.light_count - c.word * 32u)) - 1u;
+        if (!ended) {
+            uint word = uint(findLSB(c.words_left)), before = (1u << word) - 1u;
+            c.words_left &= c.words_left - 1u;
+            c.word = c.group * 32u + word;
+            c.left = (c.whole_tile ? 0xffffffffu : l.list.ids.at[c.tile_offset + uint(bitCount(c.tile_words & before))]) &
+                     (c.whole_bin ? 0xffffffffu : l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))]);
+            if (c.word * 32u + 32u > c.light_count)
+                c.left &= c.word * 32u >= c.light_count ? 0u : (1u << (c.light_count - c.word * 32u)) - 1u;
+        }
     }
-    id = l.list.extra.at[c.word * 32u + uint(findLSB(c.left))];
-    c.left &= c.left - 1u;
-    return true;
+    id = 0u;
+    if (!ended) {
+        id = l.list.extra.at[c.word * 32u + uint(findLSB(c.left))];
+        c.left &= c.left - 1u;
+    }
+    return !ended;
 }
 
 #endif

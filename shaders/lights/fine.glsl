@@ -82,11 +82,11 @@ bool fine_next(light_list_block l, inout fine_cursor c, out uint id) {
         id = l.list.ids.at[c.first++];
         return true;
     }
-    while (c.bits == 0u) {
-        if (c.first >= c.end) return false;
+    while (c.bits == 0u && c.first < c.end) { // no return from within: see bins_next()
         c.bits = l.list.extra.at[c.word++];
         c.first += 32u;
     }
+    if (c.bits == 0u) return false;
     id = l.list.ids.at[c.first - 32u + uint(findLSB(c.bits))];
     c.bits &= c.bits - 1u;
     return true;

@@ -127,6 +127,7 @@ struct graph_execute_params {
     bool timers;                  /* write timestamps around every pass */
     bool force_async_on_graphics; /* tests: compile for a compute queue although the device has none; its batches then go
                                      to the graphics queue in their own submissions */
+    bool poison; /* tests: fills all transient buffers with rubbish first, so that what is read before it is written shows */
     const struct gpu_external_semaphores *external; /* or NULL */
 };
 /**

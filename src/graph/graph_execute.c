@@ -17,7 +17,7 @@ struct recorder {
     struct segment *segments;
     struct gpu_commands **commands; /* by segment */
     uint32_t segment_count;
-    bool timers;
+    bool timers, poison;
 };
 
 /** What graph_get_image and graph_get_buffer find behind the context that a pass was given. */
@@ -135,6 +135,17 @@ static void record_step(const struct recorder *recorder, struct gpu_commands *co
     gpu_end_label(commands);
 }
 
+static void poison_buffers(const struct graph *graph, struct gpu_commands *commands) {
+    const VkPipelineStageFlags2 all = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    for (uint32_t i = 0; i < graph->resources.count; i++) {
+        const struct graph_resource *resource = &graph->resources.data[i];
+        if (resource->is_image || resource->imported || !resource->buffer) continue;
+        gpu_fill_buffer(commands, resource->buffer, 0, resource->buffer->size / 4 * 4, 0xa5a5a5a5u);
+        gpu_barrier(commands, NULL, 0, all, VK_ACCESS_2_MEMORY_WRITE_BIT, all, /* they may share memory */
+                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+    }
+}
+
 static void record_chunk(void *context, uint32_t chunk) {
     struct recorder *recorder = context;
     const struct graph_plan *plan = &recorder->graph->plan;
@@ -147,6 +158,7 @@ static void record_chunk(void *context, uint32_t chunk) {
         if (segment->batch == 0 && segment->starts_batch)
             gpu_barrier(commands, NULL, 0, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                         VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+        if (recorder->poison && segment->batch == 0 && segment->starts_batch) poison_buffers(recorder->graph, commands);
         uint32_t step = segment->first_step;
         for (uint32_t n = 0; n < segment->step_count; n++, step = plan->steps[step].next_in_batch)
             record_step(recorder, commands, step);
@@ -257,7 +269,7 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     struct jobs *jobs = gpu_jobs(graph->device);
     uint32_t threads = params->record_threads ? params->record_threads : jobs_thread_count(jobs);
     uint32_t chunks = CLAMP(threads, 1u, MAX(1u, MIN((uint32_t)GPU_MAX_CHUNKS, graph->plan.step_count)));
-    struct recorder recorder = {.graph = graph, .timers = params->timers};
+    struct recorder recorder = {.graph = graph, .timers = params->timers, .poison = params->poison};
     if (!make_segments(&recorder, chunks) || !name_timers(graph, params->timers))
         return give_up(graph, params->external, FNL_ERROR_MEMORY);
     jobs_parallel_for(jobs, chunks, record_chunk, &recorder);

@@ -49,7 +49,7 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
 
 static void check_orders(struct stage *stage, fnl_frame frame) {
     struct shot first = {0};
-    for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++) {
+    for (uint32_t s = 0; s < FNL_SHADING_AUTO; s++) {
         frame.shading = (fnl_shading)s;
         if (!fnl_lists_supported(frame.shading, FNL_LISTS_ALL)) continue;
         struct shot shot = check_lists(stage, frame);

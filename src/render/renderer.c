@@ -286,6 +286,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     struct graph_execute_params execute = {.record_threads = frame->record_threads,
                                            .timers = frame->timers || r->chooses,
                                            .force_async_on_graphics = r->force_async,
+                                           .poison = r->poison,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     r->frame = *frame;
