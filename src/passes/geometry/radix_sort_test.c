@@ -46,10 +46,8 @@ static struct pair *sort(const struct pair *pairs, uint32_t capacity, uint32_t c
     ((uint32_t *)counts.mapped)[1] = count;
     graph_begin(graph);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct radix_sort_params params = {.names = &names,
-                                       .pairs = graph_import_buffer(graph, "in", &in),
-                                       .capacity = capacity,
-                                       .bits = bits};
+    struct radix_sort_params params = {
+        .names = &names, .pairs = graph_import_buffer(graph, "in", &in), .capacity = capacity, .bits = bits};
     if (count < capacity) {
         params.count = graph_import_buffer(graph, "counts", &counts);
         params.count_offset = 4;
@@ -80,7 +78,8 @@ static void check(uint32_t count, uint32_t spare, uint32_t bits, int pattern) {
     struct pair *pairs = malloc(capacity * sizeof *pairs);
     assert_non_null(pairs);
     for (uint32_t i = 0; i < capacity; i++) {
-        uint32_t keys[] = {(uint32_t)random_bits(&random), (uint32_t)random_bits(&random) % 7 * 0x1010101u, 0xdeadbeefu, i * 3, ~i};
+        uint32_t keys[] = {(uint32_t)random_bits(&random), (uint32_t)random_bits(&random) % 7 * 0x1010101u, 0xdeadbeefu,
+                           i * 3, ~i};
         pairs[i] = (struct pair){keys[pattern], i};
     }
     struct pair *sorted = sort(pairs, capacity, count, bits);

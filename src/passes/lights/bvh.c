@@ -241,15 +241,13 @@ static void add_masks(struct graph *graph, struct query_data *d) {
         graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, d->groups, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, d->tree.boxes, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, d->masks,
-                         l + 1 == d->tree.level_count ? GRAPH_WRITE_COMPUTE : GRAPH_READ_WRITE_COMPUTE);
+        graph_use_buffer(pass, d->masks, l + 1 == d->tree.level_count ? GRAPH_WRITE_COMPUTE : GRAPH_READ_WRITE_COMPUTE);
     }
 }
 
 static void use_tree(struct graph_pass *pass, const struct query_data *d) {
-    const graph_buffer buffers[] = {d->in_view.sums,    d->in_view.ids, d->in_view.reaches, d->tree.boxes,
-                                    d->tree.spheres,    d->tree.pairs,  d->query.bounds,    d->masks,
-                                    d->query.facings};
+    const graph_buffer buffers[] = {d->in_view.sums, d->in_view.ids,  d->in_view.reaches, d->tree.boxes,   d->tree.spheres,
+                                    d->tree.pairs,   d->query.bounds, d->masks,           d->query.facings};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++)
         if (buffers[i].id) graph_use_buffer(pass, buffers[i], GRAPH_READ_COMPUTE);
     if (d->query.facings.id) graph_use_buffer(pass, d->input.buffer, GRAPH_READ_COMPUTE);
@@ -334,10 +332,8 @@ struct bounds_data {
 static void execute_bounds(const struct graph_context *context, const void *data) {
     const struct bounds_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_clustered_bounds_comp};
-    struct gpu_cells_push push = {.view = d->view,
-                                  .list = d->header,
-                                  .cells = graph_address(context, d->bounds),
-                                  .cell_count = d->cell_count};
+    struct gpu_cells_push push = {
+        .view = d->view, .list = d->header, .cells = graph_address(context, d->bounds), .cell_count = d->cell_count};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->cell_count, 64u));
@@ -345,15 +341,13 @@ static void execute_bounds(const struct graph_context *context, const void *data
 
 struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                    const struct lights_in_view *in_view, const struct bvh *tree,
-                                   const struct bvh_names *names, struct gpu_light_list *header, VkDeviceAddress header_address,
-                                   const struct clustered_params *params) {
+                                   const struct bvh_names *names, struct gpu_light_list *header,
+                                   VkDeviceAddress header_address, const struct clustered_params *params) {
     struct bounds_data data = {.view = input->view,
                                .header = header_address,
                                .cell_count = header ? header->tiles_x * header->tiles_y * header->slices : 1};
-    data.bounds =
-        graph_create_buffer(graph, names->cells.bounds_buffer, data.cell_count * sizeof(struct gpu_cell_bounds));
-    struct graph_pass *pass =
-        graph_add_pass(graph, names->cells.bounds, input->queue, execute_bounds, &data, sizeof data);
+    data.bounds = graph_create_buffer(graph, names->cells.bounds_buffer, data.cell_count * sizeof(struct gpu_cell_bounds));
+    struct graph_pass *pass = graph_add_pass(graph, names->cells.bounds, input->queue, execute_bounds, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
     struct bvh_query query = {.names = names,
                               .bounds = data.bounds,

@@ -35,18 +35,18 @@ struct bvh_names {
 #define BVH_NAMES(what)                                                                                                     \
     {                                                                                                                       \
         CELLS_NAMES(what), what " groups",                                                                                  \
-            {what " leaves touched", what " nodes touched",   what " nodes touched 2", what " nodes touched 3",             \
+            {what " leaves touched",  what " nodes touched",   what " nodes touched 2", what " nodes touched 3",            \
              what " nodes touched 4", what " nodes touched 5", what " nodes touched 6"},                                    \
             what " sort", what " group boxes", what " masks", what " unsorted ids"                                          \
     }
 
 struct bvh_query {
     const struct bvh_names *names;
-    graph_buffer bounds; /* struct gpu_cell_bounds */
-    uint32_t cell_count;         /* that could be */
-    graph_buffer cell_counter;   /* their number; id 0: cell_count, and they are the clusters of the header's grid */
+    graph_buffer bounds;          /* struct gpu_cell_bounds */
+    uint32_t cell_count;          /* that could be */
+    graph_buffer cell_counter;    /* their number; id 0: cell_count, and they are the clusters of the header's grid */
     uint64_t cell_counter_offset; /* bytes */
-    graph_buffer facings;        /* struct gpu_facing, or id 0 */
+    graph_buffer facings;         /* struct gpu_facing, or id 0 */
     bool cone_tests;
     uint32_t pool_capacity;
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */

@@ -16,7 +16,7 @@ void main() {
     for (uint k = leaf * BVH_WIDTH; k < end; k++) {
         gpu_bound sphere = push.bounds.at[push.pairs.at[k * 2u + 1u]];
         push.spheres.at[k] = sphere;
-        float radius = cell_radius(sphere) * (1.0 + CELL_SLACK) + 1e-6 * (abs(sphere.center.x) + abs(sphere.center.y) + abs(sphere.center.z));
+        float radius = cell_radius(sphere) * (1.0 + CELL_SLACK) + 1e-6 * dot(abs(sphere.center), vec3(1.0));
         vec3 low = sphere.center - radius, high = sphere.center + radius;
         // What is not finite may be anywhere: the cells' own tests decide.
         if (!(all(greaterThan(low, vec3(-BOX_FAR))) && all(lessThan(high, vec3(BOX_FAR))))) {

@@ -60,7 +60,8 @@ static void test_sizes_and_counts_ES_55(void **state) {
     static const struct {
         uint32_t width, height, tile_size, slices;
         float near, far;
-    } grids[] = {{1, 1, 64, 24, 0.5f, 100}, {65, 3, 64, 1, 0.5f, 100}, {97, 61, 16, 2, 1, 2}, {120, 67, 40, 64, 0.01f, 1000}};
+    } grids[] = {
+        {1, 1, 64, 24, 0.5f, 100}, {65, 3, 64, 1, 0.5f, 100}, {97, 61, 16, 2, 1, 2}, {120, 67, 40, 64, 0.01f, 1000}};
     struct random_state random = {4};
     for (uint32_t g = 0; g < COUNT_OF(grids); g++)
         for (uint32_t c = 0; c < COUNT_OF(counts); c++) {
@@ -168,8 +169,8 @@ static void test_100k_lights_sublinear_ES_55(void **state) {
     flat.builder = LIST_CLUSTERED;
     uint64_t entries = check_equal(many);
     double times[3] = {time_of(&few), time_of(&many), time_of(&flat)};
-    print_message("%u lights: %.1f times the work of %u (%.0f ms); flat %.1f times the work of the tree; %llu entries\n", MOST,
-                  times[1] / times[0], MOST / 100, times[1] * 1e3, times[2] / times[1], (unsigned long long)entries);
+    print_message("%u lights: %.1f times the work of %u (%.0f ms); flat %.1f times the work of the tree; %llu entries\n",
+                  MOST, times[1] / times[0], MOST / 100, times[1] * 1e3, times[2] / times[1], (unsigned long long)entries);
     assert_true(times[1] < 70 * times[0]);
     assert_true(times[2] > 2 * times[1]);
 }

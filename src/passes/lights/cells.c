@@ -174,5 +174,6 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .byte_count = fixed_bytes + (uint64_t)build->pool_capacity * entry_bytes,
                                .fixed_bytes = fixed_bytes,
                                .entry_bytes = entry_bytes,
-                               .totals = cells_totals_add(graph, names, input, in_view, data.sums, sum_count, data.overflow)};
+                               .totals =
+                                   cells_totals_add(graph, names, input, in_view, data.sums, sum_count, data.overflow)};
 }

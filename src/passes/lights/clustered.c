@@ -5,7 +5,8 @@
 #include "shaders.h"
 
 struct clustered_params clustered_params_default(void) {
-    return (struct clustered_params){.tile_size = 64, .slices = 32, .near = 0.5f, .far = 100, .cone_tests = true, .pool_capacity = 1u << 20};
+    return (struct clustered_params){
+        .tile_size = 64, .slices = 32, .near = 0.5f, .far = 100, .cone_tests = true, .pool_capacity = 1u << 20};
 }
 
 void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t height, const struct clustered_params *params) {

@@ -102,9 +102,8 @@ static void test_grids_and_counts_ES_53(void **state) {
         uint32_t width, height, tile_size, slices;
         float near, far;
         bool linear;
-    } grids[] = {{1, 1, 64, 24, 0.5f, 100, false}, {65, 3, 64, 1, 0.5f, 100, true},
-                 {97, 61, 16, 2, 1, 2, false},     {97, 61, 48, 3, 3, 4, false},
-                 {97, 61, 48, 3, 3, 4, true},      {120, 67, 40, 64, 0.01f, 1000, false},
+    } grids[] = {{1, 1, 64, 24, 0.5f, 100, false},    {65, 3, 64, 1, 0.5f, 100, true}, {97, 61, 16, 2, 1, 2, false},
+                 {97, 61, 48, 3, 3, 4, false},        {97, 61, 48, 3, 3, 4, true},     {120, 67, 40, 64, 0.01f, 1000, false},
                  {120, 67, 40, 64, 0.01f, 1000, true}};
     struct random_state random = {4};
     for (uint32_t g = 0; g < COUNT_OF(grids); g++)

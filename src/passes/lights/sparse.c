@@ -6,7 +6,13 @@
 #include "shaders.h"
 
 enum { BUCKETS = 54, CELLS_LEAST = 4096 };
-enum sparse_step { STEP_MARK = SPARSE_MARK, STEP_MEASURE = SPARSE_MEASURE, STEP_FACE = SPARSE_FACE, STEP_COMPACT, STEP_BOUNDS };
+enum sparse_step {
+    STEP_MARK = SPARSE_MARK,
+    STEP_MEASURE = SPARSE_MEASURE,
+    STEP_FACE = SPARSE_FACE,
+    STEP_COMPACT,
+    STEP_BOUNDS
+};
 
 struct sparse_data {
     VkDeviceAddress view, header_address;
@@ -29,9 +35,9 @@ static VkDeviceAddress address_or_zero(const struct graph_context *context, grap
 static void execute_step(const struct graph_context *context, const void *data) {
     const struct sparse_data *d = data;
     bool by_pixel = d->step <= STEP_FACE;
-    struct gpu_compute_params params = {.shader = by_pixel                      ? &shader_sparse_mark_comp
+    struct gpu_compute_params params = {.shader = by_pixel                  ? &shader_sparse_mark_comp
                                                   : d->step == STEP_COMPACT ? &shader_sparse_compact_comp
-                                                                                : &shader_sparse_bounds_comp,
+                                                                            : &shader_sparse_bounds_comp,
                                         .constant_count = by_pixel ? 3 : 2,
                                         .constants = {GPU_LIST_ALL, d->samples, (uint32_t)d->step}};
     struct gpu_sparse_push push = {.view = d->view,
@@ -96,13 +102,13 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     }
     data.table = graph_create_buffer(graph, "sparse table", (data.key_count + 1) * 4ull);
     data.keys = graph_create_buffer(graph, "sparse keys", data.cell_limit * 4ull);
-    data.extents = graph_create_buffer(graph, "sparse extents", (uint64_t)data.cell_limit * SPARSE_EXTENTS(data.buckets) * 4);
+    data.extents =
+        graph_create_buffer(graph, "sparse extents", (uint64_t)data.cell_limit * SPARSE_EXTENTS(data.buckets) * 4);
     data.bounds = graph_create_buffer(graph, "sparse bounds", data.cell_limit * sizeof(struct gpu_cell_bounds));
     if (data.normals.id)
         data.facings = graph_create_buffer(graph, "sparse facings", data.cell_limit * sizeof(struct gpu_facing));
 
-    struct graph_pass *pass =
-        graph_add_pass(graph, "sparse clear", input->queue, execute_clear, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "sparse clear", input->queue, execute_clear, &data, sizeof data);
     graph_use_buffer(pass, data.table, GRAPH_COPY_TO);
     add_step(graph, "sparse mark", input->queue, &data, STEP_MARK);
     prefix_sum_add(graph, &sum_names, input->queue, data.table, data.key_count + 1);

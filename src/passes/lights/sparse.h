@@ -12,9 +12,10 @@
 
 struct sparse_params {
     struct clustered_params grid;
-    graph_image depth;   /* of everything that looks lights up; single- or multisampled */
-    graph_image normals; /* octahedral in xy, 0 .. 1, as the G-buffer holds them: lights behind the surfaces are left out; or id 0 */
-    bool blend;          /* a dense list for blended surfaces, too */
+    graph_image depth; /* of everything that looks lights up; single- or multisampled */
+    graph_image
+        normals; /* octahedral in xy, 0 .. 1, as the G-buffer holds them: lights behind the surfaces are left out; or id 0 */
+    bool blend;  /* a dense list for blended surfaces, too */
 };
 
 struct sparse_lists {

@@ -75,8 +75,7 @@ static struct sparse_copy build(const struct scene_data *s) {
     graph_begin(graph);
     struct sparse_params p = {.grid = s->grid,
                               .depth = import_image(graph, &s->view, VK_FORMAT_R32_SFLOAT, s->depth, 4, &images[0])};
-    if (s->normals)
-        p.normals = import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
+    if (s->normals) p.normals = import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct gpu_slice view = gpu_frame_allocate(device, sizeof s->view);
     assert_non_null(view.data);
@@ -348,9 +347,10 @@ static void test_tight_lists_ES_54_ES_56(void **state) {
             copy_free(&c);
             copy_free(&again);
         }
-        print_message("%s: %llu entries in those clusters, %llu tight, %llu with normals; %llu pairs lit, %llu behind left out\n",
-                      list_view_names[kind], (unsigned long long)dense_entries, (unsigned long long)entries[0],
-                      (unsigned long long)entries[1], (unsigned long long)lit, (unsigned long long)behind_dropped);
+        print_message(
+            "%s: %llu entries in those clusters, %llu tight, %llu with normals; %llu pairs lit, %llu behind left out\n",
+            list_view_names[kind], (unsigned long long)dense_entries, (unsigned long long)entries[0],
+            (unsigned long long)entries[1], (unsigned long long)lit, (unsigned long long)behind_dropped);
         assert_true(lit > 1000 && behind_dropped > 100);
         assert_true(entries[0] < dense_entries);
         list_free(&all);
@@ -385,9 +385,8 @@ static void test_sizes_and_counts_ES_54(void **state) {
 static void test_overflow_CL_10(void **state) {
     UNUSED(state);
     struct random_state random = {5};
-    struct scene_data s = {.view = list_random_view(0, &random, WIDTH, HEIGHT),
-                           .light_count = LIGHTS,
-                           .grid = clustered_params_default()};
+    struct scene_data s = {
+        .view = list_random_view(0, &random, WIDTH, HEIGHT), .light_count = LIGHTS, .grid = clustered_params_default()};
     list_random_lights(&s.view, &random, LIGHTS, params, lights);
     s.depth = list_random_depth(&s.view, &random);
     struct sparse_copy full = build(&s);
