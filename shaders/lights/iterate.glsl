@@ -23,6 +23,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer cell_array {
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_list_block { gpu_light_list list; };
 
 layout(constant_id = 0) const uint LIST_KIND = GPU_LIST_ALL;
+// Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
+layout(constant_id = 6) const uint FIXED_LIGHTS = 0u;
 
 // Who asks for lights: what a kind of list may find its cell by.
 struct light_point {
@@ -43,12 +45,14 @@ uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_
 
 #include "lights/bins.glsl"
 #include "lights/fine.glsl"
-#include "lights/tree.glsl"
 #include "lights/sparse.glsl"
+#include "lights/tree.glsl"
 
 struct light_cursor {
     uint next, end; // positions
     bool direct;    // a position is a light, not an index into ids
+    uint turn;      // of FIXED_LIGHTS
+    bool padding;   // this turn has no light
     bins_cursor bins; // of GPU_LIST_BINS alone
     fine_cursor fine; // of GPU_LIST_FINE alone
     tree_cursor tree; // of GPU_LIST_TREE alone
@@ -60,6 +64,8 @@ light_cursor cursor_over(uint next, uint end, bool direct) {
     c.next = next;
     c.end = end;
     c.direct = direct;
+    c.turn = 0u;
+    c.padding = false;
     return c;
 }
 
@@ -131,6 +137,13 @@ light_cursor lights_begin(light_list_block l, light_point p) {
 // Moves on; false at the end. `light` is an index into list.lights.
 bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
     light = 0u;
+    if (LIST_KIND == GPU_LIST_ITEMS && FIXED_LIGHTS != 0u) {
+        if (c.turn == FIXED_LIGHTS) return false;
+        c.padding = c.next + c.turn >= c.end;
+        light = l.list.directional_count + l.list.ids.at[min(c.next + c.turn, c.end - 1u)];
+        c.turn++;
+        return true;
+    }
     if (LIST_KIND == GPU_LIST_BINS) {
         uint id;
         if (!bins_next(l, c.bins, id)) return false;
@@ -162,7 +175,7 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
     return true;
 }
 
-#define FOR_EACH_LIGHT(list, cursor, light) for (uint light; lights_next(list, cursor, light);)
+#define FOR_EACH_LIGHT(list, cursor, light) for (uint light; lights_next(list, cursor, light);) if (!(cursor).padding)
 
 // How many lights the loop visits for a point.
 uint lights_count(light_list_block l, light_point p) {

@@ -23,11 +23,13 @@ static bool worth(const struct choice_case *at, struct choice c) {
     if (!fnl_lists_supported(c.shading, c.lists)) return false;
     if (is_deferred(c.shading) && at->msaa > 1) return false;
     /* With multisampling a shaded point may lie beyond the sampled depths of its tile: those lists may be off by a hair. */
-    bool uses_depth = c.lists == FNL_LISTS_TILED || c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D ||
-                      c.lists == FNL_LISTS_BACKFACE || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE;
-    if (uses_depth && (at->msaa > 1 || c.shading == FNL_SHADING_FORWARD)) return c.lists == FNL_LISTS_TILED && at->msaa == 1;
-    if (c.lists == FNL_LISTS_BACKFACE) return is_deferred(c.shading); /* needs normals */
-    return true;
+    bool splits = c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D || c.lists == FNL_LISTS_BACKFACE;
+    if (at->msaa > 1 && (splits || c.lists == FNL_LISTS_TILED || c.lists == FNL_LISTS_ENHANCED || c.lists == FNL_LISTS_TREE))
+        return false;
+    /* Without depth beforehand these are others by another name. */
+    if (c.shading == FNL_SHADING_FORWARD && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE))
+        return false;
+    return c.lists != FNL_LISTS_BACKFACE || is_deferred(c.shading); /* needs normals */
 }
 
 /* Lists in the order of their chances. */

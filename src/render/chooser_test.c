@@ -119,7 +119,7 @@ static void test_order_and_lists_together(void **state) {
     m.lists[FNL_LISTS_TILED] = 0;
     settle(&m, &at);
     assert_int_not_equal(c.choice.shading, FNL_SHADING_DEFERRED);
-    assert_false(m.tried[FNL_LISTS_TILED] || m.tried[FNL_LISTS_FINE]);
+    assert_false(m.tried[FNL_LISTS_TILED] || m.tried[FNL_LISTS_HALFZ]);
 }
 
 static void test_decides_again_when_much_changes(void **state) {

@@ -17,9 +17,9 @@ void lists_init(struct lists_state *state, const fnl_host *host) {
 void lists_finish(struct lists_state *state, gpu_device *device) {
     clustered_cpu_finish(&state->clustered_cpu);
     light_tree_finish(&state->tree);
-    raster_state_finish(&state->raster, device);
     world_grid_finish(&state->world, device);
     world_grid_finish(&state->grid2d, device);
+    raster_state_finish(&state->raster, device);
 }
 
 void lists_forget(struct lists_state *state) { state->world.version = state->grid2d.version = UINT64_MAX; }
@@ -142,6 +142,18 @@ static void add_clustered(struct lists_context *c) {
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
 }
 
+static void add_zbin(struct lists_context *c) {
+    struct lights_in_view visible = in_view(c);
+    struct clustered_params clusters = cluster_params(c);
+    struct zbin_params params = {.tile_size = c->frame->list_options.tile_size,
+                                 .bins = clusters.slices * ZBIN_BINS_PER_SLICE,
+                                 .near = clusters.near,
+                                 .far = clusters.far,
+                                 .linear = clusters.linear,
+                                 .pool_capacity = c->pool_capacity};
+    c->lights = zbin_add(c->graph, c->device, c->input, &visible, &params);
+}
+
 static void add_bvh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c);
     struct clustered_params params = cluster_params(c);
@@ -161,18 +173,6 @@ static void add_sparse(struct lists_context *c) {
     struct sparse_lists lists = sparse_add(c->graph, c->device, c->input, &visible, &params);
     c->lights = lists.lights;
     c->blend_lights = lists.blend;
-}
-
-static void add_zbin(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
-    struct clustered_params clusters = cluster_params(c);
-    struct zbin_params params = {.tile_size = c->frame->list_options.tile_size,
-                                 .bins = clusters.slices * ZBIN_BINS_PER_SLICE,
-                                 .near = clusters.near,
-                                 .far = clusters.far,
-                                 .linear = clusters.linear,
-                                 .pool_capacity = c->pool_capacity};
-    c->lights = zbin_add(c->graph, c->device, c->input, &visible, &params);
 }
 
 static void add_clustered_cpu(struct lists_context *c) {
@@ -203,20 +203,6 @@ static void add_fine(struct lists_context *c) {
     c->blend_lights = lists.blend;
 }
 
-static void add_world_grid(struct lists_context *c, struct world_grid *grid, bool flat) {
-    const struct light_input *input = c->input;
-    struct world_grid_params params = world_grid_params_default();
-    params.flat = flat;
-    /* As for pools: a 32nd of the device's memory. */
-    params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
-    const struct gpu_light *lights = input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL;
-    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version, &c->device_scene->bounds,
-                               &params);
-}
-
-static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }
-static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
-
 _Static_assert((int)FNL_RASTER_LINKS64 == (int)GPU_NODES_64 && (int)FNL_RASTER_LINKS32 == (int)GPU_NODES_32 &&
                    (int)RASTER_PATH_SOFTWARE == (int)FNL_RASTER_SOFTWARE,
                "the builder's values are the options'");
@@ -230,6 +216,20 @@ static void add_raster(struct lists_context *c) {
     params.near = c->view->near_distance;
     c->lights = raster_add_kept(&c->state->raster, c->graph, c->device, c->input, &visible, &params);
 }
+
+static void add_world_grid(struct lists_context *c, struct world_grid *grid, bool flat) {
+    const struct light_input *input = c->input;
+    struct world_grid_params params = world_grid_params_default();
+    params.flat = flat;
+    /* As for pools: a 32nd of the device's memory. */
+    params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
+    const struct gpu_light *lights = input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL;
+    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version, &c->device_scene->bounds,
+                               &params);
+}
+
+static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }
+static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
 
 static void add_mesh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c);
@@ -269,8 +269,8 @@ static const struct builder {
     [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, 0},
     /* Each kind takes its row here. */
     [FNL_LISTS_MESH] = {add_mesh, GRAPH_QUEUE_GRAPHICS, FORWARD_ONLY},
-    [FNL_LISTS_BATCHES] = {NULL, GRAPH_QUEUE_ASYNC, FORWARD_ONLY},
-    [FNL_LISTS_MULTIPASS] = {NULL, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
+    [FNL_LISTS_BATCHES] = {add_mesh, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
+    [FNL_LISTS_MULTIPASS] = {add_mesh, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
     [FNL_LISTS_GRID2D] = {add_grid2d, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_WORLD] = {add_world, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_HALFZ] = {add_halfz, GRAPH_QUEUE_GRAPHICS, 0},
@@ -280,9 +280,9 @@ static const struct builder {
     [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_ASYNC, 0},
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
 };
 
 bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {

@@ -19,8 +19,8 @@
 struct lists_state {
     struct clustered_cpu clustered_cpu;
     struct light_tree tree;
-    struct raster_state raster;
     struct world_grid world, grid2d;
+    struct raster_state raster;
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
 /** After a frame that failed: what was to be kept may never have reached the device. */

@@ -129,7 +129,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);
     }
     if (list.cells.id) list_readback_add(graph, &list, &readback);
-    deferred_add(graph, &shade, &gbuffer, radiance, depth);
+    deferred_add(graph, &shade, &gbuffer, NULL, radiance, depth);
 
     struct aov_images aov = aov_add(graph, &scene.geometry, &draws, slice.address, t.width, t.height);
     struct copy_data copy = {aov.normal, aov.position, import_readback(graph, "test normals", pixels * 16, &normals),

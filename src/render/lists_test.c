@@ -2,8 +2,9 @@
 /**
  * Every light list gives the same picture: bit-equal radiance for one shading order, and 2/255 after tone mapping between
  * the orders. Two things are looser with multisampling. A shading point may lie between the depth samples that bound its
- * tile, so tiles may be off by more than 2/255 in one pixel of 5000. And where in a pixel an edge is shaded may depend on
- * what the depth test has left of it, so only pictures of one order are compared.
+ * tile, or beyond the object whose box its lights were found by, so tiles and lists of objects may be off by more than 2/255 in one
+ * pixel of 5000. And where in a pixel an edge is shaded may depend on what the depth test has left of it, so only pictures of one
+ * order are compared.
  */
 #include "tests/render_harness.h"
 
@@ -25,10 +26,16 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         frame.lists = (fnl_light_lists)l;
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         struct shot shot = stage_shoot(stage, &frame);
+        if (shot.stats.overflow_cells) { /* right already, but the pool has to grow first */
+            assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+            shot_free(&shot);
+            shot = stage_shoot(stage, &frame);
+        }
         uint64_t differing = count_differing(&all.radiance, &shot.radiance);
         /* Bounded by depth samples; or exact to the tile's own rays, which a shaded point may lie off where MSAA covers a pixel in part. */
         bool by_samples = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_ENHANCED ||
-                          l == FNL_LISTS_TREE;
+                          l == FNL_LISTS_BACKFACE || l == FNL_LISTS_TREE || l == FNL_LISTS_MESH || l == FNL_LISTS_BATCHES ||
+                          l == FNL_LISTS_MULTIPASS;
         if (frame.msaa > 1 && by_samples) {
             uint64_t beyond = count_beyond(&all.color, &shot.color, ALLOWED);
             if (differing)
@@ -40,7 +47,7 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         } else if (differing) {
             fail_msg("%s: %llu pixels differ from all", pair_name(&frame), (unsigned long long)differing);
         }
-        assert_int_equal(shot.stats.overflow_cells, 0);
+        if (shot.stats.overflow_cells) fail_msg("%s: %u cells overflow", pair_name(&frame), shot.stats.overflow_cells);
         assert_int_equal(shot.stats.lights_total, all.stats.lights_total);
         shot_free(&shot);
     }
@@ -177,7 +184,8 @@ static void test_light_shapes(void **state) {
         frame.width = 75;
         frame.height = 53;
         frame.shading = i & 1 ? FNL_SHADING_DEFERRED : FNL_SHADING_FORWARD_PREPASS;
-        frame.camera.position = vec3_add_scaled(light->position, light->direction, light->kind == FNL_LIGHT_BOX ? 0 : 0.2f * light->range);
+        frame.camera.position =
+            vec3_add_scaled(light->position, light->direction, light->kind == FNL_LIGHT_BOX ? 0 : 0.2f * light->range);
         struct shot all = check_lists(&stage, frame);
         shot_free(&all);
     }
@@ -239,12 +247,13 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
         memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
         struct shot over = stage_shoot(stage, &frame);
         if (count_differing(&all.radiance, &over.radiance)) fail_msg("%s differs in overflow", pair_name(&frame));
-        assert_true(over.stats.overflow_cells > 0);
-        assert_int_equal(over.stats.list_entries, fits.stats.list_entries);
+        if (over.stats.overflow_cells == 0 || over.stats.list_entries != fits.stats.list_entries)
+            fail_msg("%s: %u cells overflow, %llu entries instead of %llu", pair_name(&frame), over.stats.overflow_cells,
+                     (unsigned long long)over.stats.list_entries, (unsigned long long)fits.stats.list_entries);
 
         struct shot next = stage_shoot(stage, &frame); /* the pool has grown */
         assert_true(stage->renderer->pool_capacity >= fits.stats.list_entries / 2);
-        assert_int_equal(next.stats.overflow_cells, 0);
+        if (next.stats.overflow_cells) fail_msg("%s: the pool has not grown", pair_name(&frame));
         assert_int_equal(next.stats.list_entries, fits.stats.list_entries);
         assert_int_equal(count_differing(&all.radiance, &next.radiance), 0);
         shot_free(&fits);
