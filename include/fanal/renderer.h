@@ -139,6 +139,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_OVERDRAW, /**< fragments per pixel, hidden ones too, with a legend */
     FNL_DEBUG_TILE_NORMALS, /**< mean normals of the tiles of backface lists */
     FNL_DEBUG_BACKFACES, /**< heat map of the lights that backface lists drop from each tile, with a legend */
+    FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -229,6 +229,10 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
             counts = (struct debug_counts){overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
                                                         f->frame->width, f->frame->height),
                                            1};
+        if (f->frame->debug == FNL_DEBUG_OVERSHADING)
+            counts = (struct debug_counts){overshading_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
+                                                           f->frame->width, f->frame->height),
+                                           1};
         if (shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
     }

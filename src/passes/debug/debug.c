@@ -4,7 +4,7 @@
 #include "fanal/renderer.h"
 #include "shaders.h"
 
-_Static_assert((uint32_t)FNL_DEBUG_BACKFACES == GPU_DEBUG_BACKFACES && FNL_DEBUG_COUNT == FNL_DEBUG_BACKFACES + 1,
+_Static_assert((uint32_t)FNL_DEBUG_OVERSHADING == GPU_DEBUG_OVERSHADING && FNL_DEBUG_COUNT == FNL_DEBUG_OVERSHADING + 1,
                "debug_shared.h has the values of fnl_debug_view");
 
 struct draw_data {
@@ -13,12 +13,13 @@ struct draw_data {
     VkDeviceAddress view;
     graph_buffer counters;
     struct gpu_graphics_params state;
+    const struct gpu_shader *mask_fragment;
 };
 
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
     struct gpu_geometry_push push = {.view = d->view, .counters = d->counters.id ? graph_address(context, d->counters) : 0};
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, push);
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, d->mask_fragment, push);
 }
 
 static graph_image create_depth(struct graph *graph, const char *name, uint32_t width, uint32_t height) {
@@ -65,21 +66,53 @@ static void execute_clear(const struct graph_context *context, const void *data)
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
 }
 
-graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
-                          VkDeviceAddress view, uint32_t width, uint32_t height) {
+static graph_buffer create_counters(struct graph *graph, uint32_t width, uint32_t height) {
     struct clear_data clear = {graph_create_buffer(graph, "overdraw", (uint64_t)width * height * 4),
                                (uint64_t)width * height * 4};
     struct graph_pass *pass =
         graph_add_pass(graph, "overdraw clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
-    struct draw_data data = {.scene = scene, .draws = *draws, .view = view, .counters = clear.buffer};
+    return clear.buffer;
+}
+
+graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                          VkDeviceAddress view, uint32_t width, uint32_t height) {
+    graph_buffer counters = create_counters(graph, width, height);
+    struct draw_data data = {.scene = scene, .draws = *draws, .view = view, .counters = counters};
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_overdraw_frag, .depth_format = GEOMETRY_DEPTH_FORMAT, .samples = 1};
-    pass = graph_add_pass(graph, "overdraw", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "overdraw", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
-    graph_use_buffer(pass, clear.buffer, GRAPH_READ_WRITE_FRAGMENT);
+    graph_use_buffer(pass, counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_depth(pass, create_depth(graph, "overdraw depth", width, height), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
-    return clear.buffer;
+    return counters;
+}
+
+graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                             VkDeviceAddress view, uint32_t width, uint32_t height) {
+    graph_buffer counters = create_counters(graph, width, height);
+    graph_image depth = create_depth(graph, "overshading depth", width, height);
+    struct draw_data data = {.scene = scene, .draws = *draws, .view = view, .mask_fragment = &shader_depth_frag};
+    data.state = (struct gpu_graphics_params){.depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_write = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER,
+                                              .samples = 1};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "overshading prepass", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    /* Only what is seen in the end, so the order of the draws does not matter. */
+    data.state.fragment = &shader_overshading_frag;
+    data.mask_fragment = NULL;
+    data.counters = counters;
+    data.state.depth_write = false;
+    data.state.depth_compare = VK_COMPARE_OP_EQUAL;
+    pass = graph_add_pass(graph, "overshading", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_use_buffer(pass, counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_depth_read_only(pass, depth);
+    return counters;
 }
 
 struct view_data {

@@ -18,7 +18,16 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
 graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                           VkDeviceAddress view, uint32_t width, uint32_t height);
 
-/** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of lights where shading does not go by the list. */
+/**
+ * Counts the invocations that forward shading after a prepass spends on opaque items, helpers too: four for each primitive and each
+ * square of 2x2 pixels that it shows in, in equal parts at the pixels where it shows. One uint per pixel, GPU_OVERSHADING_UNIT for one
+ * invocation.
+ */
+graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                             VkDeviceAddress view, uint32_t width, uint32_t height);
+
+/** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of parts of invocations for
+ *  GPU_DEBUG_OVERSHADING, of lights where shading does not go by the list. */
 struct debug_counts {
     graph_buffer buffer; /* id 0: none */
     uint32_t stride;

@@ -16,6 +16,10 @@
 #define GPU_DEBUG_OVERDRAW 7u
 #define GPU_DEBUG_TILE_NORMALS 8u
 #define GPU_DEBUG_BACKFACES 9u
+#define GPU_DEBUG_OVERSHADING 10u
+
+/* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
+#define GPU_OVERSHADING_UNIT 3u
 
 struct gpu_debug_push {
     ADDRESS(view_block) view;
