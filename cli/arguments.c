@@ -88,6 +88,7 @@ static const char *backface_axis_name(int i) { return fnl_backface_axis_name((fn
 static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
 static const char *raster_path_name(int i) { return fnl_raster_path_name((fnl_raster_path)i); }
 static const char *raster_nodes_name(int i) { return fnl_raster_nodes_name((fnl_raster_nodes)i); }
+static const char *volume_shape_name(int i) { return fnl_volume_shape_name((fnl_volume_shape)i); }
 
 enum setting_kind { SETTING_INTEGER, SETTING_NUMBER, SETTING_SWITCH, SETTING_NAME };
 
@@ -125,6 +126,8 @@ static const struct setting {
      0, raster_path_name},
     {"raster-nodes", "array, links64 or links32: how the clusters of raster hold lights (array)", FIELD(raster_nodes),
      SETTING_NAME, 0, 0, raster_nodes_name},
+    {"volume-shape", "solids or quads: what deferred-volumes draws for a light (solids)", FIELD(volume_shape), SETTING_NAME, 0,
+     0, volume_shape_name},
 #undef FIELD
 };
 enum { SETTING_COUNT = sizeof settings / sizeof settings[0] };

@@ -80,6 +80,13 @@ typedef enum fnl_raster_nodes {
     FNL_RASTER_NODES_COUNT
 } fnl_raster_nodes;
 
+/** What deferred-volumes draws for a light. */
+typedef enum fnl_volume_shape {
+    FNL_VOLUME_SOLIDS = 0, /**< the back faces of a sphere or a pyramid, where they are not in front of the surface */
+    FNL_VOLUME_QUADS,      /**< its rectangle on the screen, as near as its nearest point, where no surface is nearer */
+    FNL_VOLUME_SHAPE_COUNT
+} fnl_volume_shape;
+
 /** Where the axis of the cone round a tile's normals comes from. */
 typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
@@ -110,6 +117,7 @@ typedef struct fnl_list_options {
         cluster_far; /**< view depth where the last slice begins, > cluster_near; INFINITY (default): chosen by the scene */
     fnl_raster_path raster_path;   /**< default auto. raster */
     fnl_raster_nodes raster_nodes; /**< default array. raster */
+    fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
@@ -151,6 +159,7 @@ FNL_API const char *fnl_backface_axis_name(fnl_backface_axis axis);
 FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
+FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 

@@ -135,7 +135,8 @@ static void add_volumes(struct frame_state *f, struct shade_input input, bool pr
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input.lights = &base;
     deferred_add(f->graph, &input, &gbuffer, NULL, f->radiance, depth);
-    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull};
+    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
+                                    f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
     graph_buffer totals = volumes_add(f->graph, f->r->device, &input, &volumes, &gbuffer, f->radiance, depth);
     if (!has_blend(f)) {
         f->lights.totals = f->blend_lights.totals = totals;

@@ -50,6 +50,12 @@ const char *fnl_raster_nodes_name(fnl_raster_nodes nodes) {
     return (uint32_t)nodes < FNL_RASTER_NODES_COUNT ? names[nodes] : NULL;
 }
 
+const char *fnl_volume_shape_name(fnl_volume_shape shape) {
+    static const char *const names[] = {"solids", "quads"};
+    _Static_assert(COUNT_OF(names) == FNL_VOLUME_SHAPE_COUNT, "each has a name");
+    return NAME_OF(names, shape);
+}
+
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
     static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
     _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");

@@ -37,7 +37,8 @@ static struct mesh make_mesh(fnl_scene *scene, int first, int size, uint32_t sid
 
 /* Pixel (x, y) is seen at world (x - SIZE / 2, SIZE / 2 - y). */
 static void place_mesh(fnl_scene *scene, const struct mesh *m, float z) {
-    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, m->vertex_count), *normals = ARENA_ARRAY(&scene->arena, vec3, m->vertex_count);
+    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, m->vertex_count),
+         *normals = ARENA_ARRAY(&scene->arena, vec3, m->vertex_count);
     vec2 *uv = ARENA_ARRAY(&scene->arena, vec2, m->vertex_count);
     for (uint32_t i = 0; i < m->vertex_count; i++) {
         positions[i] = (vec3){(float)m->corners[i].x / STEPS - SIZE / 2, SIZE / 2 - (float)m->corners[i].y / STEPS, z};
@@ -111,7 +112,6 @@ static double invocations(const uint8_t *p) {
     fail_msg("no count has the colour %d %d %d", p[0], p[1], p[2]);
     return 0;
 }
-
 
 static fnl_frame pixel_frame(void) {
     fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
@@ -199,7 +199,8 @@ static void test_hidden_surfaces_MP_15(void **state) {
     static int owners[SIZE][SIZE];
     for (int last = 0; last < 2; last++) {
         fnl_scene *scene = lit_scene();
-        struct mesh mesh = make_mesh(scene, 9 * STEPS + 77, AREA * STEPS, 21), near = make_mesh(scene, 40 * STEPS + 101, 41 * STEPS, 1);
+        struct mesh mesh = make_mesh(scene, 9 * STEPS + 77, AREA * STEPS, 21),
+                    near = make_mesh(scene, 40 * STEPS + 101, 41 * STEPS, 1);
         if (!last) place_mesh(scene, &near, 1);
         place_mesh(scene, &mesh, 0);
         if (last) place_mesh(scene, &near, 1);

@@ -51,7 +51,7 @@ struct cull_data {
     struct light_input lights;
     VkDeviceAddress view, list;
     graph_buffer sums, ids, draws;
-    bool cull, fills;
+    bool cull, quads, fills;
 };
 
 static void execute_cull(const struct graph_context *context, const void *data) {
@@ -63,7 +63,8 @@ static void execute_cull(const struct graph_context *context, const void *data) 
                                     .ids = d->fills ? graph_address(context, d->ids) : 0,
                                     .draws = d->fills ? graph_address(context, d->draws) : 0,
                                     .light_count = d->lights.local_count,
-                                    .cull = d->cull};
+                                    .cull = d->cull,
+                                    .quads = d->quads};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
@@ -79,25 +80,27 @@ struct draw_data {
     graph_buffer counters, ids, draws;
     struct gpu_slice indices;
     VkFormat format;
+    bool quads;
 };
 
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
     if (!d->indices.data) return; /* the device carries a sticky error */
-    /* Back faces alone, and only those that are not in front of the surface: depth is reversed. */
+    /* Solids: back faces alone, and only those that are not in front of the surface. Rectangles: not behind it. Depth is reversed. */
     struct gpu_graphics_params state = {.vertex = &shader_volumes_vert,
                                         .fragment = &shader_volumes_frag,
                                         .constant_count = 2,
                                         .constants = {GPU_LIST_ALL, d->counters.id != 0},
                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
-                                        .cull = VK_CULL_MODE_FRONT_BIT,
+                                        .cull = d->quads ? VK_CULL_MODE_NONE : VK_CULL_MODE_FRONT_BIT,
                                         .color_count = 1,
                                         .color_formats = {d->format},
                                         .blends = {GPU_BLEND_ADD},
                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
                                         .depth_test = true,
                                         .depth_clamp = true,
-                                        .depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL,
+                                        .depth_compare =
+                                            d->quads ? VK_COMPARE_OP_GREATER_OR_EQUAL : VK_COMPARE_OP_LESS_OR_EQUAL,
                                         .samples = 1};
     struct gpu_volume_push push = {.view = d->view,
                                    .list = d->list,
@@ -134,7 +137,8 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
     const struct light_input *lights = volumes->lights;
     const uint32_t count = lights->local_count;
     struct light_list list = light_list_all_add(graph, device, lights);
-    struct cull_data cull = {.lights = *lights, .view = input->view, .list = list.header, .cull = volumes->cull};
+    struct cull_data cull = {
+        .lights = *lights, .view = input->view, .list = list.header, .cull = volumes->cull, .quads = volumes->quads};
     cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
     cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
     cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
@@ -155,9 +159,15 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
                              .counters = input->counters,
                              .ids = cull.ids,
                              .draws = cull.draws,
-                             .indices = gpu_frame_allocate(device, VOLUME_INDEX_COUNT * 4),
-                             .format = graph_image_info(graph, radiance).format};
-    if (draw.indices.data) volumes_indices(draw.indices.data);
+                             .indices = gpu_frame_allocate(device, (VOLUME_INDEX_COUNT + VOLUME_QUAD_INDICES) * 4),
+                             .format = graph_image_info(graph, radiance).format,
+                             .quads = volumes->quads};
+    if (draw.indices.data) {
+        static const uint32_t corners[VOLUME_QUAD_INDICES] = {0, 1, 2, 2, 1, 3};
+        uint32_t *indices = draw.indices.data;
+        volumes_indices(indices);
+        for (uint32_t i = 0; i < VOLUME_QUAD_INDICES; i++) indices[VOLUME_INDEX_COUNT + i] = VOLUME_QUAD_VERTEX + corners[i];
+    }
     pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, cull.ids, GRAPH_READ_VERTEX);

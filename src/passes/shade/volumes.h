@@ -19,12 +19,14 @@ VkFormat volumes_format(const gpu_device *device);
 
 struct volumes_input {
     const struct light_input *lights;
-    bool cull; /* only volumes in view; default true */
+    bool cull;  /* only volumes in view; default true */
+    bool quads; /* rectangles on the screen instead of solids; default false */
 };
 /**
  * Adds all local lights to `radiance`, which holds everything else already. Instances ascend by light, spheres before
  * cones, so that sums repeat to the bit. Returns a buffer with struct light_totals: volumes drawn, 0, 0. Cost: per
- * light 49 vertices (cones 16), per pixel that a volume covers in front of its far side a read of the G-buffer and a blend.
+ * light 49 vertices (cones 16, rectangles 4), per pixel that a solid covers in front of its far side, or a rectangle not behind the
+ * surface, a read of the G-buffer and a blend.
  */
 graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
                          const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance,

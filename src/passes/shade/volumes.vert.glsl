@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
 // Solids that hold all that a light lights. They are drawn by their back faces where those are not in front of what is seen, so the
-// viewer may stand inside.
+// viewer may stand inside. Or the rectangle of the light on the screen, drawn at the light's nearest depth where no surface is nearer.
 #include "common.glsl"
 #include "passes/shade/volumes.glsl"
+#include "passes/lights/cells.glsl"
 
 layout(push_constant, scalar) uniform push_block { gpu_volume_push push; };
 
@@ -18,10 +19,40 @@ float pixel_size(vec3 position) {
     return max(size.x, size.y);
 }
 
+// Corner 0 .. 3 of the rectangle that holds the projection of the light's bounding sphere beyond the near plane, and lies there where the
+// sphere reaches through it: for a viewer inside, before the whole screen. So does that of a sphere without end or not even a number.
+vec4 quad_corner(gpu_light light, uint corner) {
+    view_block v = push.view;
+    vec2 at = vec2(corner & 1u, corner >> 1) * 2.0 - 1.0;
+    vec3 center = (v.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
+    float radius = cell_radius(gpu_bound(center, light.bound_radius)) +
+                   float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye));
+    bool flat_view = v.view.orthographic > 0.5;
+    if (!(radius + length(center) < 1e8)) return vec4(at, 1.0, 1.0);
+    vec2 x = center.x + vec2(-radius, radius), y = center.y + vec2(-radius, radius);
+    if (!flat_view) {
+        x = disk_slopes(vec2(center.x, -center.z), radius, v.view.near_distance);
+        y = disk_slopes(vec2(center.y, -center.z), radius, v.view.near_distance);
+    }
+    // Rasterisation rounds corners to a part of a pixel.
+    vec2 low = (vec2(x.x, y.x) - v.view.ndc_offset) / v.view.ndc_scale - 0.125 * v.view.inverse_size;
+    vec2 high = (vec2(x.y, y.y) - v.view.ndc_offset) / v.view.ndc_scale + 0.125 * v.view.inverse_size;
+    float depth = 1.0, nearest = -center.z - radius;
+    if (nearest > v.view.near_distance) {
+        vec4 clip = v.view.view_to_clip * vec4(0.0, 0.0, -nearest, 1.0);
+        depth = clip.z / clip.w * (1.0 + 1e-6) + (flat_view ? 4e-7 : 0.0);
+    }
+    return vec4(clamp(mix(low, high, at * 0.5 + 0.5), -1.5, 1.5), clamp(depth, 0.0, 1.0), 1.0);
+}
+
 void main() {
     uint id = push.ids.at[gl_InstanceIndex], vertex = uint(gl_VertexIndex);
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + id];
     out_light = id;
+    if (vertex >= VOLUME_QUAD_VERTEX) {
+        gl_Position = quad_corner(light, vertex - VOLUME_QUAD_VERTEX);
+        return;
+    }
     vec3 position;
     if (vertex < VOLUME_SPHERE_VERTICES) {
         vec3 center = light.bound_center;

@@ -26,6 +26,10 @@ void main() {
         draw.first_index = index == 0u ? 0u : VOLUME_SPHERE_INDICES;
         draw.vertex_offset = 0;
         draw.first_instance = first;
+        if (push.quads == 1u && index == 0u) {
+            draw.index_count = VOLUME_QUAD_INDICES;
+            draw.first_index = VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES;
+        }
         push.draws.at[index] = draw;
     }
 }

@@ -11,6 +11,9 @@
 #define VOLUME_SPHERE_INDICES (VOLUME_SIDE * VOLUME_SIDE * 6u)
 #define VOLUME_RING 8u
 #define VOLUME_CONE_INDICES (VOLUME_RING * 6u + (VOLUME_RING - 2u) * 6u)
+/* A rectangle on the screen instead, for any light: four vertices after those of the solids. */
+#define VOLUME_QUAD_VERTEX (VOLUME_SPHERE_VERTICES + 2u * VOLUME_RING)
+#define VOLUME_QUAD_INDICES 6u
 /* The farthest face of the sphere's solid is this far from the middle when its vertices are at 1, and the cosine of pi / VOLUME_RING. */
 #define VOLUME_SPHERE_INSIDE 0.92475f
 #define VOLUME_CONE_INSIDE 0.92387f
@@ -24,6 +27,7 @@ struct gpu_volumes_push {
     ADDRESS(volume_draws) draws;
     uint light_count;           /* local lights */
     uint cull;                  /* 0: lights out of the view are drawn too */
+    uint quads;                 /* 1: rectangles for all, sorted as spheres are */
 };
 
 struct gpu_volume_push {

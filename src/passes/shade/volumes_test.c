@@ -2,6 +2,7 @@
 /** Deferred shading by light volumes against deferred shading by one loop, and the solids themselves. */
 #include "passes/shade/volumes.h"
 #include "passes/shade/volumes_shared.h"
+#include "render/view.h"
 #include "tests/render_harness.h"
 
 /* ---- the solids ---- */
@@ -65,6 +66,26 @@ static void test_solids(void **state) {
 
 /* ---- pictures ---- */
 
+/* Rectangles instead of solids: the same picture, again without a light missing anywhere. */
+static void check_quads(struct stage *stage, const struct shot *all, const char *what) {
+    fnl_frame frame = stage->frame;
+    frame.count_lights = true;
+    frame.lists = FNL_LISTS_ALL;
+    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+    struct shot quads = stage_shoot(stage, &frame), again = stage_shoot(stage, &frame);
+    print_message("  %s, rectangles: %d/255, %llu evaluations\n", what, greatest_difference(&all->color, &quads.color),
+                  (unsigned long long)quads.stats.evaluations);
+    assert_int_equal(count_broken(&quads.radiance), 0);
+    assert_true(greatest_difference(&all->color, &quads.color) <= 2);
+    assert_int_equal(quads.stats.evaluations_useful, all->stats.evaluations_useful);
+    assert_true(quads.stats.evaluations >= quads.stats.evaluations_useful);
+    assert_true(quads.stats.evaluations <= all->stats.evaluations);
+    assert_int_equal(count_differing(&quads.radiance, &again.radiance), 0);
+    shot_free(&quads);
+    shot_free(&again);
+}
+
 /* Shoots both orders. Every light that reaches a surface is found there (SUP): the useful evaluations are the same. */
 static void check(struct stage *stage, const char *what) {
     fnl_frame frame = stage->frame;
@@ -87,13 +108,14 @@ static void check(struct stage *stage, const char *what) {
     struct shot unculled = stage_shoot(stage, &frame);
     assert_int_equal(count_differing(&volumes.radiance, &unculled.radiance), 0);
     assert_true(unculled.stats.lights_in_view >= volumes.stats.lights_in_view);
+    check_quads(stage, &all, what);
     shot_free(&all);
     shot_free(&volumes);
     shot_free(&again);
     shot_free(&unculled);
 }
 
-static void test_scenes_TD_3(void **state) {
+static void test_scenes_TD_3_MP_22(void **state) {
     UNUSED(state);
     static const struct {
         const char *source;
@@ -111,7 +133,7 @@ static void test_scenes_TD_3(void **state) {
     }
 }
 
-static void test_cameras_TD_3_ES_16(void **state) {
+static void test_cameras_TD_3_ES_16_MP_22(void **state) {
     UNUSED(state);
     static const char *const names[] = {"in many lights",       "orthographic", "off axis",
                                         "upside down and wide", "one pixel",    "at the rim"};
@@ -143,7 +165,7 @@ static void test_cameras_TD_3_ES_16(void **state) {
 }
 
 /* Hard edges of cones and of the other shapes, wide cones, lights without end. */
-static void test_shapes_TD_3(void **state) {
+static void test_shapes_TD_3_MP_22(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=0", 0);
     struct random_state random = {4};
@@ -195,6 +217,160 @@ static void test_walls_in_view_TD_8(void **state) {
     }
 }
 
+/* ---- rectangles ---- */
+
+/* What a light may cost at least and at most: the surfaces in its rectangle that are not nearer than its nearest point. */
+struct limits {
+    uint64_t least, most;
+};
+
+/* The rectangle comes from points all over the sphere, so it is a hair too small, and pixels near its edges may go either way. */
+static void add_limits(const fnl_frame *frame, const fnl_image *normals, vec3 position, float radius, struct limits *sum) {
+    struct gpu_view view = view_from_camera(&frame->camera, frame->width, frame->height);
+    vec3 center = mat4_point(&view.world_to_view, position);
+    float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    bool flat = frame->camera.orthographic, inside = !flat && vec3_length(center) <= radius;
+    const int side = 300;
+    for (int i = 0; i < side * side; i++) {
+        vec3 p = vec3_add(center, vec3_scale(unfold((float)(i % side) / (float)(side - 1) * 2 - 1,
+                                                    (float)(i / side) / (float)(side - 1) * 2 - 1),
+                                             radius));
+        if (!flat && -p.z < view.near_distance) continue;
+        float across[2] = {p.x, p.y}, scale[2] = {view.ndc_scale.x, view.ndc_scale.y},
+              offset[2] = {view.ndc_offset.x, view.ndc_offset.y};
+        for (int k = 0; k < 2; k++) {
+            float ndc = (across[k] / (flat ? 1 : -p.z) - offset[k]) / scale[k];
+            low[k] = fminf(low[k], ndc);
+            high[k] = fmaxf(high[k], ndc);
+        }
+    }
+    float nearest = -center.z - radius;
+    for (uint32_t y = 0; y < frame->height; y++)
+        for (uint32_t x = 0; x < frame->width; x++) {
+            float depth = ((const float *)normals->pixels)[((size_t)y * frame->width + x) * 4 + 3];
+            if (depth <= 0) continue;
+            float at[2] = {((float)x + 0.5f) / (float)frame->width * 2 - 1,
+                           1 - ((float)y + 0.5f) / (float)frame->height * 2};
+            float edge = INFINITY; /* pixels from the nearest edge, negative outside */
+            for (int k = 0; k < 2; k++) {
+                float pixels = (float)(k ? frame->height : frame->width) * 0.5f;
+                edge = fminf(edge, fminf(at[k] - low[k], high[k] - at[k]) * pixels);
+            }
+            sum->least += inside || (edge > 0 && depth > nearest);
+            sum->most += inside || (edge > -1 && depth > nearest - 0.002f * (radius + fabsf(nearest)));
+        }
+}
+
+/* Each light is evaluated where its rectangle is, but for surfaces that are nearer. */
+static void test_rectangles_MP_22(void **state) {
+    UNUSED(state);
+    static const char *const names[] = {"outside", "orthographic", "off axis", "in a light", "at the near plane"};
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    struct random_state random = {11};
+    fnl_light_params lights[24];
+    for (uint32_t i = 0; i < COUNT_OF(lights); i++) {
+        fnl_light_id id;
+        lights[i] = fnl_light_params_default();
+        lights[i].position =
+            (fnl_vec3){random_range(&random, -5, 5), random_range(&random, -2, 4), random_range(&random, -6, 4)};
+        lights[i].range = random_range(&random, 0.2f, 1.5f);
+        assert_int_equal(fnl_scene_add_light(stage.scene, &lights[i], &id), FNL_OK);
+    }
+    const fnl_frame start = stage.frame;
+    for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
+        fnl_frame frame = start;
+        frame.count_lights = true;
+        frame.outputs |= FNL_OUTPUT_NORMAL;
+        frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+        frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+        if (kind == 1) {
+            frame.camera.orthographic = true;
+            frame.camera.vertical_extent = 8;
+        } else if (kind == 2) {
+            frame.camera.shift = (fnl_vec2){0.4f, -0.3f};
+        } else if (kind > 2) { /* the first light is round the viewer, or just before him and through the near plane */
+            frame.camera.position = lights[0].position;
+            if (kind == 4) frame.camera.near_distance = lights[0].range * 0.5f;
+            frame.camera.position.z += lights[0].range * (kind == 3 ? 0.5f : 1.2f);
+        }
+        struct shot shot = stage_shoot(&stage, &frame);
+        struct limits limits = {0, 0};
+        for (uint32_t i = 0; i < COUNT_OF(lights); i++)
+            add_limits(&frame, &shot.normal, lights[i].position, lights[i].range, &limits);
+        print_message("  %s: %llu evaluations, from %llu to %llu\n", names[kind], (unsigned long long)shot.stats.evaluations,
+                      (unsigned long long)limits.least, (unsigned long long)limits.most);
+        assert_true(limits.least > 0);
+        assert_in_range(shot.stats.evaluations, limits.least, limits.most);
+        shot_free(&shot);
+    }
+    stage_close(&stage);
+}
+
+/* Lights in the open: all pixels, rectangles, solids, from most to least. Lights behind a wall: rectangles cost nothing, solids do. */
+static void test_order_of_evaluations_MP_22(void **state) {
+    UNUSED(state);
+    for (int hidden = 0; hidden < 2; hidden++) {
+        struct stage stage = stage_open("builtin:wall?test=1&lights=0", 0);
+        struct random_state random = {3};
+        const vec3 eye = stage.frame.camera.position;
+        for (uint32_t i = 0; i < 40; i++) { /* the wall is at z = -20 */
+            fnl_light_params light = fnl_light_params_default();
+            fnl_light_id id;
+            light.range = random_range(&random, 1, 3);
+            light.position = (fnl_vec3){eye.x + random_range(&random, -12, 12), random_range(&random, 2, 14),
+                                        hidden ? -26 - light.range : random_range(&random, -22, -17)};
+            assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+        }
+        fnl_frame frame = stage.frame;
+        frame.count_lights = true;
+        frame.shading = FNL_SHADING_DEFERRED;
+        frame.lists = FNL_LISTS_ALL;
+        struct shot all = stage_shoot(&stage, &frame);
+        frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+        struct shot solids = stage_shoot(&stage, &frame);
+        frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+        struct shot quads = stage_shoot(&stage, &frame);
+        print_message("  %s: all %llu, rectangles %llu, solids %llu evaluations\n", hidden ? "hidden" : "open",
+                      (unsigned long long)all.stats.evaluations, (unsigned long long)quads.stats.evaluations,
+                      (unsigned long long)solids.stats.evaluations);
+        assert_true(greatest_difference(&all.color, &quads.color) <= 2 &&
+                    greatest_difference(&all.color, &solids.color) <= 2);
+        assert_true(all.stats.evaluations > 10 * quads.stats.evaluations);
+        if (hidden) {
+            assert_int_equal(quads.stats.evaluations, 0);
+            assert_true(solids.stats.evaluations > 1000);
+        } else {
+            assert_true(quads.stats.evaluations >= solids.stats.evaluations && solids.stats.evaluations > 1000);
+        }
+        shot_free(&all);
+        shot_free(&solids);
+        shot_free(&quads);
+        stage_close(&stage);
+    }
+}
+
+/* Lights in the air before far surfaces: rectangles cannot tell, tiles of 16 pixels with depth bounds can. */
+static void test_tiles_against_rectangles_MP_23(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=256", 0);
+    fnl_frame frame = stage.frame;
+    frame.width = 320;
+    frame.height = 180;
+    frame.count_lights = true;
+    frame.shading = FNL_SHADING_DEFERRED;
+    frame.lists = FNL_LISTS_TILED;
+    struct shot tiles = stage_shoot(&stage, &frame);
+    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+    struct shot quads = stage_shoot(&stage, &frame);
+    print_message("  rectangles %llu, tiles %llu, of use %llu\n", (unsigned long long)quads.stats.evaluations,
+                  (unsigned long long)tiles.stats.evaluations, (unsigned long long)tiles.stats.evaluations_useful);
+    assert_true(tiles.stats.evaluations < quads.stats.evaluations);
+    shot_free(&tiles);
+    shot_free(&quads);
+    stage_close(&stage);
+}
+
 /* One light before a wall: the heat map of volumes shows a disc of ones. */
 static void test_heat_map_TD_12(void **state) {
     UNUSED(state);
@@ -227,10 +403,13 @@ static void test_heat_map_TD_12(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_solids, harness_check),
-        cmocka_unit_test_teardown(test_scenes_TD_3, harness_check),
-        cmocka_unit_test_teardown(test_cameras_TD_3_ES_16, harness_check),
-        cmocka_unit_test_teardown(test_shapes_TD_3, harness_check),
+        cmocka_unit_test_teardown(test_scenes_TD_3_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_cameras_TD_3_ES_16_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_shapes_TD_3_MP_22, harness_check),
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
+        cmocka_unit_test_teardown(test_rectangles_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_order_of_evaluations_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_tiles_against_rectangles_MP_23, harness_check),
         cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
