@@ -84,11 +84,11 @@ static const struct row clustered_rows[] = {
 
 /* ---- Mikkelsen: Fine Pruned Tiled Light Lists, GPU Pro 7 ---- */
 
-/* Coarse: the rectangle and the depths of a light against those of a tile, whatever its shape. */
-#define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, "tile-bounds=projected,cone-tests=off"}
+/* Coarse: the box of a light on the screen and in depth against that of a tile, by the same passes. */
+#define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine-pruning=off"}
 #define FINE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, ""}
 #define INTERIOR(quantity, metric, lights, a, b, at_least, source)                                                           \
-    {quantity ", " #lights " lights", metric, "builtin:interior", lights, lights, a, b, at_least, source, source}
+    {quantity ", " #lights " lights", metric, "builtin:interior?overlap=3", lights, lights, a, b, at_least, source, source}
 #define INTERIORS(lights)                                                                                                    \
     INTERIOR("deferred lighting, coarse / fine", "shading_ms", lights, COARSE, FINE, true, 3.86),                            \
     INTERIOR("lists and lighting, coarse / fine", "lists_ms+shading_ms", lights, COARSE, FINE, true, 1.64),                  \

@@ -11,7 +11,7 @@
 static const struct builtin_scene scenes[] = {
     {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},
     {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
-    {"interior", {LIGHTS(96), SEED}, builtin_make_interior},
+    {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},

@@ -349,14 +349,14 @@ static void test_wall_holds_the_counts_of_TD_7(void **state) {
 /* Few lights are already of all shapes, and most reach through their room and beyond. */
 static void test_interior_has_large_lights_of_all_shapes_FP_6(void **state) {
     UNUSED(state);
-    static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120"};
+    static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120", "interior?lights=120&overlap=3"};
     for (uint32_t i = 0; i < COUNT_OF(texts); i++) {
         fnl_scene *scene = load(texts[i]);
         uint32_t kinds[FNL_LIGHT_KIND_COUNT] = {0}, large = 0;
         for (uint32_t k = 0; k < scene->lights.count; k++) {
             const fnl_light_params *l = &scene->lights.data[k].params;
             kinds[l->kind]++;
-            large += l->range >= 5;
+            large += l->range + (l->kind == FNL_LIGHT_CAPSULE ? 0.5f * l->length : 0) >= 5;
         }
         for (int kind = FNL_LIGHT_POINT; kind < FNL_LIGHT_KIND_COUNT; kind++) assert_true(kinds[kind] >= 4);
         assert_true(kinds[FNL_LIGHT_DIRECTIONAL] == 0 && large * 10 >= scene->lights.count * 7);
