@@ -24,6 +24,15 @@ vec3 view_position_of(view_block v, vec2 ndc, float view_depth) {
     return vec3((ndc * v.view.ndc_scale + v.view.ndc_offset) * spread, -view_depth);
 }
 
+// The pixel on which a point in view space is seen; those beyond the edge are moved to it.
+uvec2 pixel_of(view_block v, vec3 view_position) {
+    float spread = v.view.orthographic > 0.5 ? 1.0 : -view_position.z;
+    vec2 ndc = (view_position.xy / spread - v.view.ndc_offset) / v.view.ndc_scale;
+    vec2 at = (vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * vec2(v.view.size);
+    vec2 last = vec2(v.view.size) - 1.0;
+    return uvec2(at.x > 0.0 ? min(at.x, last.x) : 0.0, at.y > 0.0 ? min(at.y, last.y) : 0.0); // NaN: 0
+}
+
 // Unit vector from a world-space point to the viewer.
 vec3 to_viewer(view_block v, vec3 position) {
     return v.view.orthographic > 0.5 ? v.view.back : normalize(v.view.eye - position);

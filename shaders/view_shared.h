@@ -25,7 +25,7 @@ struct gpu_view {
     uvec2 size;          /* pixels */
     vec2 inverse_size;
     vec3 ambient_sky;    /* cd/m^2 */
-    uint count_lights;   /* unused bits of a frame's options */
+    uint samples;        /* of a pixel */
     vec3 ambient_ground;
     float hdr_max;       /* largest value that the radiance target holds */
 };

@@ -51,35 +51,13 @@ bins_cursor bins_begin(light_list_block l, uint tile, float view_depth) {
     return c;
 }
 
-// Moves on; false at the end. No return from within the loops: Mesa's CPU driver runs finished threads on there, with wild addresses.
+// Moves on; false at the end. One loop that takes one step at a time: Mesa's CPU driver ends loops within loops too early for some threads,
+// and runs those on that return from within one.
 bool bins_next(light_list_block l, inout bins_cursor c, out uint id) {
     const_uint_array table = const_uint_array(l.list.cells);
     bool ended = false;
     while (c.left == 0u && !ended) {
-        while (c.words_left == 0u && !ended) {
-            while (c.groups_left == 0u && !ended) {
-                c.top = min(c.top + 1u, c.top_count); // from -1
-                if (c.top < c.top_count)
-                    c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
-                                    (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
-                else
-                    ended = true;
-            }
-            if (!ended) {
-                c.group = c.top * 32u + uint(findLSB(c.groups_left));
-                c.groups_left &= c.groups_left - 1u;
-                ended = c.group * 1024u >= c.light_count; // only where both are all lights
-            }
-            if (!ended) {
-                uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
-                c.tile_offset = table.at[tile_record];
-                c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
-                c.bin_offset = table.at[bin_record];
-                c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
-                c.words_left = c.tile_words & c.bin_words;
-            }
-        }
-        if (!ended) {
+        if (c.words_left != 0u) {
             uint word = uint(findLSB(c.words_left)), before = (1u << word) - 1u;
             c.words_left &= c.words_left - 1u;
             c.word = c.group * 32u + word;
@@ -87,14 +65,33 @@ bool bins_next(light_list_block l, inout bins_cursor c, out uint id) {
                      (c.whole_bin ? 0xffffffffu : l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))]);
             if (c.word * 32u + 32u > c.light_count)
                 c.left &= c.word * 32u >= c.light_count ? 0u : (1u << (c.light_count - c.word * 32u)) - 1u;
+        } else if (c.groups_left != 0u) {
+            c.group = c.top * 32u + uint(findLSB(c.groups_left));
+            c.groups_left &= c.groups_left - 1u;
+            ended = c.group * 1024u >= c.light_count; // only where both are all lights
+            uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
+            if (!ended) {
+                c.tile_offset = table.at[tile_record];
+                c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
+                c.bin_offset = table.at[bin_record];
+                c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
+                c.words_left = c.tile_words & c.bin_words;
+            }
+        } else {
+            c.top = min(c.top + 1u, c.top_count); // from -1
+            ended = c.top == c.top_count;
+            if (!ended)
+                c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
+                                (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
         }
     }
     id = 0u;
-    if (!ended) {
+    bool found = c.left != 0u;
+    if (found) {
         id = l.list.extra.at[c.word * 32u + uint(findLSB(c.left))];
         c.left &= c.left - 1u;
     }
-    return !ended;
+    return found;
 }
 
 #endif

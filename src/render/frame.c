@@ -51,6 +51,7 @@ static graph_image create_image(struct frame_state *f, const char *name, VkForma
 
 static fnl_result add_view(struct frame_state *f) {
     f->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
+    f->view.samples = f->frame->msaa;
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
     f->view.hdr_max = radiance_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;

@@ -2,8 +2,8 @@
 /**
  * Every light list gives the same picture: bit-equal radiance for one shading order, and 2/255 after tone mapping between
  * the orders. Two things are looser with multisampling. A shading point may lie between the depth samples that bound its
- * tile, or beyond the object whose box its lights were found by, so tiles and lists of objects may be off by more than 2/255 in one
- * pixel of 5000. And where in a pixel an edge is shaded may depend on what the depth test has left of it, so only pictures of one
+ * tile, or beyond the object whose box its lights were found by, so tiles may be off by more than 2/255 in one pixel of 5000, lists of
+ * objects in one of 1000. And where in a pixel an edge is shaded may depend on what the depth test has left of it, so only pictures of one
  * order are compared.
  */
 #include "tests/render_harness.h"
@@ -42,7 +42,9 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
                 print_message("  %s: %llu pixels differ, %d/255 at most, %llu by more than %d/255\n", pair_name(&frame),
                               (unsigned long long)differing, greatest_difference(&all.color, &shot.color),
                               (unsigned long long)beyond, ALLOWED);
-            if (beyond * 5000 > frame.width * frame.height)
+            uint64_t part =
+                l >= FNL_LISTS_MESH && l <= FNL_LISTS_MULTIPASS ? 1000 : 5000; /* blades of grass are thinner than pixels */
+            if (beyond * part > frame.width * frame.height)
                 fail_msg("%s is off at %llu pixels", pair_name(&frame), (unsigned long long)beyond);
         } else if (differing) {
             fail_msg("%s: %llu pixels differ from all", pair_name(&frame), (unsigned long long)differing);
@@ -235,14 +237,15 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
         frame.lists = (fnl_light_lists)l;
         /* These count before they store, and need no pool. */
         if (l == FNL_LISTS_TREE || l == FNL_LISTS_CLUSTERED_CPU || l == FNL_LISTS_GRID2D || l == FNL_LISTS_WORLD) continue;
-        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (l == FNL_LISTS_AUTO || !fnl_lists_supported(frame.shading, frame.lists)) continue;
+        uint32_t small = l == FNL_LISTS_ZBIN ? capacity / 40 : capacity; /* entries of z-bins are words of 32 lights */
         stage->renderer->pool_capacity = 1u << 22;
         struct shot fits = stage_shoot(stage, &frame);
         assert_int_equal(fits.stats.overflow_cells, 0);
-        assert_true(fits.stats.list_entries > capacity);
+        if (fits.stats.list_entries <= small) fail_msg("%s: nothing can overflow", pair_name(&frame));
         assert_int_equal(count_differing(&all.radiance, &fits.radiance), 0);
 
-        stage->renderer->pool_capacity = capacity;
+        stage->renderer->pool_capacity = small;
         /* What the frames before have needed is forgotten. */
         memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
         struct shot over = stage_shoot(stage, &frame);

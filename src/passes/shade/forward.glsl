@@ -13,9 +13,11 @@ void main() {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
-    // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane.
-    float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(gl_FragCoord.xy), view_depth, in_ids.y);
+    // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane, and beside
+    // the pixel.
+    vec3 view_position = (push.view.view.world_to_view * vec4(s.position, 1.0)).xyz;
+    uvec2 pixel = push.view.view.samples > 1u ? pixel_of(push.view, view_position) : uvec2(gl_FragCoord.xy);
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, -view_position.z, in_ids.y);
     // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).
     out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
 }
