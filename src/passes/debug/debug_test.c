@@ -111,6 +111,12 @@ static double grey_of(const struct scene_material *m, double normal_y) {
            0.88 * (0.2126 * m->base_color.x + 0.7152 * m->base_color.y + 0.0722 * m->base_color.z) * (0.6 + 0.4 * normal_y);
 }
 
+static bool is_one_of(fnl_light_lists lists, const fnl_light_lists *set, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (set[i] == lists) return true;
+    return false;
+}
+
 static void test_light_counts(void **state) {
     UNUSED(state);
     fnl_scene *scene = test_scene();
@@ -123,7 +129,10 @@ static void test_light_counts(void **state) {
         assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
     }
     fnl_renderer *renderer = test_renderer(scene);
-    for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++)
+    /* Those that know no places on the square: it is one item, and smaller than the grid's squares of 4 metres. */
+    static const fnl_light_lists whole[] = {FNL_LISTS_ALL, FNL_LISTS_MESH, FNL_LISTS_BATCHES, FNL_LISTS_MULTIPASS,
+                                            FNL_LISTS_GRID2D};
+    for (uint32_t lists = 0; lists < FNL_LISTS_AUTO; lists++)
         for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
             fnl_frame frame = debug_frame(FNL_DEBUG_LIGHTS);
             frame.shading = (fnl_shading)shading;
@@ -134,17 +143,19 @@ static void test_light_counts(void **state) {
             fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
             double grey = grey_of(&m, 0);
             vec3 five = heat(5);
-            double far = lists == FNL_LISTS_ALL ? 5 : 0;
+            bool everywhere = is_one_of((fnl_light_lists)lists, whole, COUNT_OF(whole));
+            double far = everywhere ? 5 : 0;
             vec3 there = heat(far);
             assert_color(&image, 25, 50, grey * 0.2 + five.x * 0.8, grey * 0.2 + five.y * 0.8, grey * 0.2 + five.z * 0.8);
-            assert_color(&image, 180, 50, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8,
+            /* Not at the height of the lights: cells at the border of a grid in the world reach on. */
+            assert_color(&image, 180, 10, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8,
                          grey * 0.2 + there.z * 0.8);
             check_legend(&image);
             /* The map shows what the shading visits. */
             fnl_frame_stats stats;
             assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
             assert_int_equal(stats.max_per_pixel, 5);
-            if (lists == FNL_LISTS_ALL)
+            if (everywhere)
                 assert_int_equal(stats.evaluations, 5ull * 190 * 100);
             else
                 assert_true(stats.evaluations < 5ull * 100 * 100);
@@ -166,15 +177,21 @@ static void test_cells(void **state) {
     fnl_light_id id;
     assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
     fnl_renderer *renderer = test_renderer(scene);
-    for (uint32_t lists = FNL_LISTS_ALL; lists < FNL_LISTS_COUNT; lists++) {
+    /* Tiles have the colour of their count, others hues of their own; those by place have no grid on the screen. */
+    static const fnl_light_lists tiled[] = {FNL_LISTS_TILED,    FNL_LISTS_BACKFACE, FNL_LISTS_FINE,
+                                            FNL_LISTS_ENHANCED, FNL_LISTS_TREE,     FNL_LISTS_25D},
+                                 places[] = {FNL_LISTS_GRID2D, FNL_LISTS_WORLD},
+                                 others16[] = {FNL_LISTS_HALFZ, FNL_LISTS_ZBIN};
+    for (uint32_t lists = FNL_LISTS_ALL; lists < FNL_LISTS_AUTO; lists++) {
         fnl_frame frame = debug_frame(FNL_DEBUG_CELLS);
         frame.shading = FNL_SHADING_DEFERRED;
         frame.lists = (fnl_light_lists)lists;
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         test_render_frame(renderer, &frame);
         fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
-        bool tiles = lists == FNL_LISTS_TILED || lists == FNL_LISTS_BACKFACE;
-        uint32_t size = tiles ? 16 : 64;
+        bool tiles = is_one_of(frame.lists, tiled, COUNT_OF(tiled)),
+             by_place = is_one_of(frame.lists, places, COUNT_OF(places));
+        uint32_t size = tiles || is_one_of(frame.lists, others16, COUNT_OF(others16)) ? 16 : 64;
         const uint8_t *inside = test_pixel8(&image, size + 5, 70), *line = test_pixel8(&image, size, 70),
                       *far = test_pixel8(&image, 150, 70);
         double half_grey = grey_of(&m, 0) * 0.5;
@@ -182,9 +199,13 @@ static void test_cells(void **state) {
             assert_color(&image, size + 5, 70, half_grey, half_grey, half_grey);
             assert_color(&image, size, 70, half_grey, half_grey, half_grey);
         } else {
-            for (int c = 0; c < 3; c++) assert_true(fabs(line[c] - (inside[c] * 0.65 + 255 * 0.35)) <= 1.5);
+            const uint8_t *cell = by_place ? test_pixel8(&image, size + 1, 70) : inside;
+            for (int c = 0; c < 3; c++)
+                if (fabs(line[c] - (by_place ? cell[c] : cell[c] * 0.65 + 255 * 0.35)) > 1.5)
+                    fail_msg("%s: the grid", fnl_light_lists_name(frame.lists));
             bool same = memcmp(inside, far, 4) == 0;
-            assert_int_equal(same, tiles); /* slices have hues of their own, tiles the colour of their count */
+            if (same != tiles && lists != FNL_LISTS_HALFZ) /* which half a lone surface is in does not matter */
+                fail_msg("%s: the hues", fnl_light_lists_name(frame.lists));
             vec3 one = heat(1);
             if (tiles)
                 assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45,
