@@ -82,7 +82,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     input->height = t.height;
     struct geometry_draws draws = cull_add(graph, &scene.geometry, slice.address);
 
-    struct clear_data clear = {import_readback(graph, "test counters", pixels * 4, &counters)};
+    struct clear_data clear = {import_readback(graph, "test counters", pixels * 8, &counters)};
     struct graph_pass *pass = graph_add_pass(graph, "test clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
 
@@ -208,15 +208,15 @@ static uint64_t check_counters(const struct traces *t, bool has_list, uint32_t l
     uint64_t sum = 0;
     for (uint32_t i = 0; i < t->width * t->height; i++) {
         uint32_t cells[2];
-        sum += t->counters[i];
+        sum += t->counters[2 * i];
         if (t->positions[i].w == 0) {
-            assert_int_equal(t->counters[i], 0);
+            assert_int_equal(t->counters[2 * i], 0);
         } else if (!has_list) {
-            assert_int_equal(t->counters[i], light_count);
+            assert_int_equal(t->counters[2 * i], light_count);
         } else {
             list_cells_of(&t->list, i % t->width, i / t->width, t->normals[i].w, cells);
-            if (t->counters[i] != t->list.cells[cells[0]].count)
-                assert_int_equal(t->counters[i], t->list.cells[cells[1]].count);
+            if (t->counters[2 * i] != t->list.cells[cells[0]].count)
+                assert_int_equal(t->counters[2 * i], t->list.cells[cells[1]].count);
         }
     }
     return sum;
