@@ -12,13 +12,10 @@ void make_masks(uint first, uint count) {
     for (uint w = 0u; w < words; w++) {
         for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
         uint end = min(32u, count - w * 32u);
-        for (uint b = 0u; b < end; b++) {
-            uint light = push.list.list.directional_count + push.ids.at[first + w * 32u + b];
-            if (!in_range(light)) continue;
-            fine_volume v = fine_volume_of(light);
-            for (uint i = 0u; i < OWN; i++)
-                if (holds_own(v, i)) masks[i] |= 1u << b;
-        }
+        if (thread < end) staged[thread] = fine_volume_of(push.list.list.directional_count + push.ids.at[first + w * 32u + thread]);
+        barrier();
+        for (uint b = 0u; b < end; b++) add_to_masks(b);
+        barrier();
         store_masks(push.extra, fine_masks_of(push.list, cell, first), words, w);
     }
 }

@@ -12,6 +12,7 @@ layout(constant_id = 2) const uint TILE_SIZE = 16u; // pixels
 layout(local_size_x = 8, local_size_y = 8) in; // each thread owns a square of the tile
 
 const uint THREADS = 64u, SIDE = TILE_SIZE / 8u, OWN = SIDE * SIDE;
+const uint FEW = OWN < 4u ? OWN : 4u; // pixels at a time
 const uint HELD = 1024u, ROOM = 3072u; // a batch adds at most 2048
 
 shared uint held[ROOM]; // lights in view that touch the tile's box
@@ -76,14 +77,13 @@ void take_positions() {
 
 // The supports of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
 struct fine_volume {
-    uint light, kind, hull_count, hull_first;
+    uint kind, hull_count, hull_first;
     vec3 position, direction, side, size, center;
     float range, spot_scale, spot_offset, radius;
 };
 
 fine_volume fine_volume_of(uint light) {
     fine_volume v;
-    v.light = light;
     v.position = push.list.list.lights.at[light].position;
     v.range = push.list.list.lights.at[light].range;
     v.kind = push.list.list.lights.at[light].kind;
@@ -109,15 +109,18 @@ fine_volume fine_volume_of(uint light) {
     return v;
 }
 
-bool fine_holds(fine_volume v, vec3 position, float slack) {
+shared fine_volume staged[32]; // lights that all threads test: fetched once, not by each of them
+
+// All but the planes of the hull.
+bool fine_shape_holds(fine_volume v, vec3 position, float slack) {
     vec3 from = position - v.position;
     float distance2 = dot(from, from), range = v.range + slack;
     if (distance2 > range * range) return false;
     slack += 2e-6 * v.range;
     if (v.kind == GPU_LIGHT_SPOT) {
-        // A step of s at the distance d turns the ray by asin(s / d) at most, which is below 1.6 s / d.
+        // A step of s at the distance d > s turns the ray by asin(s / d) at most, which is below 1.6 s / d; others may reach the apex.
         float d = sqrt(distance2), along = dot(v.direction, from) + 1.6 * slack + 2e-6 * d;
-        if (along * v.spot_scale + v.spot_offset * d < 0.0) return false;
+        if (d > slack && along * v.spot_scale + v.spot_offset * d < 0.0) return false;
     } else if (v.kind == GPU_LIGHT_CAPSULE) {
         vec3 nearest = from - v.direction * clamp(dot(from, v.direction), -v.size.x, v.size.x);
         float radius = v.size.y + slack;
@@ -128,6 +131,13 @@ bool fine_holds(fine_volume v, vec3 position, float slack) {
         if (v.kind == GPU_LIGHT_WEDGE && at.z < -slack) return false;
         if (any(greaterThan(abs(at), limit * (1.0 + 2e-6) + slack))) return false;
     }
+    return true;
+}
+
+bool fine_holds(fine_volume v, vec3 position, float slack) {
+    if (!fine_shape_holds(v, position, slack)) return false;
+    vec3 from = position - v.position;
+    slack += 2e-6 * v.range;
     for (uint i = 0u; i < v.hull_count; i++) {
         vec4 plane = plane_array(push.list.list.lights).at[v.hull_first + i];
         if (dot(plane.xyz, from) > plane.w + slack) return false;
@@ -147,26 +157,26 @@ bool holds_own(fine_volume v, uint i) {
     return s.w > 1e6 || fine_holds(v, positions[i] + s.xyz * (0.5 * s.w), slacks[i] + 0.5 * s.w);
 }
 
-// Whether one of the thread's pixels is in range: most lights that are not are put aside by two members.
-bool in_range(uint light) {
-    if ((flags & FINE_BLENDED) != 0u) return true;
-    vec3 center = push.list.list.lights.at[light].position;
-    float range = push.list.list.lights.at[light].range;
-    bool any_in = false;
-    for (uint i = 0u; i < OWN; i++) {
-        vec3 from = positions[i] - center;
-        float reach = range + slacks[i];
-        any_in = any_in || (slacks[i] >= 0.0 && !(dot(from, from) > reach * reach));
+// Which of the thread's pixels from `first` on, FEW of them, may be reached. Without loops within the loop over the pixels it unrolls, and
+// positions stay in registers.
+uint holds_few(fine_volume v, uint first) {
+    uint bits = 0u;
+    if ((flags & FINE_BLENDED) != 0u) {
+        for (uint k = 0u; k < FEW; k++)
+            if (holds_own(v, first + k)) bits |= 1u << k;
+        return bits;
     }
-    return any_in;
-}
-
-bool holds_any(uint light) {
-    if (!in_range(light)) return false;
-    fine_volume v = fine_volume_of(light);
-    for (uint i = 0u; i < OWN; i++)
-        if (holds_own(v, i)) return true;
-    return false;
+    for (uint k = 0u; k < FEW; k++)
+        if (slacks[first + k] >= 0.0 && fine_shape_holds(v, positions[first + k], slacks[first + k])) bits |= 1u << k;
+    if (bits == 0u) return bits;
+    for (uint i = 0u; i < v.hull_count; i++) {
+        vec4 plane = plane_array(push.list.list.lights).at[v.hull_first + i];
+        for (uint k = 0u; k < FEW; k++) {
+            float limit = plane.w + (slacks[first + k] + 2e-6 * v.range);
+            if (dot(plane.xyz, positions[first + k] - v.position) > limit) bits &= ~(1u << k);
+        }
+    }
+    return bits;
 }
 
 // ---- the walk ----
@@ -175,11 +185,70 @@ bool holds_any(uint light) {
 bool makes_masks = false, has_masks = false;
 uint masks[OWN];
 
+void add_to_masks(uint b) { // a staged light, as bit b
+    for (uint i = 0u; i < OWN; i += FEW) {
+        uint bits = holds_few(staged[b], i);
+        for (uint k = 0u; k < FEW; k++) masks[i + k] |= (bits >> k & 1u) << b;
+    }
+}
+
 uint local_light(uint index) { return push.visible_ids.at[index]; }
+
+// Fetches what is kept from `first` on, 32 lights at most. All threads call it; before they
+// call it again they pass a barrier.
+void stage_held(uint first, uint count) {
+    if (thread < count) staged[thread] = fine_volume_of(push.list.list.directional_count + local_light(held[first + thread]));
+    barrier();
+}
+
+// A sphere round the tile's positions, which puts aside most lights that hold none of them at the price of one pixel's test.
+shared vec3 lows[THREADS], highs[THREADS];
+vec3 tile_center;
+float tile_radius;
+
+void bound_tile() {
+    vec3 low = vec3(FINE_FAR), high = vec3(-FINE_FAR);
+    for (uint i = 0u; i < OWN; i++) {
+        if (slacks[i] < 0.0) continue;
+        low = min(low, positions[i] - slacks[i]);
+        high = max(high, positions[i] + slacks[i]);
+    }
+    lows[thread] = low;
+    highs[thread] = high;
+    barrier();
+    if (thread < 8u)
+        for (uint i = thread + 8u; i < THREADS; i += 8u) {
+            lows[thread] = min(lows[thread], lows[i]);
+            highs[thread] = max(highs[thread], highs[i]);
+        }
+    barrier();
+    for (uint i = 0u; i < 8u; i++) {
+        low = min(low, lows[i]);
+        high = max(high, highs[i]);
+    }
+    tile_center = 0.5 * (low + high);
+    tile_radius = 0.5 * length(high - low) * 1.00001 + 1e-6 * length(tile_center);
+}
+
+// Leaves of what is held the lights whose volumes, widened by the tile's sphere, hold its centre.
+uint hold_tile(uint count) {
+    uint left = 0u;
+    for (uint base = 0u; base < count; base += THREADS) {
+        uint i = base + thread, id = i < count ? held[i] : 0u, total;
+        bool hit = i < count && fine_holds(fine_volume_of(push.list.list.directional_count + local_light(id)), tile_center, tile_radius);
+        uint at = left + sum_before(hit ? 1u : 0u, total);
+        if (hit) held[at] = id;
+        left += total;
+    }
+    barrier();
+    return left;
+}
 
 // Gives what is kept to `out_ids` from `out_first` on, as far as it goes below `out_end`; returns how many are kept. `whole`: the tile has
 // nothing before and behind.
 uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_end) {
+    if ((flags & FINE_PIXELS) != 0u && (flags & FINE_BLENDED) == 0u) count = hold_tile(count);
+    if (count == 0u) return 0u; // the whole group
     uint words = (count + 31u) / 32u;
     for (uint w = thread; w < words; w += THREADS) kept_bits[w] = (flags & FINE_PIXELS) != 0u ? 0u : 0xffffffffu;
     barrier();
@@ -187,13 +256,8 @@ uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_
     if (has_masks) {
         uint bits = 0u;
         for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
-        for (uint b = 0u; b < count; b++) {
-            uint light = push.list.list.directional_count + local_light(held[b]);
-            if (!in_range(light)) continue;
-            fine_volume v = fine_volume_of(light);
-            for (uint i = 0u; i < OWN; i++)
-                if (holds_own(v, i)) masks[i] |= 1u << b;
-        }
+        stage_held(0u, count);
+        for (uint b = 0u; b < count; b++) add_to_masks(b);
         for (uint i = 0u; i < OWN; i++) bits |= masks[i];
         if (bits != 0u) atomicOr(kept_bits[0], bits);
         barrier();
@@ -206,9 +270,14 @@ uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_
     } else if ((flags & FINE_PIXELS) != 0u) {
         for (uint w = 0u; w < words; w++) {
             uint bits = 0u, end = min(32u, count - w * 32u);
-            for (uint b = 0u; b < end; b++)
-                if (holds_any(push.list.list.directional_count + local_light(held[w * 32u + b]))) bits |= 1u << b;
+            stage_held(w * 32u, end);
+            for (uint b = 0u; b < end; b++) {
+                uint any_held = 0u;
+                for (uint i = 0u; i < OWN; i += FEW) any_held |= holds_few(staged[b], i);
+                if (any_held != 0u) bits |= 1u << b;
+            }
             if (bits != 0u) atomicOr(kept_bits[w], bits);
+            barrier();
         }
         barrier();
     }
@@ -234,6 +303,7 @@ uint walk(uint_array out_ids, uint out_first, uint out_end) {
     if ((flags & (FINE_MIN_DEPTH | FINE_MAX_DEPTH)) != 0u)
         depths = fine_depths(flags, fine_range_of(flags, gl_WorkGroupID.xy));
     if (depths.x > depths.y) return 0u; // the whole group
+    if ((flags & FINE_PIXELS) != 0u && (flags & FINE_BLENDED) == 0u) bound_tile();
     vec4 rect = vec4(gl_WorkGroupID.xy * TILE_SIZE, min((gl_WorkGroupID.xy + 1u) * TILE_SIZE, push.view.view.size));
     for (uint base = 0u; base < words; base += THREADS) {
         uint w = base + thread, hits = 0u, total;
