@@ -5,6 +5,7 @@ set -u
 fanal=$1
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+export XDG_CACHE_HOME="$work/cache" # what auto remembers starts empty
 failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
 
@@ -54,11 +55,20 @@ expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --st
 absent "$work/a.png"
 
 # The main job, twice: equal bytes; every output at once; numbers that are there.
-expect 0 'light evaluations' render builtin:spheres $small -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2
+expect 0 'light evaluations' render builtin:spheres $small --lists clustered -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2
 expect 0 '' render builtin:spheres $small -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position --quiet
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
 cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the stats are not as documented'
+expect 0 'auto: fastest of [0-9]+ measured' render builtin:spheres $small --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"
+cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other bytes'
+expect 0 'auto: remembered' render builtin:spheres $small -o "$work/b.png"
+expect 2 "list-option: 'tiles' is not" render builtin:spheres --list-option tiles=3 -o "$work/b.png"
+expect 2 "tile-size: '24' is not one of 8 16 32 64" render builtin:spheres --list-option tile-size=24 -o "$work/b.png"
+expect 2 'cluster-near must be less' render builtin:spheres --list-option cluster-near=9,cluster-far=3 -o "$work/b.png"
+expect 0 'cluster-size' render builtin:spheres --list-option help
+expect 2 'mesh lists do not go with deferred' render builtin:spheres --lists mesh -o "$work/b.png"
+expect 2 "class-blocks: '5' is not one of 0 4 8" render builtin:spheres --class-blocks 5 -o "$work/b.png"
 expect 0 'tonemap' render builtin:spheres $small --plan
 expect 0 'size' compare "$work/a.png" "$work/b.png"
 expect 1 'max-diff|max' compare "$work/a.png" "$work/a.exr" --max-diff 0
