@@ -84,7 +84,8 @@ static void format_seconds(double seconds, char *text, size_t capacity) {
 static void show_progress(const struct bench_run *run, const char *what) {
     enum { WIDTH = 24 };
     if (run->settings->quiet || !isatty(STDERR_FILENO)) return;
-    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 0.99) : 1, elapsed = lane_now() - run->started;
+    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 0.99) : 1,
+           elapsed = lane_now() - run->started;
     char left[32] = "?";
     if (part > 0) format_seconds(elapsed / part * (1 - part), left, sizeof left);
     fputs("\r[", stderr);

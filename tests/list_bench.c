@@ -24,7 +24,8 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 }
 
 void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out) {
-    struct readback_data data = {.from = {list->cells, list->ids, list->totals, list->extra}, .count = list->extra.id ? 4 : 3};
+    struct readback_data data = {.from = {list->cells, list->ids, list->totals, list->extra},
+                                 .count = list->extra.id ? 4 : 3};
     struct gpu_buffer *buffers[4] = {&out->cells, &out->ids, &out->totals, &out->extra};
     static const char *const names[4] = {"test cells", "test ids", "test totals", "test extra"};
     for (int i = 0; i < data.count; i++) {
@@ -159,14 +160,10 @@ struct list_copy list_build(const struct list_request *request) {
                                 .width = request->view.size.x,
                                 .height = request->view.size.y};
     struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct light_list list = request->builder == LIST_TILED
-                                 ? tiled_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_HALFZ
-                                 ? halfz_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_25D
-                                 ? tiled25d_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_ENHANCED
-                                 ? enhanced_add(graph, device, &input, &in_view, &tiled)
+    struct light_list list = request->builder == LIST_TILED   ? tiled_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_HALFZ ? halfz_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_25D   ? tiled25d_add(graph, device, &input, &in_view, depth, &tiled)
+                             : request->builder == LIST_ENHANCED ? enhanced_add(graph, device, &input, &in_view, &tiled)
                              : request->builder == LIST_BVH
                                  ? bvh_add(graph, device, &input, &in_view, &request->clustered)
                                  : clustered_add(graph, device, &input, &in_view, &request->clustered);

@@ -24,7 +24,7 @@ struct list_request {
 struct list_copy {
     struct gpu_light_list grid; /* without its addresses */
     struct gpu_cell *cells;
-    uint32_t *ids; /* the whole pool */
+    uint32_t *ids;   /* the whole pool */
     uint32_t *extra; /* or NULL */
     uint32_t cell_count;
     struct light_totals totals;

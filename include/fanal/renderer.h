@@ -90,27 +90,29 @@ typedef enum fnl_volume_shape {
 /** Where the axis of the cone round a tile's normals comes from. */
 typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
-    FNL_BACKFACE_AXIS_SUM,  /**< a sum over the pixels of those tiles that need one */
-    FNL_BACKFACE_AXIS_MIPS,    /**< a level of a pyramid of all normals */
+    FNL_BACKFACE_AXIS_SUM,         /**< a sum over the pixels of those tiles that need one */
+    FNL_BACKFACE_AXIS_MIPS,        /**< a level of a pyramid of all normals */
     FNL_BACKFACE_AXIS_COUNT
 } fnl_backface_axis;
 
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
-    bool frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
+    bool
+        frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
                             deferred-volumes; without it lights_in_view counts all */
     uint32_t tile_size;          /**< pixels, 8, 16, 32 or 64; default 16. Lists of tiles */
     fnl_tile_bounds tile_bounds; /**< default FNL_TILE_BOUNDS_BOX. tiled, halfz, 2.5d */
     bool min_depth,
         max_depth;   /**< lights before the nearest, beyond the farthest pixel of a tile are left out; default true. tiled */
     bool cone_tests; /**< spots are tested as cones, not as spheres; default true. tiled, halfz, 2.5d, clustered, bvh */
-    bool fine_pruning;       /**< each pixel is tested against the lights' true volumes; default true. fine */
-    uint32_t fine_masks;     /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
-    bool normal_cones;     /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
+    bool fine_pruning;   /**< each pixel is tested against the lights' true volumes; default true. fine */
+    uint32_t fine_masks; /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
+    bool
+        normal_cones; /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     fnl_backface_axis backface_axis; /**< default samples. backface */
-    bool tree_hybrid;        /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */
-    uint32_t cluster_size;   /**< pixels, 8 .. 256; default 64. Lists of clusters */
-    uint32_t slices;         /**< 1 .. 1024; default 32. Lists of clusters */
+    bool tree_hybrid;      /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */
+    uint32_t cluster_size; /**< pixels, 8 .. 256; default 64. Lists of clusters */
+    uint32_t slices;       /**< 1 .. 1024; default 32. Lists of clusters */
     fnl_slices distribution; /**< default exponential. Lists of clusters */
     float cluster_near; /**< view depth in metres where the first slice ends, > 0; INFINITY (default): chosen by the scene */
     float
@@ -142,11 +144,11 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_NORMAL,
     FNL_DEBUG_DEPTH,
     FNL_DEBUG_ROUGHNESS,
-    FNL_DEBUG_LIGHTS,   /**< heat map of the lights that a pixel visits, with a legend */
-    FNL_DEBUG_CELLS,    /**< tiles, or depth slices in colours, of the light lists */
-    FNL_DEBUG_OVERDRAW, /**< fragments per pixel, hidden ones too, with a legend */
+    FNL_DEBUG_LIGHTS,       /**< heat map of the lights that a pixel visits, with a legend */
+    FNL_DEBUG_CELLS,        /**< tiles, or depth slices in colours, of the light lists */
+    FNL_DEBUG_OVERDRAW,     /**< fragments per pixel, hidden ones too, with a legend */
     FNL_DEBUG_TILE_NORMALS, /**< mean normals of the tiles of backface lists */
-    FNL_DEBUG_BACKFACES, /**< heat map of the lights that backface lists drop from each tile, with a legend */
+    FNL_DEBUG_BACKFACES,    /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
     FNL_DEBUG_COUNT
 } fnl_debug_view;

@@ -109,10 +109,11 @@ typedef enum fnl_light_kind {
 typedef struct fnl_light_params {
     fnl_light_kind kind; /**< default point */
     fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules and boxes; not for directional lights */
-    fnl_vec3 direction;  /**< where the light shines to; capsules: along the segment; normalised by the call; not for point lights;
+    fnl_vec3
+        direction; /**< where the light shines to; capsules: along the segment; normalised by the call; not for point lights;
                               default 0, 0, -1 */
-    float color[3];      /**< linear RGB, >= 0; default 1 */
-    float intensity;     /**< candela, or lux for directional lights and boxes, >= 0; default 1 */
+    float color[3];  /**< linear RGB, >= 0; default 1 */
+    float intensity; /**< candela, or lux for directional lights and boxes, >= 0; default 1 */
     /**
      * Distance from the position (capsules: from the segment) from which on the light gives exactly nothing, metres, > 0;
      * INFINITY (the default) derives it from the intensity (fnl_light_range). Not for directional lights and boxes.
@@ -128,7 +129,8 @@ typedef struct fnl_light_params {
     float length;          /**< capsules: of the segment, half of it to each side of the position, metres, >= 0; default 1 */
     float wedge_angles[2]; /**< wedges: half angles across the width and the height, radians, 0 .. 1.5; default pi/4, pi/6 */
     fnl_vec3 box_size;     /**< boxes: width, height and depth (along the direction), metres, > 0; default 1 */
-    float inner_fraction;  /**< wedges and boxes: part of the way from axis to edge that has full intensity, beyond it fades to
+    float
+        inner_fraction; /**< wedges and boxes: part of the way from axis to edge that has full intensity, beyond it fades to
                                 nothing at the edge, 0 .. 1; default 0.7 */
 } fnl_light_params;
 
@@ -170,10 +172,11 @@ FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughn
 FNL_API fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed);
 
 typedef struct fnl_scatter_params {
-    uint32_t count;                     /**< of lights; default 0 */
-    uint64_t seed;                      /**< default 1 */
-    float shares[FNL_LIGHT_KIND_COUNT]; /**< relative number of each kind, >= 0; default 3 points, 1 spot; no directional ones */
-    float radius_scale;                 /**< times the radius that lets 8 points reach a point of the scene, > 0; default 1 */
+    uint32_t count; /**< of lights; default 0 */
+    uint64_t seed;  /**< default 1 */
+    float shares
+        [FNL_LIGHT_KIND_COUNT]; /**< relative number of each kind, >= 0; default 3 points, 1 spot; no directional ones */
+    float radius_scale;         /**< times the radius that lets 8 points reach a point of the scene, > 0; default 1 */
 } fnl_scatter_params;
 
 FNL_API fnl_scatter_params fnl_scatter_params_default(void);

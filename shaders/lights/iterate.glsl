@@ -144,23 +144,13 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
         c.turn++;
         return true;
     }
-    if (LIST_KIND == GPU_LIST_BINS) {
+    if (LIST_KIND == GPU_LIST_BINS || (LIST_KIND == GPU_LIST_FINE || LIST_KIND == GPU_LIST_TREE) && !c.direct) {
         uint id;
-        if (!bins_next(l, c.bins, id)) return false;
+        bool found = LIST_KIND == GPU_LIST_BINS   ? bins_next(l, c.bins, id)
+                     : LIST_KIND == GPU_LIST_FINE ? fine_next(l, c.fine, id)
+                                                  : tree_next(l, c.tree, id);
         light = l.list.directional_count + id;
-        return true;
-    }
-    if (LIST_KIND == GPU_LIST_FINE && !c.direct) {
-        uint id;
-        if (!fine_next(l, c.fine, id)) return false;
-        light = l.list.directional_count + id;
-        return true;
-    }
-    if (LIST_KIND == GPU_LIST_TREE && !c.direct) {
-        uint id;
-        if (!tree_next(l, c.tree, id)) return false;
-        light = l.list.directional_count + id;
-        return true;
+        return found;
     }
     if (LIST_KIND == GPU_LIST_RANGES && !c.direct)
         while (c.next < c.end && !depth_in_range(c.depth, l.list.extra.at[c.next])) c.next++;

@@ -83,7 +83,8 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         TRY(prepare_structure(d));
     }
     /* The lights' buffer only grows; its contents are sent inside the frame. */
-    uint64_t needed = device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
+    uint64_t needed =
+        device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
     if (d->lights.size < needed) {
         gpu_buffer_destroy(d->device, &d->lights);
         TRY(gpu_buffer_create(d->device, "lights", needed, GPU_MEMORY_DEVICE, &d->lights));

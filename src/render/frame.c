@@ -160,7 +160,8 @@ static void add_forward(struct frame_state *f, const struct shade_input *input, 
     if (draws_batches(f))
         batches_add(f->graph, input, f->radiance, depth);
     else if (draws_per_light(f))
-        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance, depth);
+        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
+                      depth);
     else
         forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
 }
@@ -228,9 +229,9 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     } else {
         struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
-            counts = (struct debug_counts){overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
-                                                        f->frame->width, f->frame->height),
-                                           1};
+            counts = (struct debug_counts){
+                overdraw_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height),
+                1};
         if (f->frame->debug == FNL_DEBUG_OVERSHADING)
             counts = (struct debug_counts){overshading_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
                                                            f->frame->width, f->frame->height),

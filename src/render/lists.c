@@ -42,7 +42,9 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
 
 /* ---- the builders ---- */
 
-enum { ZBIN_BINS_PER_SLICE = 4 }; /* bins cost a mask each, not a cell for each tile: there may be more than slices of clusters */
+enum {
+    ZBIN_BINS_PER_SLICE = 4
+}; /* bins cost a mask each, not a cell for each tile: there may be more than slices of clusters */
 
 static struct lights_in_view in_view(struct lists_context *c) { return lights_in_view_add(c->graph, c->device, c->input); }
 
@@ -71,7 +73,8 @@ static graph_image add_blend_depth(struct lists_context *c) {
 }
 
 /* Glass stands in front of what the depth shows: it gets tiles of its own (ES-44). */
-static void add_blend_tiles(struct lists_context *c, const struct lights_in_view *visible, const struct tiled_params *opaque) {
+static void add_blend_tiles(struct lists_context *c, const struct lights_in_view *visible,
+                            const struct tiled_params *opaque) {
     if (!c->depth.id || !c->has_blend) return;
     struct tiled_params params = *opaque;
     params.front = add_blend_depth(c);
@@ -225,8 +228,8 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
     /* As for pools: a 32nd of the device's memory. */
     params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
     const struct gpu_light *lights = input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL;
-    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version, &c->device_scene->bounds,
-                               &params);
+    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version,
+                               &c->device_scene->bounds, &params);
 }
 
 static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }

@@ -63,8 +63,8 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
-    static const char *const names[] = {"none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw",
-                                        "tile-normals", "backfaces", "overshading"};
+    static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
+                                        "cells", "overdraw", "tile-normals", "backfaces", "overshading"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }

@@ -26,13 +26,13 @@ struct fnl_renderer {
     struct graph *graph;
     struct device_scene device_scene;
     struct device_scene_frame scene_frame; /* of the frame being made */
-    struct chooser chooser;   /* auto */
-    struct choice asked;      /* of the last frame */
-    bool chooses;             /* the chooser wants the time of the frame being made */
-    struct lists_state lists; /* what builders keep from frame to frame */
-    uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
-    bool poison;            /* tests: transient buffers begin each frame full of rubbish */
-    bool force_async;       /* tests: passes for the compute queue go through it even where it is the graphics queue */
+    struct chooser chooser;                /* auto */
+    struct choice asked;                   /* of the last frame */
+    bool chooses;                          /* the chooser wants the time of the frame being made */
+    struct lists_state lists;              /* what builders keep from frame to frame */
+    uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
+    bool poison;                           /* tests: transient buffers begin each frame full of rubbish */
+    bool force_async; /* tests: passes for the compute queue go through it even where it is the graphics queue */
 
     /* The last frame, and where its results are. */
     fnl_frame frame;

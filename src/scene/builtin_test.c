@@ -81,11 +81,28 @@ static uint64_t scene_hash(const fnl_scene *scene) {
     }
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         const fnl_light_params *l = &scene->lights.data[i].params;
-        float values[] = {(float)l->kind, l->position.x,  l->position.y,       l->position.z,      l->direction.x,
-                          l->direction.y, l->direction.z, l->color[0],         l->color[1],        l->color[2],
-                          l->intensity,   l->range,       l->inner_cone_angle, l->outer_cone_angle,
-                          l->up.x,        l->up.y,        l->up.z,             l->length,
-                          l->box_size.x,  l->box_size.y,  l->box_size.z,       l->wedge_angles[0],
+        float values[] = {(float)l->kind,
+                          l->position.x,
+                          l->position.y,
+                          l->position.z,
+                          l->direction.x,
+                          l->direction.y,
+                          l->direction.z,
+                          l->color[0],
+                          l->color[1],
+                          l->color[2],
+                          l->intensity,
+                          l->range,
+                          l->inner_cone_angle,
+                          l->outer_cone_angle,
+                          l->up.x,
+                          l->up.y,
+                          l->up.z,
+                          l->length,
+                          l->box_size.x,
+                          l->box_size.y,
+                          l->box_size.z,
+                          l->wedge_angles[0],
                           l->wedge_angles[1]};
         h = hash_bytes(values, sizeof values, h);
     }
@@ -349,7 +366,8 @@ static void test_wall_holds_the_counts_of_TD_7(void **state) {
 /* Few lights are already of all shapes, and most reach through their room and beyond. */
 static void test_interior_has_large_lights_of_all_shapes_FP_6(void **state) {
     UNUSED(state);
-    static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120", "interior?lights=120&overlap=3"};
+    static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120",
+                                        "interior?lights=120&overlap=3"};
     for (uint32_t i = 0; i < COUNT_OF(texts); i++) {
         fnl_scene *scene = load(texts[i]);
         uint32_t kinds[FNL_LIGHT_KIND_COUNT] = {0}, large = 0;

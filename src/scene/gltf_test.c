@@ -448,7 +448,8 @@ static void test_light_shapes_in_extras(void **state) {
         "{\"type\":\"spot\",\"spot\":{},\"extras\":[1,2]},"
         "{\"type\":\"point\",\"extras\":{\"FNL_light_shapes\":{\"shape\":\"wedge\",\"wedgeAngles\":[9,0.5]}}}]}},"
         "\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
-        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]}";
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}]"
+        "}";
     size_t size;
     unsigned char *glb = test_glb(json, NULL, 0, &size);
     fnl_host host = test_host(&file_log);
@@ -460,7 +461,8 @@ static void test_light_shapes_in_extras(void **state) {
     assert_int_equal(scene->lights.data[0].params.kind, FNL_LIGHT_POINT);
     assert_int_equal(scene->lights.data[1].params.kind, FNL_LIGHT_SPOT);
     assert_int_equal(scene->lights.data[2].params.kind, FNL_LIGHT_WEDGE);
-    assert_true(scene->lights.data[2].params.wedge_angles[0] == 1.5f && scene->lights.data[2].params.wedge_angles[1] == 0.5f);
+    assert_true(scene->lights.data[2].params.wedge_angles[0] == 1.5f &&
+                scene->lights.data[2].params.wedge_angles[1] == 0.5f);
     fnl_scene_destroy(&scene);
 }
 

@@ -69,18 +69,14 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
     static const struct radix_sort_names names = RADIX_SORT_NAMES("blend");
     uint32_t count = scene->blend_item_count;
     graph_buffer keys = graph_create_buffer(graph, "sort keys", count * 8ull);
-    struct graph_pass *keys_pass = add_sort_pass(graph, "sort keys",
-                                                 &(struct sort_data){.scene = scene,
-                                                                     .view = view,
-                                                                     .sums = draws->sums,
-                                                                     .keys_out = keys,
-                                                                     .shader = &shader_sort_keys_comp});
+    struct graph_pass *keys_pass = add_sort_pass(
+        graph, "sort keys",
+        &(struct sort_data){
+            .scene = scene, .view = view, .sums = draws->sums, .keys_out = keys, .shader = &shader_sort_keys_comp});
     graph_use_buffer(keys_pass, scene->vertices, GRAPH_READ_COMPUTE);
-    keys = radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
-                                                             .queue = GRAPH_QUEUE_GRAPHICS,
-                                                             .pairs = keys,
-                                                             .capacity = count,
-                                                             .bits = 32});
+    keys = radix_sort_add(graph,
+                          &(struct radix_sort_params){
+                              .names = &names, .queue = GRAPH_QUEUE_GRAPHICS, .pairs = keys, .capacity = count, .bits = 32});
     draws->blend_draws = graph_create_buffer(graph, "blend draws", count * sizeof(struct gpu_draw));
     draws->blend_visible = graph_create_buffer(graph, "blend visible", count * 4ull);
     struct sort_data data = {.scene = scene,

@@ -16,7 +16,7 @@ struct cells_names {
 #define CELLS_NAMES(what)                                                                                                   \
     {                                                                                                                       \
         what " bounds", what " count", what " fill", what " totals", what " cell bounds", what " sums", what " cells",      \
-            what " ids", what " overflow", what " list totals", what " extra", PREFIX_SUM_NAMES(what)                                      \
+            what " ids", what " overflow", what " list totals", what " extra", PREFIX_SUM_NAMES(what)                       \
     }
 
 /** What is known when the lights of each cell are counted: sums[cell * chunk_count + chunk]. */

@@ -33,7 +33,8 @@ struct light_list {
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */
     uint32_t entry_bytes; /* what an entry of the pool takes */
-    graph_buffer cones, culled; /* of backface lists: struct gpu_cone of each tile; one uint, lights behind all that they touch. Or id 0 */
+    graph_buffer cones,
+        culled; /* of backface lists: struct gpu_cone of each tile; one uint, lights behind all that they touch. Or id 0 */
     /* Where the counts of this frame are found: on the GPU in `totals` (struct light_totals), or already known. */
     graph_buffer totals;
     bool totals_known;
@@ -50,9 +51,9 @@ struct light_list light_list_all_add(struct graph *graph, gpu_device *device, co
 
 /** Lights in view, shared by all builders of a frame. */
 struct lights_in_view {
-    graph_buffer sums;   /* local_count + 1; the last is the number in view */
-    graph_buffer ids;    /* ascending */
-    graph_buffer bounds; /* struct gpu_bound, view space */
+    graph_buffer sums;    /* local_count + 1; the last is the number in view */
+    graph_buffer ids;     /* ascending */
+    graph_buffer bounds;  /* struct gpu_bound, view space */
     graph_buffer reaches; /* struct gpu_reach, view space */
 };
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
@@ -106,8 +107,8 @@ struct clustered_params {
     uint32_t slices;    /* 1 .. 1024; default 32 */
     float near,
         far; /* view depths, metres, 0 < near < far: slice 0 is all nearer than its end, the last all beyond its start; default 0.5, 100 */
-    bool linear;            /* slices of equal depth between near and far; default false: each as many times deeper as the last */
-    bool cone_tests;        /* spots and wedges whose sphere touches are tested as cones; default true */
+    bool linear;     /* slices of equal depth between near and far; default false: each as many times deeper as the last */
+    bool cone_tests; /* spots and wedges whose sphere touches are tested as cones; default true */
     uint32_t pool_capacity; /* default 2^20 */
 };
 struct clustered_params clustered_params_default(void);

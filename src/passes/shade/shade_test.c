@@ -120,7 +120,8 @@ static void add_spheres(fnl_scene *scene, struct scene_material materials[MATERI
 }
 
 static void add_mixed_lights(fnl_scene *scene, fnl_light_params lights[LIGHTS]) {
-    static const fnl_light_kind kinds[] = {FNL_LIGHT_SPOT, FNL_LIGHT_POINT, FNL_LIGHT_CAPSULE, FNL_LIGHT_WEDGE, FNL_LIGHT_BOX};
+    static const fnl_light_kind kinds[] = {FNL_LIGHT_SPOT, FNL_LIGHT_POINT, FNL_LIGHT_CAPSULE, FNL_LIGHT_WEDGE,
+                                           FNL_LIGHT_BOX};
     struct random_state random = {20};
     for (uint32_t i = 0; i < LIGHTS; i++) {
         fnl_light_params *l = &lights[i];
@@ -167,8 +168,8 @@ static void test_mixed_lights(void **state) {
         test_render_frame(renderer, &frame);
         uint32_t covered;
         double error = compare_with_reference(renderer, &frame.camera, &setup, 1e-4, &covered);
-        print_message("50 mixed lights of six kinds, %s: largest relative error %.2g over %u pixels\n", fnl_light_lists_name(frame.lists),
-                      error, covered);
+        print_message("50 mixed lights of six kinds, %s: largest relative error %.2g over %u pixels\n",
+                      fnl_light_lists_name(frame.lists), error, covered);
         assert_true(covered > 4000 && error < TOLERANCE);
     }
     /* Orthographic and off-axis views see along other directions. */
