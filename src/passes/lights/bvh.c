@@ -309,16 +309,16 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
     graph_use_buffer(pass, data.ids, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.unsorted, data.sort_steps % 2 ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE);
 
-    return (struct light_list){
-        .lights = input->buffer,
-        .header = query->header_address,
-        .cells = data.cells,
-        .ids = data.ids,
-        .cell_count = query->cell_count,
-        .byte_count = query->cell_count * sizeof(struct gpu_cell) + query->pool_capacity * 4ull,
-        .fixed_bytes = query->cell_count * sizeof(struct gpu_cell),
-        .entry_bytes = 4,
-        .totals = cells_totals_add(graph, &names->cells, input, in_view, data.sums, sum_count, data.overflow)};
+    return (struct light_list){.lights = input->buffer,
+                               .header = query->header_address,
+                               .cells = data.cells,
+                               .ids = data.ids,
+                               .cell_count = query->cell_count,
+                               .byte_count = query->cell_count * sizeof(struct gpu_cell) + query->pool_capacity * 4ull,
+                               .fixed_bytes = query->cell_count * sizeof(struct gpu_cell),
+                               .entry_bytes = 4,
+                               .totals = light_totals_add(graph, names->cells.totals, names->cells.totals_buffer, input,
+                                                          in_view, data.sums, sum_count, data.overflow)};
 }
 
 /* ---- clusters ---- */

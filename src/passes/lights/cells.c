@@ -65,39 +65,6 @@ static void execute_step(const struct graph_context *context, const void *data) 
     gpu_dispatch(context->commands, DIVIDE_UP(d->cell_count + 1, 64u), d->chunk_count, 1);
 }
 
-struct totals_data {
-    graph_buffer sums, overflow, lights, totals;
-    uint64_t sums_offset, lights_offset;
-};
-
-static void execute_totals(const struct graph_context *context, const void *data) {
-    const struct totals_data *d = data;
-    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
-                    offsetof(struct light_totals, in_view), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
-                    offsetof(struct light_totals, entries), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
-                    offsetof(struct light_totals, overflow_cells), 4);
-}
-
-graph_buffer cells_totals_add(struct graph *graph, const struct cells_names *names, const struct light_input *input,
-                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
-                              graph_buffer overflow) {
-    struct totals_data totals = {.sums = sums,
-                                 .overflow = overflow,
-                                 .lights = in_view->sums,
-                                 .totals = graph_create_buffer(graph, names->totals_buffer, sizeof(struct light_totals)),
-                                 .sums_offset = (sum_count - 1) * 4ull,
-                                 .lights_offset = input->local_count * 4ull};
-    struct graph_pass *pass = graph_add_pass(graph, names->totals, input->queue, execute_totals, &totals, sizeof totals);
-    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
-    return totals.totals;
-}
-
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build) {
     const struct cells_names *names = build->names;
@@ -174,6 +141,6 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .byte_count = fixed_bytes + (uint64_t)build->pool_capacity * entry_bytes,
                                .fixed_bytes = fixed_bytes,
                                .entry_bytes = entry_bytes,
-                               .totals =
-                                   cells_totals_add(graph, names, input, in_view, data.sums, sum_count, data.overflow)};
+                               .totals = light_totals_add(graph, names->totals, names->totals_buffer, input, in_view,
+                                                          data.sums, sum_count, data.overflow)};
 }

@@ -60,9 +60,4 @@ struct cells_build tiled_build(struct graph *graph, gpu_device *device, const st
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build);
 
-/** Gathers the counts of a frame into a struct light_totals: the last of `sum_count` sums is the number of entries. */
-graph_buffer cells_totals_add(struct graph *graph, const struct cells_names *names, const struct light_input *input,
-                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
-                              graph_buffer overflow);
-
 #endif

@@ -66,36 +66,6 @@ static void execute_step(const struct graph_context *context, const void *data) 
         gpu_dispatch_linear(context->commands, d->groups[0]);
 }
 
-struct totals_data {
-    graph_buffer sums, overflow, lights, totals;
-    uint64_t sums_offset, lights_offset;
-};
-
-static void execute_totals(const struct graph_context *context, const void *data) {
-    const struct totals_data *d = data;
-    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
-                    offsetof(struct light_totals, in_view), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
-                    offsetof(struct light_totals, entries), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
-                    offsetof(struct light_totals, overflow_cells), 4);
-}
-
-static void add_totals(struct graph *graph, const struct step_data *all, uint32_t cell_count, graph_buffer out) {
-    struct totals_data data = {.sums = all->sums,
-                               .overflow = all->overflow,
-                               .lights = all->in_view.sums,
-                               .totals = out,
-                               .sums_offset = cell_count * 4ull,
-                               .lights_offset = all->input.local_count * 4ull};
-    struct graph_pass *pass = graph_add_pass(graph, "fine totals", all->input.queue, execute_totals, &data, sizeof data);
-    graph_use_buffer(pass, data.sums, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, data.overflow, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, data.lights, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, data.totals, GRAPH_COPY_TO);
-}
-
 /* What a step reads and writes; the rest of the buffers is taken out of its data. */
 static void add_step(struct graph *graph, const char *name, const struct gpu_shader *shader, const struct step_data *all,
                      uint32_t x, uint32_t y, uint32_t z) {
@@ -234,8 +204,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     add_step(graph, "fine count", &shader_fine_count_comp, &all, tiles_x, tiles_y, all.list_count);
     prefix_sum_add(graph, &sum_names, input->queue, all.sums, cell_count + 1);
     add_step(graph, "fine fill", &shader_fine_fill_comp, &all, tiles_x, tiles_y, all.list_count);
-    graph_buffer totals = graph_create_buffer(graph, "fine list totals", sizeof(struct light_totals));
-    add_totals(graph, &all, cell_count, totals);
+    graph_buffer totals = light_totals_add(graph, "fine totals", "fine list totals", &all.input, &all.in_view, all.sums,
+                                           cell_count + 1, all.overflow);
 
     struct fine_lists lists = {.boxes = all.boxes};
     lists.lights = (struct light_list){.kind = GPU_LIST_FINE,

@@ -82,3 +82,38 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     graph_use_buffer(pass, data.in_view.reaches, GRAPH_WRITE_COMPUTE);
     return data.in_view;
 }
+
+/* ---- counts of the frame ---- */
+
+struct totals_data {
+    graph_buffer sums, overflow, lights, totals;
+    uint64_t sums_offset, lights_offset;
+};
+
+static void execute_totals(const struct graph_context *context, const void *data) {
+    const struct totals_data *d = data;
+    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
+                    offsetof(struct light_totals, in_view), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
+                    offsetof(struct light_totals, entries), 4);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
+                    offsetof(struct light_totals, overflow_cells), 4);
+}
+
+graph_buffer light_totals_add(struct graph *graph, const char *pass_name, const char *buffer_name,
+                              const struct light_input *input, const struct lights_in_view *in_view, graph_buffer sums,
+                              uint32_t sum_count, graph_buffer overflow) {
+    struct totals_data totals = {.sums = sums,
+                                 .overflow = overflow,
+                                 .lights = in_view->sums,
+                                 .totals = graph_create_buffer(graph, buffer_name, sizeof(struct light_totals)),
+                                 .sums_offset = (sum_count - 1) * 4ull,
+                                 .lights_offset = input->local_count * 4ull};
+    struct graph_pass *pass = graph_add_pass(graph, pass_name, input->queue, execute_totals, &totals, sizeof totals);
+    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
+    return totals.totals;
+}

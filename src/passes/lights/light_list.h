@@ -65,6 +65,14 @@ enum tile_bounds {
     TILE_RECTANGLE, /* the sphere's rectangle on the screen against the tile's, and two depths (ES-15) */
 };
 
+/**
+ * Keeps the counts of a list for the statistics: the last of `sum_count` prefix sums is the number of entries, overflow[0] that of cells
+ * that did not fit. For builders.
+ */
+graph_buffer light_totals_add(struct graph *graph, const char *pass_name, const char *buffer_name,
+                              const struct light_input *input, const struct lights_in_view *in_view, graph_buffer sums,
+                              uint32_t sum_count, graph_buffer overflow);
+
 struct tiled_params {
     uint32_t tile_size;        /* pixels, a multiple of 8; default 16 */
     enum tile_bounds bounds;   /* default TILE_BOX */

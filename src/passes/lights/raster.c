@@ -125,22 +125,6 @@ static void execute_fill(const struct graph_context *context, const void *data) 
     gpu_dispatch_linear(context->commands, d->tile_count * d->chunk_count);
 }
 
-struct totals_data {
-    graph_buffer sums, overflow, lights, totals;
-    uint64_t sums_offset, lights_offset;
-};
-
-static void execute_totals(const struct graph_context *context, const void *data) {
-    const struct totals_data *d = data;
-    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
-                    offsetof(struct light_totals, in_view), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
-                    offsetof(struct light_totals, entries), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
-                    offsetof(struct light_totals, overflow_cells), 4);
-}
-
 /* ---- the list ---- */
 
 static void add_shell(struct graph *graph, const struct raster_data *d) {
@@ -276,18 +260,6 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     graph_use_buffer(pass, d.cells, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, d.ids, GRAPH_WRITE_COMPUTE);
 
-    struct totals_data totals = {.sums = d.sums,
-                                 .overflow = d.overflow,
-                                 .lights = in_view->sums,
-                                 .totals = graph_create_buffer(graph, "raster totals", sizeof(struct light_totals)),
-                                 .sums_offset = (sum_count - 1) * 4ull,
-                                 .lights_offset = input->local_count * 4ull};
-    pass = graph_add_pass(graph, "raster totals", input->queue, execute_totals, &totals, sizeof totals);
-    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
-
     struct raster_memory memory = raster_memory(params, input->width, input->height, input->local_count);
     out.list.kind = d.nodes == GPU_NODES_ARRAY ? GPU_LIST_CLUSTERS : GPU_LIST_LINKS;
     out.list.cells = d.cells;
@@ -296,7 +268,8 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     out.list.byte_count = memory.offsets + memory.list;
     out.list.fixed_bytes = memory.offsets;
     out.list.entry_bytes = entry_bytes(d.nodes);
-    out.list.totals = totals.totals;
+    out.list.totals =
+        light_totals_add(graph, "raster totals", "raster list totals", input, in_view, d.sums, sum_count, d.overflow);
     out.slots = d.slots;
     out.slot_sums = d.slot_sums;
     out.rectangles = d.lights;

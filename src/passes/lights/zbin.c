@@ -64,38 +64,6 @@ static struct graph_pass *add_step(struct graph *graph, const char *name, struct
     return pass;
 }
 
-struct totals_data {
-    graph_buffer sums, overflow, lights, totals;
-    uint64_t sums_offset, lights_offset;
-};
-
-static void execute_totals(const struct graph_context *context, const void *data) {
-    const struct totals_data *d = data;
-    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->lights), d->lights_offset, totals,
-                    offsetof(struct light_totals, in_view), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->sums), d->sums_offset, totals,
-                    offsetof(struct light_totals, entries), 4);
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->overflow), 0, totals,
-                    offsetof(struct light_totals, overflow_cells), 4);
-}
-
-static graph_buffer add_totals(struct graph *graph, const struct step_data *data) {
-    struct totals_data totals = {.sums = data->sums,
-                                 .overflow = data->overflow,
-                                 .lights = data->in_view.sums,
-                                 .totals = graph_create_buffer(graph, "zbin list totals", sizeof(struct light_totals)),
-                                 .sums_offset = data->cell_count * 4ull,
-                                 .lights_offset = data->input.local_count * 4ull};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "zbin totals", data->input.queue, execute_totals, &totals, sizeof totals);
-    graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
-    return totals.totals;
-}
-
 /* The table has a record for each cell and 1024 lights, whether they touch or not: tiles grow before it does. */
 static uint32_t tile_size_of(const struct light_input *input, const struct zbin_params *params, uint64_t group_count) {
     uint32_t size = params->tile_size;
@@ -158,5 +126,6 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
                                .byte_count = data.table_words * 4ull + params->pool_capacity * 4ull,
                                .fixed_bytes = data.table_words * 4ull,
                                .entry_bytes = 4,
-                               .totals = add_totals(graph, &data)};
+                               .totals = light_totals_add(graph, "zbin totals", "zbin list totals", input, in_view,
+                                                          data.sums, data.cell_count + 1, data.overflow)};
 }
