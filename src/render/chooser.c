@@ -303,7 +303,10 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
     c->frames++;
     if (pinned && c->state == CHOOSER_MEASURING) { /* the best of what has been measured by now */
         uint32_t second, best = best_of(c, &second);
-        return best < CHOOSER_CANDIDATES ? c->candidates[best].choice : c->choice;
+        if (best == CHOOSER_CANDIDATES) return c->choice;
+        snprintf(c->reason, sizeof c->reason, "fastest of those measured before the choice was pinned: %.2f ms",
+                 median_of(&c->candidates[best]));
+        return c->candidates[best].choice;
     }
     if (c->state != CHOOSER_MEASURING) return c->choice;
     if (c->pending_count == CHOOSER_PENDING) return c->choice;

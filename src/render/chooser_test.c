@@ -184,6 +184,7 @@ static void test_pinned_measures_nothing(void **state) {
     for (int i = 0; i < 16; i++) step(&m, &at, false); /* pinned in the middle of measuring: the best so far */
     assert_int_equal(c.state, CHOOSER_MEASURING);
     assert_int_equal(step(&m, &at, true).lists, FNL_LISTS_CLUSTERED);
+    assert_non_null(strstr(c.reason, "before the choice was pinned"));
     /* once let go it measures, and the result is kept when pinned again */
     settle(&m, &at);
     assert_int_equal(c.choice.lists, FNL_LISTS_CLUSTERED);
