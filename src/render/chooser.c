@@ -179,6 +179,8 @@ void chooser_parse(struct chooser *c, const char *text, size_t length) {
 
 /* ---- deciding ---- */
 
+static const char not_measured[] = "likely the best for this number of lights; not measured";
+
 static double median_of(const struct chooser_candidate *candidate) {
     double t[CHOOSER_ROUNDS];
     uint32_t count = candidate->got;
@@ -292,7 +294,7 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
             c->at = *at;
             c->choice = chooser_guess(at);
             c->milliseconds = 0;
-            decide(c, "likely the best for this number of lights; not measured");
+            decide(c, not_measured);
             c->state = CHOOSER_IDLE; /* measured as soon as it is not pinned */
         } else {
             start(c, at, chooser_guess(at));
@@ -303,7 +305,10 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
     c->frames++;
     if (pinned && c->state == CHOOSER_MEASURING) { /* the best of what has been measured by now */
         uint32_t second, best = best_of(c, &second);
-        if (best == CHOOSER_CANDIDATES) return c->choice;
+        if (best == CHOOSER_CANDIDATES) {
+            snprintf(c->reason, sizeof c->reason, "%s", not_measured);
+            return c->choice;
+        }
         snprintf(c->reason, sizeof c->reason, "fastest of those measured before the choice was pinned: %.2f ms",
                  median_of(&c->candidates[best]));
         return c->candidates[best].choice;
