@@ -331,10 +331,8 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
     return c->candidates[next].choice;
 }
 
-bool chooser_measures(const struct chooser *c) { return c->last < CHOOSER_CANDIDATES || c->state == CHOOSER_DECIDED; }
-
 void chooser_note(struct chooser *c, uint64_t frame) {
-    bool measures = chooser_measures(c);
+    bool measures = c->last < CHOOSER_CANDIDATES || c->state == CHOOSER_DECIDED;
     if (!measures || c->pending_count == CHOOSER_PENDING) return;
     if (c->last < CHOOSER_CANDIDATES) c->candidates[c->last].given++;
     c->pending[c->pending_count++] = (struct chooser_pending){frame, c->last};

@@ -71,11 +71,9 @@ struct chooser {
 
 /**
  * The pair to render the next frame with. `pinned`: nothing is measured; the choice stays, or is the remembered or the likely one.
- * chooser_measures() then says whether the frame's time is wanted.
  */
 struct choice chooser_pick(struct chooser *chooser, const struct choice_case *at, bool pinned);
-bool chooser_measures(const struct chooser *chooser);
-/** The frame of the last pick was submitted under this number. */
+/** The frame of the last pick was submitted under this number, and is timed. */
 void chooser_note(struct chooser *chooser, uint64_t frame);
 /** Oldest frame whose time is still wanted; 0: none. */
 uint64_t chooser_wants(const struct chooser *chooser);

@@ -145,7 +145,8 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
     struct choice choice = chooser_pick(&r->chooser, &at, frame->pin_choice);
     frame->shading = choice.shading;
     frame->lists = choice.lists;
-    r->chooses = !frame->pin_choice && !frame->count_lights; /* counting slows a frame down */
+    /* Counting slows a frame down; after a decision only frames that are timed anyway are watched. */
+    r->chooses = !frame->pin_choice && !frame->count_lights && (frame->timers || r->chooser.state == CHOOSER_MEASURING);
 }
 
 /* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */

@@ -336,7 +336,7 @@ static bool in_view(const fnl_camera *camera, vec3 centre, float radius) {
            cosf(up) * fabsf(p.y) + sinf(up) * p.z < radius;
 }
 
-static void test_wall_holds_the_counts_of_TD_7(void **state) {
+static void test_wall_holds_the_counts_of_the_thesis(void **state) {
     UNUSED(state);
     const uint32_t expected[4][3] = {{1500, 55, 0}, {1600, 183, 100}, {2000, 583, 500}, {2500, 1083, 1000}};
     for (uint32_t test = 0; test < 4; test++) {
@@ -364,7 +364,7 @@ static void test_wall_holds_the_counts_of_TD_7(void **state) {
 }
 
 /* Few lights are already of all shapes, and most reach through their room and beyond. */
-static void test_interior_has_large_lights_of_all_shapes_FP_6(void **state) {
+static void test_interior_has_large_lights_of_all_shapes(void **state) {
     UNUSED(state);
     static const char *const texts[] = {"interior?lights=40", "interior", "interior?lights=120",
                                         "interior?lights=120&overlap=3"};
@@ -392,8 +392,8 @@ int main(void) {
         cmocka_unit_test(test_city_grows_to_what_is_asked),
         cmocka_unit_test(test_shapes_are_closed),
         cmocka_unit_test(test_onetile_stays_in_its_tile),
-        cmocka_unit_test(test_wall_holds_the_counts_of_TD_7),
-        cmocka_unit_test(test_interior_has_large_lights_of_all_shapes_FP_6),
+        cmocka_unit_test(test_wall_holds_the_counts_of_the_thesis),
+        cmocka_unit_test(test_interior_has_large_lights_of_all_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

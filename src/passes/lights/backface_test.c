@@ -417,7 +417,7 @@ static void test_printed_planes_TD_10(void **state) {
 
 /* Behind the wall are 0, 100, 500 and 1000 lights: these are dropped, no others, and what is left to visit is what the lights before it
    cost. */
-static void test_walls_TD_6_TD_7(void **state) {
+static void test_walls_TD_6(void **state) {
     UNUSED(state);
     static const uint32_t behind[] = {0, 100, 500, 1000};
     uint64_t first = 0;
@@ -520,7 +520,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_sets_TD_2_TD_4_TD_5_TD_9, harness_check),
         cmocka_unit_test_teardown(test_sizes_overflow_and_broken_lights_TD_11, harness_check),
         cmocka_unit_test_teardown(test_printed_planes_TD_10, harness_check),
-        cmocka_unit_test_teardown(test_walls_TD_6_TD_7, harness_check),
+        cmocka_unit_test_teardown(test_walls_TD_6, harness_check),
         cmocka_unit_test_teardown(test_frames_TD_1_TD_2_TD_9_TD_11, harness_check),
         cmocka_unit_test_teardown(test_views_TD_12, harness_check),
     };

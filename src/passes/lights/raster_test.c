@@ -605,7 +605,7 @@ static void test_centers_miss_CL_4(void **state) {
 }
 
 /* On a device that can: the draw finds what the compute shader finds, and nothing else. */
-static void test_hardware_CL_13(void **state) {
+static void test_hardware_shells(void **state) {
     UNUSED(state);
     struct random_state random = {61};
     if (!gpu_info(harness_device())->conservative_raster) {
@@ -631,7 +631,7 @@ static void test_hardware_CL_13(void **state) {
 }
 
 /* Shells against double precision: what the software path finds is what the mesh covers, or by a rounding more. */
-static void test_software_shells_CL_13(void **state) {
+static void test_software_shells(void **state) {
     UNUSED(state);
     struct random_state random = {62};
     uint32_t tiles = 0, more = 0;
@@ -719,7 +719,7 @@ static double mean_per_pixel(const struct list_copy *list, const struct gpu_view
     return (double)sum / (double)pixels;
 }
 
-static void test_lights_per_pixel_CL_6(void **state) {
+static void test_lights_per_pixel(void **state) {
     UNUSED(state);
     enum { COUNT = 512, W = 1536, H = 768 };
     struct random_state random = {9};
@@ -1211,10 +1211,10 @@ int main(void) {
         cmocka_unit_test_teardown(test_never_misses_and_tight_CL_2_CL_3_ES_60, harness_check),
         cmocka_unit_test_teardown(test_small_and_edge_on_ES_60, harness_check),
         cmocka_unit_test_teardown(test_centers_miss_CL_4, harness_check),
-        cmocka_unit_test_teardown(test_software_shells_CL_13, harness_check),
-        cmocka_unit_test_teardown(test_hardware_CL_13, harness_check),
+        cmocka_unit_test_teardown(test_software_shells, harness_check),
+        cmocka_unit_test_teardown(test_hardware_shells, harness_check),
         cmocka_unit_test_teardown(test_grids_CL_5, harness_check),
-        cmocka_unit_test_teardown(test_lights_per_pixel_CL_6, harness_check),
+        cmocka_unit_test_teardown(test_lights_per_pixel, harness_check),
         cmocka_unit_test_teardown(test_slices_CL_9, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10, harness_check),
         cmocka_unit_test_teardown(test_slots_overflow_CL_10, harness_check),

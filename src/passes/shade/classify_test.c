@@ -9,7 +9,7 @@ static uint32_t sum_of(const fnl_frame_stats *stats) {
     return sum;
 }
 
-static void test_equal_to_one_shader_ES_48_ES_49(void **state) {
+static void test_equal_to_one_shader_ES_48(void **state) {
     UNUSED(state);
     static const char *const scenes[] = {"builtin:hall?lights=64", "builtin:spheres?lights=30", "builtin:glass",
                                          "builtin:sky"};
@@ -55,7 +55,7 @@ static void add_quad(fnl_scene *scene, float x, float metallic, bool unlit) {
 }
 
 /* Four squares of 64 pixels side by side: unlit, plastic, plastic in a light's reach, metal in its reach; above and below sky. */
-static void test_counts_ES_48_ES_49(void **state) {
+static void test_counts_ES_48(void **state) {
     UNUSED(state);
     fnl_scene *scene;
     assert_int_equal(fnl_scene_create(NULL, &scene), FNL_OK);
@@ -105,8 +105,8 @@ static void test_counts_ES_48_ES_49(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_equal_to_one_shader_ES_48_ES_49, harness_check),
-        cmocka_unit_test_teardown(test_counts_ES_48_ES_49, harness_check),
+        cmocka_unit_test_teardown(test_equal_to_one_shader_ES_48, harness_check),
+        cmocka_unit_test_teardown(test_counts_ES_48, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
