@@ -67,12 +67,10 @@ static fnl_result add_view(struct frame_state *f) {
 
 /* ---- light lists ---- */
 
-static bool lists_on_cpu(fnl_light_lists lists) { return lists == FNL_LISTS_CLUSTERED_CPU || lists == FNL_LISTS_TREE; }
-
 static fnl_result fade_lights(struct frame_state *f) {
     struct device_scene *d = &f->r->device_scene;
     float lod = f->frame->light_lod;
-    TRY(device_lights_fade(d, &f->view, lod, lists_on_cpu(f->frame->lists)));
+    TRY(device_lights_fade(d, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
     f->whole_lights = f->scene->lights;
     if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, d->plane_data.count, lod);
     return FNL_OK;

@@ -260,17 +260,17 @@ static void add_backface(struct lists_context *c) {
 
 /* ---- the table ---- */
 
-enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2 };
+enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2, CULLS_ON_CPU = 4 };
 
 static const struct builder {
     void (*add)(struct lists_context *context);
     enum graph_queue queue; /* async for those that need nothing of the frame: they are built beside the drawing */
-    uint32_t limits;
+    uint32_t flags;
 } builders[FNL_LISTS_COUNT] = {
     [FNL_LISTS_ALL] = {add_all, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_TILED] = {add_tiled, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_CLUSTERED] = {add_clustered, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, CULLS_ON_CPU},
     /* Each kind takes its row here. */
     [FNL_LISTS_MESH] = {add_mesh, GRAPH_QUEUE_GRAPHICS, FORWARD_ONLY},
     [FNL_LISTS_BATCHES] = {add_mesh, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
@@ -280,7 +280,7 @@ static const struct builder {
     [FNL_LISTS_HALFZ] = {add_halfz, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_25D] = {add_25d, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_ENHANCED] = {add_enhanced, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_TREE] = {add_tree, GRAPH_QUEUE_GRAPHICS, 0},
+    [FNL_LISTS_TREE] = {add_tree, GRAPH_QUEUE_GRAPHICS, CULLS_ON_CPU},
     [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
     [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
@@ -296,12 +296,14 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
         return any;
     }
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
-    if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT || !builders[lists].add) return false;
-    if (builders[lists].limits & FORWARD_ONLY)
+    if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
+    if (builders[lists].flags & FORWARD_ONLY)
         return shading == FNL_SHADING_FORWARD || shading == FNL_SHADING_FORWARD_PREPASS;
-    if (builders[lists].limits & PREPASS_ONLY) return shading == FNL_SHADING_FORWARD_PREPASS;
+    if (builders[lists].flags & PREPASS_ONLY) return shading == FNL_SHADING_FORWARD_PREPASS;
     return true;
 }
+
+bool lists_cull_on_cpu(fnl_light_lists lists) { return (builders[lists].flags & CULLS_ON_CPU) != 0; }
 
 void lists_add(struct lists_context *c) {
     const struct builder *builder = &builders[c->frame->lists];

@@ -48,5 +48,7 @@ struct lists_context {
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);
+/** Whether the builder looks at each light of the view on the CPU. */
+bool lists_cull_on_cpu(fnl_light_lists lists);
 
 #endif
