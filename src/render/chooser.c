@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/chooser.h"
 
+#include "render/shading.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -14,9 +16,7 @@ enum {
 
 /* ---- what is tried ---- */
 
-static bool is_deferred(fnl_shading shading) {
-    return shading == FNL_SHADING_DEFERRED || shading == FNL_SHADING_DEFERRED_VOLUMES;
-}
+static bool is_deferred(fnl_shading shading) { return shading_is(shading, SHADING_GBUFFER); }
 
 /* Whether a pair is worth a try in this case, and gives the very same picture. */
 static bool worth(const struct choice_case *at, struct choice c) {

@@ -1,60 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
+#include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
-#include "passes/shade/classify.h"
-#include "passes/shade/regroup.h"
-#include "passes/shade/shade.h"
-#include "passes/lights/sprites.h"
-#include "passes/shade/volumes.h"
-#include "render/renderer_internal.h"
-
-/* What the parts of a frame hand to each other. */
-struct frame_state {
-    fnl_renderer *r;
-    const fnl_frame *frame;
-    struct graph *graph;
-    struct device_scene_frame *scene; /* the renderer's: passes look at it while they are recorded */
-    struct gpu_view view;
-    VkDeviceAddress view_address;
-    struct geometry_draws draws;
-    graph_image radiance;
-    struct light_input whole_lights;        /* before small ones were faded */
-    struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
-    graph_buffer counters, exposure, class_counts;
-    struct aov_images aov;
-    graph_image color;
-};
-
-static bool has_volumes(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED_VOLUMES; }
-static bool is_deferred(const fnl_frame *frame) { return frame->shading == FNL_SHADING_DEFERRED || has_volumes(frame); }
-static bool has_prepass(const fnl_frame *frame) {
-    return is_deferred(frame) ? frame->gbuffer_prepass : frame->shading == FNL_SHADING_FORWARD_PREPASS;
-}
-static bool has_blend(const struct frame_state *f) {
-    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
-        if (f->scene->geometry.buckets[i].blend) return true;
-    return false;
-}
-
-static VkFormat radiance_format(const struct frame_state *f) {
-    if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
-    return has_volumes(f->frame) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
-}
-
-static graph_image create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
-    return graph_create_image(
-        f->graph,
-        &(struct graph_image_params){
-            .name = name, .format = format, .width = f->frame->width, .height = f->frame->height, .samples = samples});
-}
+#include "render/shading.h"
 
 static fnl_result add_view(struct frame_state *f) {
     f->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
     f->view.samples = f->frame->msaa;
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
-    f->view.hdr_max = radiance_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
+    f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
     if (!slice.data) return gpu_status(f->r->device);
     memcpy(slice.data, &f->view, sizeof f->view);
@@ -76,26 +32,7 @@ static fnl_result fade_lights(struct frame_state *f) {
     return FNL_OK;
 }
 
-static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
-    struct lists_context context = {.graph = f->graph,
-                                    .device = f->r->device,
-                                    .frame = f->frame,
-                                    .view = &f->view,
-                                    .device_scene = &f->r->device_scene,
-                                    .scene = &f->scene->geometry,
-                                    .draws = &f->draws,
-                                    .input = &f->scene->lights,
-                                    .state = &f->r->lists,
-                                    .depth = depth,
-                                    .normals = normals,
-                                    .has_blend = has_blend(f),
-                                    .pool_capacity = f->r->pool_capacity};
-    lists_add(&context);
-    f->lights = context.lights;
-    f->blend_lights = context.blend_lights;
-}
-
-/* ---- shading ---- */
+/* ---- counters ---- */
 
 struct clear_data {
     graph_buffer buffer;
@@ -107,10 +44,8 @@ static void execute_clear(const struct graph_context *context, const void *data)
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
 }
 
-static bool shows_volumes(const fnl_frame *frame) { return has_volumes(frame) && frame->debug == FNL_DEBUG_LIGHTS; }
-
 static void add_counters(struct frame_state *f) {
-    if (!f->frame->count_lights && !shows_volumes(f->frame)) return;
+    if (!f->frame->count_lights && !shading_shows_volumes(f->frame)) return;
     struct clear_data clear = {.size = f->frame->width * f->frame->height * 8ull};
     clear.buffer = f->frame->count_lights ? graph_import_buffer(f->graph, "light counters", &f->r->counters)
                                           : graph_create_buffer(f->graph, "light counters", clear.size);
@@ -118,88 +53,6 @@ static void add_counters(struct frame_state *f) {
         graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
     f->counters = clear.buffer;
-}
-
-/* Everything but local lights in one pass over the screen, then a volume for each of those. */
-static void add_volumes(struct frame_state *f, struct shade_input input, bool prepass, graph_image depth) {
-    struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
-    if (has_blend(f)) {
-        add_lists(f, depth, (graph_image){0});
-        f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
-    } else {
-        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
-    }
-    struct light_input none = f->scene->lights;
-    none.local_count = 0;
-    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
-    input.lights = &base;
-    deferred_add(f->graph, &input, &gbuffer, NULL, f->radiance, depth);
-    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
-                                    f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
-    graph_buffer totals = volumes_add(f->graph, f->r->device, &input, &volumes, &gbuffer, f->radiance, depth);
-    if (!has_blend(f)) {
-        f->lights.totals = f->blend_lights.totals = totals;
-        f->lights.totals_known = false;
-    }
-}
-
-/* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
-static bool draws_batches(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
-}
-
-static bool draws_per_light(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
-           multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
-}
-
-static void add_forward(struct frame_state *f, const struct shade_input *input, bool prepass, graph_image depth) {
-    const struct light_input *lights = &f->scene->lights;
-    if (draws_batches(f))
-        batches_add(f->graph, input, f->radiance, depth);
-    else if (draws_per_light(f))
-        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
-                      depth);
-    else
-        forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, depth);
-}
-
-static void add_shading(struct frame_state *f) {
-    uint32_t samples = f->frame->msaa;
-    f->radiance = create_image(f, "radiance", radiance_format(f), samples);
-    graph_image depth = create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, samples);
-    vec3 background = f->r->scene->background;
-    struct shade_input input = {.scene = &f->scene->geometry,
-                                .draws = &f->draws,
-                                .lights = &f->lights,
-                                .view = f->view_address,
-                                .width = f->frame->width,
-                                .height = f->frame->height,
-                                .counters = f->counters,
-                                .background = {background.x, background.y, background.z}};
-    bool prepass = has_prepass(f->frame);
-    if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, depth);
-    if (has_volumes(f->frame)) {
-        add_volumes(f, input, prepass, depth);
-    } else if (is_deferred(f->frame)) {
-        struct gbuffer gbuffer = gbuffer_add(f->graph, &input, prepass, f->radiance, depth);
-        add_lists(f, depth, gbuffer.normal);
-        struct shade_classes classes = {0};
-        if (f->frame->class_blocks) {
-            classes = classify_add(f->graph, &input, &gbuffer, depth, f->frame->class_blocks);
-            f->class_counts = classes.counts;
-        }
-        deferred_add(f->graph, &input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance, depth);
-    } else {
-        add_lists(f, prepass ? depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
-        add_forward(f, &input, prepass, depth);
-    }
-    if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, depth);
-    if (has_blend(f)) {
-        input.lights = &f->blend_lights;
-        if (!f->frame->count_lights) input.counters = (graph_buffer){0};
-        forward_add(f->graph, &input, GEOMETRY_BLEND, false, f->radiance, depth);
-    }
 }
 
 /* ---- the picture ---- */
@@ -218,7 +71,7 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
         linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
         if (linear) format = wanted;
     }
-    f->color = create_image(f, "color", format, 1);
+    f->color = frame_create_image(f, "color", format, 1);
     struct tonemap_params params = {.tonemap = (uint32_t)f->frame->tonemap, .factor = 1, .linear = linear, .swap = swap};
     if (f->frame->exposure == FNL_EXPOSURE_EV) params.factor = 1 / (1.2f * exp2f(f->frame->ev));
     if (f->frame->exposure == FNL_EXPOSURE_AUTO) params.exposure = f->exposure = exposure_add(f->graph, f->radiance);
@@ -234,7 +87,7 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
             counts = (struct debug_counts){overshading_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
                                                            f->frame->width, f->frame->height),
                                            1};
-        if (shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
+        if (shading_shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
     }
 }
@@ -281,7 +134,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 static void add_outputs(struct frame_state *f) {
     graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
-        images[1] = create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
+        images[1] = frame_create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
         resolve_add(f->graph, f->radiance, images[1]);
     }
     graph_buffer buffers[OUTPUT_COUNT] = {0};
@@ -366,12 +219,7 @@ static void note_stats(struct frame_state *f) {
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
-    s->draws = geometry_draw_count(scene, GEOMETRY_OPAQUE) * (has_prepass(f->frame) ? 2 : 1) +
-               geometry_draw_count(scene, GEOMETRY_BLEND);
-    uint32_t opaque = geometry_draw_count(scene, GEOMETRY_OPAQUE);
-    if (draws_batches(f)) s->draws += batches_draw_count(scene) - opaque;
-    if (draws_per_light(f))
-        s->draws += multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count) - opaque;
+    s->draws = shading_draw_count(f);
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
     r->entry_bytes = f->lights.entry_bytes;
@@ -388,7 +236,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     TRY(fade_lights(&f));
     f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
     add_counters(&f);
-    add_shading(&f);
+    shading_add(&f);
     if (needs_aov(frame))
         f.aov = aov_add(r->graph, &f.scene->geometry, &f.draws, f.view_address, frame->width, frame->height);
     bool wants_color = target || (frame->outputs & FNL_OUTPUT_COLOR);

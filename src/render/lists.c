@@ -4,6 +4,7 @@
 #include "passes/lights/backface.h"
 #include "passes/lights/fine.h"
 #include "passes/lights/mesh_lists.h"
+#include "render/shading.h"
 
 /* ---- life ---- */
 
@@ -196,7 +197,7 @@ static void add_fine(struct lists_context *c) {
     params.tile_size = options->tile_size;
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
-    params.exact_positions = c->frame->shading == FNL_SHADING_DEFERRED;
+    params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS);
     params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
@@ -298,8 +299,8 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
     if (builders[lists].flags & FORWARD_ONLY)
-        return shading == FNL_SHADING_FORWARD || shading == FNL_SHADING_FORWARD_PREPASS;
-    if (builders[lists].flags & PREPASS_ONLY) return shading == FNL_SHADING_FORWARD_PREPASS;
+        return shading_is(shading, SHADING_FORWARD);
+    if (builders[lists].flags & PREPASS_ONLY) return shading_is(shading, SHADING_FORWARD | SHADING_PREPASS);
     return true;
 }
 

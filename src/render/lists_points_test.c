@@ -3,7 +3,7 @@
  * Lists and shading of real scenes, looked at from inside: the test declares a frame of its own from the same passes, and
  * reads cells, ids, counters, depths and positions of that very frame.
  */
-#include "passes/shade/shade.h"
+#include "passes/shade/deferred.h"
 #include "tests/list_bench.h"
 
 enum lists { ALL, TILES, TILES_WITHOUT_DEPTH, CLUSTERS, CLUSTERS_CPU, LISTS };
@@ -129,7 +129,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);
     }
     if (list.cells.id) list_readback_add(graph, &list, &readback);
-    deferred_add(graph, &shade, &gbuffer, NULL, radiance, depth);
+    deferred_add(graph, &shade, &gbuffer, NULL, radiance);
 
     struct aov_images aov = aov_add(graph, &scene.geometry, &draws, slice.address, t.width, t.height);
     struct copy_data copy = {aov.normal, aov.position, import_readback(graph, "test normals", pixels * 16, &normals),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "fanal/vulkan.h"
-#include "render/renderer_internal.h"
+#include "render/shading.h"
 
 enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
@@ -252,9 +252,8 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    bool is_deferred = frame->shading == FNL_SHADING_DEFERRED || frame->shading == FNL_SHADING_DEFERRED_VOLUMES;
-    if (is_deferred && frame->msaa > 1) {
-        log_error(host, "deferred shading has no MSAA; use a forward order or 1 sample");
+    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_FORWARD) && frame->msaa > 1) {
+        log_error(host, "%s shading has no MSAA; use a forward order or 1 sample", fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {

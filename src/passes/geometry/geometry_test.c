@@ -2,7 +2,7 @@
 /** Prefix sums, culling and sorting, with their buffers read back and compared with the CPU. */
 #include "passes/debug/debug.h"
 #include "passes/geometry/prefix_sum.h"
-#include "passes/shade/shade.h"
+#include "passes/shade/gbuffer.h"
 #include "render/render_test.h"
 
 /* ---- frames made by hand ---- */

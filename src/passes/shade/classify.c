@@ -6,7 +6,6 @@
 
 struct classify_data {
     struct gbuffer gbuffer;
-    graph_image depth;
     VkDeviceAddress view, lights;
     graph_buffer classes;
     struct shade_classes out;
@@ -35,19 +34,15 @@ static void execute_classify(const struct graph_context *context, const void *da
         gpu_dispatch_linear(context->commands, DIVIDE_UP(MAX(d->out.block_count, SHADE_CLASSES + 1), 64u));
         return;
     }
-    push.depth = graph_sampled(context, d->depth);
-    push.color = graph_sampled(context, d->gbuffer.color);
-    push.normal = graph_sampled(context, d->gbuffer.normal);
-    push.dielectric = graph_sampled(context, d->gbuffer.dielectric);
+    push.gbuffer = gbuffer_handles(context, &d->gbuffer);
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
 struct shade_classes classify_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
-                                  graph_image depth, uint32_t block_size) {
+                                  uint32_t block_size) {
     static const struct prefix_sum_names names = PREFIX_SUM_NAMES("classes");
     struct classify_data data = {.gbuffer = *gbuffer,
-                                 .depth = depth,
                                  .view = input->view,
                                  .lights = input->lights->header,
                                  .kind = input->lights->kind,
@@ -62,10 +57,7 @@ struct shade_classes classify_add(struct graph *graph, const struct shade_input 
                                       .block_size = block_size,
                                       .block_count = count};
     struct graph_pass *pass = graph_add_pass(graph, "classify", GRAPH_QUEUE_GRAPHICS, execute_classify, &data, sizeof data);
-    graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, gbuffer->color, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, gbuffer->normal, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, gbuffer->dielectric, GRAPH_SAMPLE_COMPUTE);
+    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.classes, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.out.sums, GRAPH_WRITE_COMPUTE);

@@ -9,7 +9,7 @@
 #define FNL_PASSES_CLASSIFY_H
 
 #include "passes/shade/classify_shared.h"
-#include "passes/shade/shade.h"
+#include "passes/shade/gbuffer.h"
 
 struct shade_classes {
     graph_buffer sums, blocks, dispatches;
@@ -19,6 +19,6 @@ struct shade_classes {
 
 /** `block_size` is 8 or 4. */
 struct shade_classes classify_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
-                                  graph_image depth, uint32_t block_size);
+                                  uint32_t block_size);
 
 #endif

@@ -24,14 +24,11 @@ void main() {
     const uint shaded = 16u; // a pixel that is to be shaded
     if (all(lessThan(pixel, push.view.view.size))) {
         uint bits = 0u;
-        float depth = texelFetch(textures[push.depth], ivec2(pixel), 0).r;
+        float depth = gbuffer_depth(push.gbuffer, ivec2(pixel));
         if (depth > 0.0) {
-            gbuffer g = gbuffer(texelFetch(textures[push.color], ivec2(pixel), 0), texelFetch(textures[push.normal], ivec2(pixel), 0),
-                                texelFetch(textures[push.dielectric], ivec2(pixel), 0));
             float view_depth = view_depth_of(push.view, depth);
-            vec3 position = (push.view.view.view_to_world *
-                             vec4(view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth), 1.0)).xyz;
-            surface s = gbuffer_unpack(g, position, vec3(0.0));
+            vec3 position = gbuffer_position(push.view, ivec2(pixel), view_depth);
+            surface s = gbuffer_surface(push.gbuffer, ivec2(pixel), position, vec3(0.0));
             if (s.base_color != vec3(0.0) || s.dielectric_f0 != vec3(0.0) || s.dielectric_f90 != 0.0) {
                 bits = shaded | SHADE_FULL;
                 light_cursor cursor = lights_begin(push.lights, light_point(pixel, view_depth, position, s.normal, LIGHT_NO_ITEM));

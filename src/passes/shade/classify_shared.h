@@ -3,7 +3,7 @@
 #ifndef FNL_PASSES_CLASSIFY_SHARED_H
 #define FNL_PASSES_CLASSIFY_SHARED_H
 
-#include "shared.h"
+#include "gbuffer_shared.h"
 
 /* Bits of a class. The first two are set where any pixel of the block needs the code, the last where every pixel does. */
 #define SHADE_LIGHTS 1u    /* some list holds a light */
@@ -20,10 +20,7 @@ struct gpu_classify_push {
     ADDRESS(uint_array) blocks;     /* their indices, class after class */
     ADDRESS(uint_array) dispatches; /* three per class */
     ADDRESS(uint_array) counts;     /* blocks of each class, and those of none */
-    uint depth;                     /* sampled */
-    uint color;
-    uint normal;
-    uint dielectric;
+    STRUCT(gpu_gbuffer) gbuffer;
     uint block_size;                /* pixels: 8 or 4 */
     uint blocks_x;
     uint block_count;

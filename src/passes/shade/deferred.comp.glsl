@@ -31,17 +31,11 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
-    float depth = texelFetch(textures[push.depth], pixel, 0).r;
+    float depth = gbuffer_depth(push.gbuffer, pixel);
     if (IS_FULL == 0u && depth <= 0.0) return; // sky keeps the background
-    gbuffer g;
-    g.color = texelFetch(textures[push.color], pixel, 0);
-    g.normal = texelFetch(textures[push.normal], pixel, 0);
-    g.dielectric = texelFetch(textures[push.dielectric], pixel, 0);
     float view_depth = view_depth_of(push.view, depth);
-    vec3 view_position = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
-    vec3 position = (push.view.view.view_to_world * vec4(view_position, 1.0)).xyz;
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
-    surface s = gbuffer_unpack(g, position, emissive);
+    surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.view, pixel, view_depth), emissive);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
 }

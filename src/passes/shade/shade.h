@@ -24,19 +24,4 @@ struct shade_input {
 void forward_add(struct graph *graph, const struct shade_input *input, enum geometry_set set, bool prepass,
                  graph_image radiance, graph_image depth);
 
-/**
- * Deferred shading of the opaque set: G-buffer (layout in shaders/gbuffer.glsl: 16 bytes a pixel beside depth and radiance), then
- * one compute thread per pixel. Single-sampled. `lights` may depend on the depth, so the two halves are apart. With `prepass` the depth
- * is complete and the G-buffer pass tests for equality (ES-4e): no hidden surface reads its textures; geometry is drawn twice.
- */
-struct gbuffer {
-    graph_image color, normal, dielectric;
-};
-struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
-                           graph_image depth);
-struct shade_classes;
-/** `classes` (classify.h) may be NULL: one shader for all pixels. */
-void deferred_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
-                  const struct shade_classes *classes, graph_image radiance, graph_image depth);
-
 #endif

@@ -2,16 +2,13 @@
 #ifndef FNL_PASSES_SHADE_SHARED_H
 #define FNL_PASSES_SHADE_SHARED_H
 
-#include "shared.h"
+#include "gbuffer_shared.h"
 
 struct gpu_deferred_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counters;
-    uint depth;      /* bindless indices: sampled */
-    uint color;
-    uint normal;
-    uint dielectric;
+    STRUCT(gpu_gbuffer) gbuffer;
     uint radiance;   /* storage: emission in, radiance out */
     ADDRESS(uint_array) sums;   /* of classify_shared.h, where pixels are classified */
     ADDRESS(uint_array) blocks;

@@ -75,7 +75,6 @@ static void execute_cull(const struct graph_context *context, const void *data) 
 
 struct draw_data {
     struct gbuffer gbuffer;
-    graph_image depth;
     VkDeviceAddress view, list;
     graph_buffer counters, ids, draws;
     struct gpu_slice indices;
@@ -106,10 +105,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                    .list = d->list,
                                    .ids = graph_address(context, d->ids),
                                    .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-                                   .depth = graph_sampled(context, d->depth),
-                                   .color = graph_sampled(context, d->gbuffer.color),
-                                   .normal = graph_sampled(context, d->gbuffer.normal),
-                                   .dielectric = graph_sampled(context, d->gbuffer.dielectric)};
+                                   .gbuffer = gbuffer_handles(context, &d->gbuffer)};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_bind_indices(context->commands, d->indices.buffer, d->indices.offset);
@@ -131,8 +127,7 @@ static void execute_totals(const struct graph_context *context, const void *data
 }
 
 graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance,
-                         graph_image depth) {
+                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance) {
     static const struct prefix_sum_names names = PREFIX_SUM_NAMES("volumes");
     const struct light_input *lights = volumes->lights;
     const uint32_t count = lights->local_count;
@@ -153,7 +148,6 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
     graph_use_buffer(pass, cull.draws, GRAPH_WRITE_COMPUTE);
 
     struct draw_data draw = {.gbuffer = *gbuffer,
-                             .depth = depth,
                              .view = input->view,
                              .list = list.header,
                              .counters = input->counters,
@@ -172,13 +166,10 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, cull.ids, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, cull.draws, GRAPH_INDIRECT);
-    graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, gbuffer->color, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, gbuffer->normal, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, gbuffer->dielectric, GRAPH_SAMPLE_FRAGMENT);
+    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
-    graph_depth_read_only(pass, depth);
+    graph_depth_read_only(pass, gbuffer->depth);
 
     struct totals_data totals = {cull.sums, graph_create_buffer(graph, "volume totals", sizeof(struct light_totals)),
                                  2ull * count * 4};

@@ -18,22 +18,17 @@ const float MOST = 1e30;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float depth = texelFetch(textures[push.depth], pixel, 0).r;
+    float depth = gbuffer_depth(push.gbuffer, pixel);
     if (depth <= 0.0) discard; // sky
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     float view_depth = view_depth_of(push.view, depth);
-    vec3 view_position = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
-    vec3 position = (push.view.view.view_to_world * vec4(view_position, 1.0)).xyz;
+    vec3 position = gbuffer_position(push.view, pixel, view_depth);
     vec3 to_light;
     vec3 illuminance = illuminate(push.list, push.list.list.directional_count + in_light, position, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
-    gbuffer g;
-    g.color = texelFetch(textures[push.color], pixel, 0);
-    g.normal = texelFetch(textures[push.normal], pixel, 0);
-    g.dielectric = texelFetch(textures[push.dielectric], pixel, 0);
-    surface s = gbuffer_unpack(g, position, vec3(0.0));
+    surface s = gbuffer_surface(push.gbuffer, pixel, position, vec3(0.0));
     brdf_view b = brdf_prepare(s, to_viewer(push.view, position));
     out_radiance = vec4(min(illuminance * brdf_cos(s, b, to_light), vec3(MOST)), 0.0);
 }

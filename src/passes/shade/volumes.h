@@ -7,7 +7,7 @@
 #ifndef FNL_PASSES_VOLUMES_H
 #define FNL_PASSES_VOLUMES_H
 
-#include "passes/shade/shade.h"
+#include "passes/shade/gbuffer.h"
 
 /** Indices of both solids, front faces counter-clockwise from outside. */
 #define VOLUME_INDEX_COUNT 300u
@@ -29,7 +29,6 @@ struct volumes_input {
  * surface, a read of the G-buffer and a blend.
  */
 graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance,
-                         graph_image depth);
+                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance);
 
 #endif

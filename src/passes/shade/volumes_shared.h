@@ -2,7 +2,7 @@
 #ifndef FNL_PASSES_VOLUMES_SHARED_H
 #define FNL_PASSES_VOLUMES_SHARED_H
 
-#include "shared.h"
+#include "gbuffer_shared.h"
 
 /* Vertices and indices of the two solids. A sphere is a square of cells folded into an octahedron and blown up: its vertices are the
    corners of the cells. A cone is a pyramid with its tip cut off: eight vertices near, eight far. */
@@ -35,10 +35,7 @@ struct gpu_volume_push {
     ADDRESS(light_list_block) list;
     ADDRESS(const_uint_array) ids;
     ADDRESS(uint_array) counters;
-    uint depth;                 /* bindless indices of the G-buffer */
-    uint color;
-    uint normal;
-    uint dielectric;
+    STRUCT(gpu_gbuffer) gbuffer;
 };
 
 #endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/** What the parts of a frame hand to each other while it is declared. */
+#ifndef FNL_RENDER_FRAME_STATE_H
+#define FNL_RENDER_FRAME_STATE_H
+
+#include "render/renderer_internal.h"
+
+struct frame_state {
+    fnl_renderer *r;
+    const fnl_frame *frame;
+    struct graph *graph;
+    struct device_scene_frame *scene; /* the renderer's: passes look at it while they are recorded */
+    struct gpu_view view;
+    VkDeviceAddress view_address;
+    struct geometry_draws draws;
+    graph_image radiance, depth;
+    struct light_input whole_lights;        /* before small ones were faded */
+    struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
+    graph_buffer counters, exposure, class_counts;
+    struct aov_images aov;
+    graph_image color;
+};
+
+/** An image of the frame's size. */
+static inline graph_image frame_create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
+    return graph_create_image(
+        f->graph,
+        &(struct graph_image_params){
+            .name = name, .format = format, .width = f->frame->width, .height = f->frame->height, .samples = samples});
+}
+
+#endif

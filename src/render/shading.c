@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/shading.h"
+
+#include "passes/lights/sprites.h"
+#include "passes/shade/classify.h"
+#include "passes/shade/deferred.h"
+#include "passes/shade/regroup.h"
+#include "passes/shade/volumes.h"
+
+static bool has_blend(const struct frame_state *f) {
+    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
+        if (f->scene->geometry.buckets[i].blend) return true;
+    return false;
+}
+
+static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
+    struct lists_context context = {.graph = f->graph,
+                                    .device = f->r->device,
+                                    .frame = f->frame,
+                                    .view = &f->view,
+                                    .device_scene = &f->r->device_scene,
+                                    .scene = &f->scene->geometry,
+                                    .draws = &f->draws,
+                                    .input = &f->scene->lights,
+                                    .state = &f->r->lists,
+                                    .depth = depth,
+                                    .normals = normals,
+                                    .has_blend = has_blend(f),
+                                    .pool_capacity = f->r->pool_capacity};
+    lists_add(&context);
+    f->lights = context.lights;
+    f->blend_lights = context.blend_lights;
+}
+
+/* ---- forward ---- */
+
+/* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
+static bool draws_batches(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
+}
+
+static bool draws_per_light(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
+           multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
+}
+
+static void add_forward(struct frame_state *f, struct shade_input *input, bool prepass) {
+    const struct light_input *lights = &f->scene->lights;
+    add_lists(f, prepass ? f->depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
+    if (draws_batches(f))
+        batches_add(f->graph, input, f->radiance, f->depth);
+    else if (draws_per_light(f))
+        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
+                      f->depth);
+    else
+        forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
+}
+
+/* ---- deferred ---- */
+
+static void add_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    add_lists(f, f->depth, gbuffer.normal);
+    struct shade_classes classes = {0};
+    if (f->frame->class_blocks) {
+        classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
+        f->class_counts = classes.counts;
+    }
+    deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+}
+
+/* Everything but local lights in one pass over the screen, then a volume for each of those. */
+static void add_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    if (has_blend(f)) {
+        add_lists(f, f->depth, (graph_image){0});
+        f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
+    } else {
+        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+    }
+    struct light_input none = f->scene->lights;
+    none.local_count = 0;
+    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
+    input->lights = &base;
+    deferred_add(f->graph, input, &gbuffer, NULL, f->radiance);
+    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
+                                    f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
+    graph_buffer totals = volumes_add(f->graph, f->r->device, input, &volumes, &gbuffer, f->radiance);
+    if (!has_blend(f)) {
+        f->lights.totals = f->blend_lights.totals = totals;
+        f->lights.totals_known = false;
+    }
+}
+
+/* ---- the table ---- */
+
+static const struct order {
+    /* Declares lists and opaque surfaces; f->depth is complete with `prepass`. `input` is a copy that the order may change. */
+    void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
+    uint32_t traits;
+} orders[FNL_SHADING_COUNT] = {
+    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD},
+    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS},
+    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS},
+    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS},
+};
+
+bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
+
+bool shading_has_prepass(const fnl_frame *frame) {
+    return shading_is(frame->shading, SHADING_PREPASS) ||
+           (shading_is(frame->shading, SHADING_GBUFFER) && frame->gbuffer_prepass);
+}
+
+bool shading_shows_volumes(const fnl_frame *frame) {
+    return frame->shading == FNL_SHADING_DEFERRED_VOLUMES && frame->debug == FNL_DEBUG_LIGHTS;
+}
+
+VkFormat shading_format(const struct frame_state *f) {
+    if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
+    return shading_is(f->frame->shading, SHADING_BLENDS) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
+}
+
+void shading_add(struct frame_state *f) {
+    f->radiance = frame_create_image(f, "radiance", shading_format(f), f->frame->msaa);
+    f->depth = frame_create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
+    vec3 background = f->r->scene->background;
+    const struct shade_input input = {.scene = &f->scene->geometry,
+                                      .draws = &f->draws,
+                                      .lights = &f->lights,
+                                      .view = f->view_address,
+                                      .width = f->frame->width,
+                                      .height = f->frame->height,
+                                      .counters = f->counters,
+                                      .background = {background.x, background.y, background.z}};
+    bool prepass = shading_has_prepass(f->frame);
+    if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
+    struct shade_input opaque = input, blend = input;
+    orders[f->frame->shading].add(f, &opaque, prepass);
+    if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
+    if (has_blend(f)) {
+        blend.lights = &f->blend_lights;
+        if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
+        forward_add(f->graph, &blend, GEOMETRY_BLEND, false, f->radiance, f->depth);
+    }
+}
+
+uint32_t shading_draw_count(const struct frame_state *f) {
+    const struct geometry_scene *scene = &f->scene->geometry;
+    uint32_t opaque = geometry_draw_count(scene, GEOMETRY_OPAQUE), prepass = shading_has_prepass(f->frame) ? opaque : 0;
+    if (draws_batches(f)) opaque = batches_draw_count(scene);
+    if (draws_per_light(f))
+        opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
+    return prepass + opaque + geometry_draw_count(scene, GEOMETRY_BLEND);
+}

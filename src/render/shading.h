@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/** The shading orders: how each turns the opaque geometry into radiance, and what it goes with. One row per order in shading.c. */
+#ifndef FNL_RENDER_SHADING_H
+#define FNL_RENDER_SHADING_H
+
+#include "render/frame_state.h"
+
+enum shading_trait {
+    SHADING_FORWARD = 1,   /* shades while it draws: lists of objects serve it, and pixels may have several samples */
+    SHADING_GBUFFER = 2,   /* shades what a G-buffer holds: lists may look at depth and normals */
+    SHADING_PREPASS = 4,   /* draws depth first, always */
+    SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
+    SHADING_POSITIONS = 16 /* looks lights up at positions rebuilt from depth, as lists made from depth do */
+};
+/** Whether an order (not auto) has all of these traits. */
+bool shading_is(fnl_shading shading, uint32_t traits);
+
+/** Whether the frame draws the depth of the opaque set first. */
+bool shading_has_prepass(const fnl_frame *frame);
+/** Whether the debug view of lights shows counts of this very frame's volumes. */
+bool shading_shows_volumes(const fnl_frame *frame);
+/** The format of the radiance target. */
+VkFormat shading_format(const struct frame_state *f);
+
+/** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
+void shading_add(struct frame_state *f);
+/** Draw calls of the frame so declared. */
+uint32_t shading_draw_count(const struct frame_state *f);
+
+#endif
