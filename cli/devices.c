@@ -35,6 +35,7 @@ static const struct {
     { #field, use, offsetof(fnl_device_info, field) }
     FEATURE(async_compute, "light lists beside drawing"),
     FEATURE(timestamps, "times of passes"),
+    FEATURE(primitive_ids, "triangle numbers"),
     FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
     FEATURE(barycentrics, "visibility buffer with stored barycentrics"),

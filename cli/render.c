@@ -31,6 +31,7 @@ static void print_help(void) {
          "  --tonemap KIND             none khronos-neutral aces agx (khronos-neutral)\n"
          "  --background R,G,B         radiance where nothing is, cd/m^2\n"
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
+         "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
@@ -45,7 +46,7 @@ static void print_help(void) {
          "  --animation NAME|INDEX     which animation (0)\n"
          "\n"
          "Method\n"
-         "  --shading KIND             forward forward-prepass deferred deferred-volumes auto\n"
+         "  --shading KIND             forward forward-prepass deferred deferred-volumes visibility auto\n"
          "                             (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
          "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -139,6 +140,7 @@ enum {
     O_TONEMAP,
     O_BACKGROUND,
     O_AMBIENT,
+    O_ANISOTROPY,
     O_TIME,
     O_ANIMATION,
     O_FRAMES,
@@ -232,6 +234,12 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_name("tonemap", value, tonemap_name, &index)) return false;
         o->frame.tonemap = (fnl_tonemap)index;
         return true;
+    case O_ANISOTROPY:
+        if (!argument_number("anisotropy", value, &number)) return false;
+        if (!(number >= 1 && number <= 16)) return argument_bad("anisotropy", value, "a number from 1 to 16");
+        o->has_anisotropy = true;
+        o->anisotropy = (float)number;
+        return true;
     case O_BACKGROUND:
         o->has_background = true;
         return argument_vector("background", value, &o->background);
@@ -292,6 +300,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"light-lod", required_argument, NULL, O_LIGHT_LOD},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},
                                              {"tonemap", required_argument, NULL, O_TONEMAP},
+                                             {"anisotropy", required_argument, NULL, O_ANISOTROPY},
                                              {"background", required_argument, NULL, O_BACKGROUND},
                                              {"ambient", required_argument, NULL, O_AMBIENT},
                                              {"time", required_argument, NULL, O_TIME},

@@ -20,8 +20,9 @@ struct render_options {
     const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
     int output_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_shading, has_background, has_ambient, validate, quiet, plan;
+    bool has_eye, has_look_at, has_shading, has_background, has_ambient, has_anisotropy, validate, quiet, plan;
     fnl_vec3 eye, look_at, background, ambient;
+    float anisotropy;
     float fov;                  /* radians; 0: the camera's */
     uint32_t frame_count, aovs; /* aovs: bits 1 << enum render_aov */
     fnl_scatter_params scatter;

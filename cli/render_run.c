@@ -93,6 +93,7 @@ static bool load_scene(const struct render_options *o, const fnl_host *host, fnl
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
     if (!add_default_light(o, *scene)) return false;
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
+    if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
     return choose_camera(o, *scene, camera);
 }

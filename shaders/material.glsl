@@ -1,17 +1,29 @@
 // SPDX-License-Identifier: MIT
-// From interpolated attributes and a material to a surface. For fragment shaders: textures use implicit gradients.
+// From interpolated attributes and a material to a surface. In fragment shaders textures use implicit gradients; with MATERIAL_GRADIENTS the
+// attributes are variables that the shader fills, gradients too.
 #ifndef MATERIAL_GLSL
 #define MATERIAL_GLSL
 
 #include "scene.glsl"
 #include "surface.glsl"
 
+#ifdef MATERIAL_GRADIENTS
+vec3 in_position, in_normal;
+vec4 in_tangent, in_uv, in_color;
+vec4 in_uv_dx, in_uv_dy; // of in_uv, per pixel to the right and down
+uvec3 in_ids;
+bool in_front_facing;
+// Above 1 where the driver filters explicit gradients without anisotropy: at most so many samples along the longer one instead.
+layout(constant_id = 8) const float GRADIENT_TAPS = 1.0;
+#else
 layout(location = 0) centroid in vec3 in_position;
 layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec4 in_tangent;
 layout(location = 3) centroid in vec4 in_uv;
 layout(location = 4) centroid in vec4 in_color;
 layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors
+#define in_front_facing gl_FrontFacing
+#endif
 
 #define TEXTURE_BASE_COLOR 0
 #define TEXTURE_METALLIC_ROUGHNESS 1
@@ -21,17 +33,37 @@ layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instanc
 #define TEXTURE_SPECULAR 5
 #define TEXTURE_SPECULAR_COLOR 6
 
-vec2 texture_uv(gpu_texture t) {
-    vec2 uv = t.uv_set == 0u ? in_uv.xy : in_uv.zw;
-    return vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2],
-                t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
+// `offset` 1 for points, 0 for differences.
+vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
+    vec2 uv = t.uv_set == 0u ? uvs.xy : uvs.zw;
+    return vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2] * offset,
+                t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5] * offset);
 }
 
 // The texel, or white where the material has no such texture.
 vec4 sample_slot(material_array materials, uint material, int slot) {
     gpu_texture t = materials.at[material].textures[slot];
     if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
-    return texture(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), texture_uv(t));
+#ifdef MATERIAL_GRADIENTS
+    vec2 uv = texture_uv(t, in_uv, 1.0), along = texture_uv(t, in_uv_dx, 0.0), across = texture_uv(t, in_uv_dy, 0.0);
+    float taps = 1.0;
+    if (GRADIENT_TAPS > 1.0) {
+        vec2 size = vec2(textureSize(textures[nonuniformEXT(t.image)], 0));
+        float a = length(along * size), b = length(across * size);
+        taps = clamp(ceil(max(a, b) / max(min(a, b), 1e-6)), 1.0, GRADIENT_TAPS);
+        vec2 longer = a > b ? along : across;
+        across = a > b ? across : along;
+        along = longer / taps;
+    }
+    vec4 sum = vec4(0.0);
+    for (float i = 0.0; i < taps; i += 1.0) {
+        vec2 at = uv + along * (i + 0.5 - 0.5 * taps);
+        sum += textureGrad(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), at, along, across);
+    }
+    return sum / taps;
+#else
+    return texture(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), texture_uv(t, in_uv, 1.0));
+#endif
 }
 
 vec4 material_base_color(material_array materials, uint material) {
@@ -44,7 +76,7 @@ bool material_cut(material_array materials, uint material, float alpha) {
 }
 
 // Windings are told apart here, not by pipeline state, so that mirrored and plain instances can share a draw.
-bool material_front_facing() { return gl_FrontFacing != (in_ids.z == 1u); }
+bool material_front_facing() { return in_front_facing != (in_ids.z == 1u); }
 
 // True for the back of a single-sided surface, where the pipeline culls nothing.
 bool material_culled(material_array materials, uint material) {

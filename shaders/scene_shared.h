@@ -56,7 +56,7 @@ struct gpu_primitive {
     uint first_index;
     uint index_count;
     int vertex_offset;
-    uint is_surface;   /* 1: triangles; 0: lines or points, which have no back */
+    uint corners;      /* 3: triangles; 2: lines, 1: points, which have no back */
 };
 
 /* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */

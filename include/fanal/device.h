@@ -48,7 +48,8 @@ typedef struct fnl_device_info {
     uint32_t max_msaa;     /**< highest sample count for colour and depth */
     bool async_compute;    /**< has a second queue that can compute */
     bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate,
-        multiview, pipeline_statistics; /**< optional features */
+        multiview, pipeline_statistics,
+        primitive_ids; /**< optional features; primitive_ids: fragment shaders know the number of their triangle */
     uint32_t subgroup_size;
 } fnl_device_info;
 

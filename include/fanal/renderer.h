@@ -20,6 +20,7 @@ typedef enum fnl_shading {
     FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
+    FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
     FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
 } fnl_shading;

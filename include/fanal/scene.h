@@ -187,6 +187,8 @@ FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_sc
 FNL_API fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground);
 /** What is seen where nothing is, cd/m^2. Default 0. */
 FNL_API fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance);
+/** Most samples that mipmapped textures take along the longer axis of a pixel's footprint, 1 .. 16 as far as the device goes; default 8. */
+FNL_API fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy);
 
 /* ---- time ---- */
 

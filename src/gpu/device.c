@@ -89,6 +89,8 @@ struct jobs *gpu_jobs(gpu_device *device) {
 }
 const fnl_device_info *gpu_info(const gpu_device *device) { return &device->info; }
 
+bool gpu_isotropic_gradients(const gpu_device *device) { return device->isotropic_gradients; }
+
 bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features) {
     VkFormatProperties3 properties3 = {.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_3};
     VkFormatProperties2 properties = {.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2, .pNext = &properties3};
@@ -237,6 +239,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     gpu_features_require(&features);
     const VkPhysicalDeviceFeatures *supported = &physical->supported.features.features;
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
+    enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->pipelineStatisticsQuery = supported->pipelineStatisticsQuery;
     features.features_11.multiview = physical->supported.features_11.multiview;
@@ -293,6 +296,7 @@ fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) 
     if (result == FNL_OK) {
         device->physical = physical.handle;
         device->info = physical.info;
+        device->isotropic_gradients = physical.isotropic_gradients;
         result = create_device(device, &physical);
     }
     if (result == FNL_OK) result = gpu_device_start(device, params->cache_folder);

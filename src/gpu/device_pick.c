@@ -171,6 +171,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     snprintf(info->driver, sizeof info->driver, "%.120s%s%.120s", driver.driverName, driver.driverInfo[0] ? " " : "",
              driver.driverInfo);
     info->subgroup_size = subgroup.subgroupSize;
+    out->isotropic_gradients = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     /* Where triangles that snapping has made flat vanish, so would small things. */
     info->conservative_raster = info->conservative_raster && conservative.degenerateTrianglesRasterized;
 
@@ -181,6 +182,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     REQUIRED_FEATURES(CHECK)
 #undef CHECK
     info->multiview = out->supported.features_11.multiview;
+    info->primitive_ids = out->supported.features.features.geometryShader;
     info->pipeline_statistics = out->supported.features.features.pipelineStatisticsQuery;
     info->usable = !info->missing[0];
 }

@@ -32,6 +32,8 @@ enum {
 const fnl_host *gpu_host(const gpu_device *device);
 struct jobs *gpu_jobs(gpu_device *device);
 const fnl_device_info *gpu_info(const gpu_device *device);
+/** True where textureGrad() filters without anisotropy whatever the sampler says: shaders then take several samples along the longer gradient. */
+bool gpu_isotropic_gradients(const gpu_device *device);
 bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features);
 /** Waits until all submitted work is done. */
 fnl_result gpu_wait_idle(gpu_device *device);

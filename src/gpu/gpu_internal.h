@@ -62,6 +62,7 @@ struct gpu_physical {
     VkPhysicalDevice handle;
     fnl_device_info info;
     struct gpu_features supported;
+    bool isotropic_gradients;
     uint32_t families[GPU_QUEUE_COUNT], queue_indices[GPU_QUEUE_COUNT]; /* the second is valid with info.async_compute */
 };
 
@@ -281,6 +282,7 @@ struct fnl_device {
     VkPhysicalDeviceProperties properties;
     uint64_t max_buffer_size;
     uint64_t timestamp_mask; /* 0: no timestamps */
+    bool isotropic_gradients;
 
     atomic_int status;
     pthread_mutex_t queue_mutex; /* of both queues */

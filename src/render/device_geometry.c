@@ -75,7 +75,7 @@ static fnl_result upload_primitive(struct upload *u, const struct scene_primitiv
                               .first_index = first_index,
                               .index_count = p->index_count,
                               .vertex_offset = (int32_t)first_vertex,
-                              .is_surface = p->topology == SCENE_TOPOLOGY_TRIANGLES};
+                              .corners = 3 - (uint32_t)p->topology};
     g.center = vec3_scale(vec3_add(p->bounds.low, p->bounds.high), 0.5f);
     g.half_extent = vec3_scale(vec3_sub(p->bounds.high, p->bounds.low), 0.5f);
     return array_push(&d->host, &u->primitives, g) ? FNL_OK : FNL_ERROR_MEMORY;

@@ -135,6 +135,8 @@ static fnl_result upload_groups(struct item_walk *w) {
         const struct scene_primitive *source = &scene->primitives.data[w->sources[key]];
         group.bucket = bucket_bits(material_of(scene, source, &standard), source->topology, group.mirrored);
         item_count += group.count;
+        const struct gpu_primitive *primitive = &w->primitives[group.primitive];
+        d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);
         keys[group_count++] = group; /* never overtakes `key` */
     }
     if (item_count > UINT32_MAX - 1) return FNL_ERROR_UNSUPPORTED;

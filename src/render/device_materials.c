@@ -16,7 +16,7 @@ static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
                                         .mipmapped = s->mipmapped,
                                         .wrap_u = address_mode(s->wrap_u),
                                         .wrap_v = address_mode(s->wrap_v),
-                                        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? 8 : 1};
+                                        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? d->scene->anisotropy : 1};
     return gpu_sampler_index(d->device, &params);
 }
 

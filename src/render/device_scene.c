@@ -23,7 +23,7 @@ static void free_structure(struct device_scene *d) {
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
     d->images.count = d->buckets.count = d->node_instances.count = d->deformed.count = d->deform_vertex_counts.count = 0;
-    d->item_count = d->group_count = d->blend_item_count = d->matrix_count = d->weight_count = 0;
+    d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
 }
 
 void device_scene_finish(struct device_scene *d) {
@@ -222,6 +222,8 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .buckets = d->buckets.data,
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
+                                            .most_triangles = d->most_triangles,
+                                            .gradient_taps = gpu_isotropic_gradients(d->device) ? d->scene->anisotropy : 1,
                                             .group_count = d->group_count,
                                             .blend_first_item = d->blend_first_item,
                                             .blend_item_count = d->blend_item_count};

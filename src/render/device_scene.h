@@ -31,7 +31,7 @@ struct device_scene {
     ARRAY(bool) node_mirrored;      /* whether its draws were sorted as those of a mirrored node */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
-    uint32_t item_count, group_count, blend_first_item, blend_item_count, matrix_count, weight_count;
+    uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
 

@@ -299,7 +299,7 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
     if (builders[lists].flags & FORWARD_ONLY)
-        return shading_is(shading, SHADING_FORWARD);
+        return shading_is(shading, SHADING_ITEMS);
     if (builders[lists].flags & PREPASS_ONLY) return shading_is(shading, SHADING_FORWARD | SHADING_PREPASS);
     return true;
 }

@@ -17,14 +17,19 @@ static const char *pair_name(const fnl_frame *frame) {
     return text;
 }
 
-/* Shoots every list of a shading order and compares with `all`; the oracle's picture is handed out. */
+/*
+ * Shoots the lists of a shading order and compares with `all`; the oracle's picture is handed out. Orders that look lights up as the first
+ * three do are tried with every fifth list, other ones at each call.
+ */
 static struct shot check_lists(struct stage *stage, fnl_frame frame) {
+    static uint32_t calls;
+    const uint32_t step = frame.shading > FNL_SHADING_DEFERRED ? 5 : 1, phase = calls++ % step;
     frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(stage, &frame);
     assert_int_equal(count_broken(&all.radiance), 0);
     for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
         frame.lists = (fnl_light_lists)l;
-        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (l % step != phase || !fnl_lists_supported(frame.shading, frame.lists)) continue;
         struct shot shot = stage_shoot(stage, &frame);
         if (shot.stats.overflow_cells) { /* right already, but the pool has to grow first */
             assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
@@ -67,7 +72,9 @@ static void check_orders(struct stage *stage, fnl_frame frame) {
             continue;
         }
         int difference = greatest_difference(&first.color, &shot.color);
-        if (difference > ALLOWED) fail_msg("%s: %d/255 from forward", pair_name(&frame), difference);
+        /* Compared with forward in passes/visibility/scenes_test.c, without anisotropy, which drivers apply to explicit gradients in ways of their own. */
+        if (difference > ALLOWED && s != FNL_SHADING_VISIBILITY)
+            fail_msg("%s: %d/255 from forward", pair_name(&frame), difference);
         shot_free(&shot);
     }
     shot_free(&first);

@@ -9,7 +9,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes", "auto"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes", "visibility", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -254,6 +254,10 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     }
     if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_FORWARD) && frame->msaa > 1) {
         log_error(host, "%s shading has no MSAA; use a forward order or 1 sample", fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->shading == FNL_SHADING_VISIBILITY && !gpu_info(r->device)->primitive_ids) {
+        log_error(host, "this device cannot number triangles, which visibility shading needs");
         return FNL_ERROR_UNSUPPORTED;
     }
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {

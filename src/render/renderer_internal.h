@@ -31,6 +31,7 @@ struct fnl_renderer {
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
+    uint32_t visibility_bits;              /* tests: ids at least so wide */
     bool poison;                           /* tests: transient buffers begin each frame full of rubbish */
     bool force_async; /* tests: passes for the compute queue go through it even where it is the graphics queue */
 

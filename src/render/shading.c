@@ -6,6 +6,7 @@
 #include "passes/shade/deferred.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
+#include "passes/visibility/visibility.h"
 
 static bool has_blend(const struct frame_state *f) {
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
@@ -92,6 +93,15 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
     }
 }
 
+/* ---- visibility ---- */
+
+static void add_visibility(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    struct visibility visibility = visibility_add(f->graph, input, f->r->visibility_bits, f->depth);
+    add_lists(f, f->depth, (graph_image){0});
+    visibility_shade_add(f->graph, input, &visibility, f->radiance);
+}
+
 /* ---- the table ---- */
 
 static const struct order {
@@ -99,10 +109,11 @@ static const struct order {
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
     uint32_t traits;
 } orders[FNL_SHADING_COUNT] = {
-    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD},
-    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS},
+    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_ITEMS},
+    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS},
     [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS},
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS},
+    [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS},
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }

@@ -6,10 +6,11 @@
 #include "render/frame_state.h"
 
 enum shading_trait {
-    SHADING_FORWARD = 1,   /* shades while it draws: lists of objects serve it, and pixels may have several samples */
+    SHADING_FORWARD = 1,   /* shades while it draws: pixels may have several samples */
     SHADING_GBUFFER = 2,   /* shades what a G-buffer holds: lists may look at depth and normals */
     SHADING_PREPASS = 4,   /* draws depth first, always */
     SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
+    SHADING_ITEMS = 32,    /* knows the item that a pixel shows: lists of objects serve it */
     SHADING_POSITIONS = 16 /* looks lights up at positions rebuilt from depth, as lists made from depth do */
 };
 /** Whether an order (not auto) has all of these traits. */

@@ -20,6 +20,7 @@ fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **ou
     scene->source = arena_string(&scene->arena, source);
     scene->cutoff_roughness = LIGHT_CUTOFF_ROUGHNESS;
     scene->cutoff_illuminance = LIGHT_CUTOFF_ILLUMINANCE;
+    scene->anisotropy = 8;
     struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
                                     .min = SCENE_FILTER_LINEAR,
                                     .mip = SCENE_FILTER_LINEAR,

@@ -196,6 +196,7 @@ struct fnl_scene {
     ARRAY(const char *) messages;
 
     vec3 ambient_sky, ambient_ground, background;
+    float anisotropy; /* of mipmapped textures, 1 .. 16 */
     float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;
     uint32_t hull_plane_count; /* of all lights */

@@ -369,6 +369,14 @@ fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance) {
     return FNL_OK;
 }
 
+fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy) {
+    if (!scene) return FNL_ERROR_INVALID;
+    REQUIRE(&scene->host, anisotropy >= 1 && anisotropy <= 16);
+    if (scene->anisotropy != anisotropy) scene->structure_version++;
+    scene->anisotropy = anisotropy;
+    return FNL_OK;
+}
+
 /* ---- what is in it ---- */
 
 static uint64_t mesh_triangles(const fnl_scene *scene, const struct scene_mesh *mesh) {

@@ -25,6 +25,8 @@ struct geometry_scene {
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
+    float gradient_taps; /* constant GRADIENT_TAPS of shaders/material.glsl */
+    uint32_t most_triangles; /* of one item; lines and points count too */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
 };
 

@@ -44,5 +44,5 @@ void main() {
     out_uv = vec4(a.uv0, a.uv1);
     out_color = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
     gpu_primitive primitive = push.scene.scene.primitives.at[item.primitive];
-    out_ids = uvec3(primitive.material, item_index, mirror < 0.0 ? primitive.is_surface : 0u);
+    out_ids = uvec3(primitive.material, item_index, uint(mirror < 0.0 && primitive.corners == 3u));
 }

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// Writes the id of what a pixel shows: what both entry points share.
+#include "common.glsl"
+#include "view.glsl"
+#include "lights/iterate.glsl"
+#include "material.glsl"
+#include "passes/geometry/geometry_shared.h"
+
+layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
+
+layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+
+layout(location = 0) out uint out_id;
+layout(location = 1) out uint out_high;
+
+void write_id() {
+    uint item = in_ids.y + 1u;
+    out_id = item << TRIANGLE_BITS | uint(gl_PrimitiveID);
+    out_high = TRIANGLE_BITS == 0u ? 0u : item >> (32u - TRIANGLE_BITS);
+}
