@@ -108,6 +108,9 @@ typedef struct fnl_list_options {
     bool fine_pruning;   /**< each pixel is tested against the lights' true volumes; default true. fine */
     uint32_t fine_masks; /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
     bool
+        fine_packed; /**< a tile takes 32 bytes, without masks and pool: 24 lights of the first 1024 in view; tiles with others count in
+                            overflow_cells and use all lights in view; default false. fine */
+    bool
         normal_cones; /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     fnl_backface_axis backface_axis; /**< default samples. backface */
     bool tree_hybrid;      /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */

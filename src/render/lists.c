@@ -197,6 +197,7 @@ static void add_fine(struct lists_context *c) {
     params.tile_size = options->tile_size;
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
+    params.packed = options->fine_packed;
     params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS);
     params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
