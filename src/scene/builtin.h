@@ -7,6 +7,7 @@
 #include "scene/scene.h"
 
 #define BUILTIN_LIGHTS_MAX 1048576u
+#define BUILTIN_DECALS_MAX 1048576u
 /** The value of a key whose default depends on the others. */
 #define BUILTIN_NOT_GIVEN UINT64_MAX
 

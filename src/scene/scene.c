@@ -50,12 +50,15 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->animations);
     for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
+    array_free(&host, &scene->decals);
+    array_free(&host, &scene->painted);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->extensions);
     array_free(&host, &scene->messages);
     array_free(&host, &scene->moved);
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
+    array_free(&host, &scene->free_decals);
     arena_finish(&scene->arena);
     host_free(&host, scene, sizeof *scene);
     *scene_address = NULL;

@@ -391,6 +391,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .image_count = scene->images.count,
         .node_count = scene->nodes.count - scene->free_nodes.count,
         .light_count = scene->lights.count - scene->free_lights.count,
+        .decal_count = scene->decals.count - scene->free_decals.count,
         .camera_count = scene->cameras.count,
         .animation_count = scene->animations.count,
         .skin_count = scene->skins.count,
@@ -409,6 +410,8 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         out->instance_count += node->instance_count;
         out->triangle_count += node->instance_count * mesh_triangles(scene, &scene->meshes.data[node->mesh]);
     }
+    for (uint32_t i = 0; i < scene->decals.count; i++)
+        if (!scene->decals.data[i].removed) out->decal_kind_counts[scene->decals.data[i].params.kind]++;
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         if (scene->lights.data[i].removed) continue;
         switch (scene->lights.data[i].params.kind) {
