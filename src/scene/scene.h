@@ -164,6 +164,7 @@ struct scene_light {
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     bool removed;
+    uint64_t changed_version; /* light_version at which it last changed while it stayed in its place */
 };
 
 /* A decal (decal.c). Pictures are indices; the transform is that of the parameters. */
@@ -220,6 +221,9 @@ struct fnl_scene {
     /* A renderer remembers the versions it has seen. */
     uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
     uint64_t light_version;     /* lights, ambient */
+    uint64_t light_set_version; /* … at which lights last came or went, or all changed: re-read all */
+    ARRAY(uint32_t) changed_lights; /* every light whose changed_version is above changed_lights_since, once */
+    uint64_t changed_lights_since;
     uint64_t decal_version;     /* decals; those that move with nodes follow transform_version besides */
     uint64_t transform_version; /* node transforms or morph weights */
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
@@ -242,6 +246,10 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+/** After a light's parameters changed, but neither its being directional nor its hull. */
+void scene_light_changed(fnl_scene *scene, uint32_t light);
+/** After any other change of lights. */
+void scene_lights_changed(fnl_scene *scene);
 /** Logs a warning and keeps it for `fanal info`. */
 void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
