@@ -32,7 +32,7 @@ static void print_help(void) {
          "  --background R,G,B         radiance where nothing is, cd/m^2\n"
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
-         "                             tile-normals backfaces, instead of the picture\n"
+         "                             tile-normals backfaces layers, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -56,6 +56,7 @@ static void print_help(void) {
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
+         "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
          "\n"
          "Run\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
@@ -79,6 +80,7 @@ static void print_help(void) {
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
@@ -128,6 +130,7 @@ enum {
     O_LIST_OPTION,
     O_MSAA,
     O_GBUFFER_PREPASS,
+    O_TRANSPARENCY,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -191,6 +194,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_integer("msaa", value, 1, 8, &integer)) return false;
         if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
+        return true;
+    case O_TRANSPARENCY:
+        if (!argument_name("transparency", value, transparency_name, &index)) return false;
+        o->frame.transparency = (fnl_transparency)index;
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
@@ -283,6 +290,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
+                                             {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
