@@ -57,6 +57,7 @@ static void print_help(void) {
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
+         "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
          "Run\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
@@ -81,6 +82,7 @@ static void print_help(void) {
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
+static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
@@ -129,6 +131,7 @@ enum {
     O_LISTS,
     O_LIST_OPTION,
     O_MSAA,
+    O_AA,
     O_GBUFFER_PREPASS,
     O_TRANSPARENCY,
     O_CLASS_BLOCKS,
@@ -198,6 +201,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_TRANSPARENCY:
         if (!argument_name("transparency", value, transparency_name, &index)) return false;
         o->frame.transparency = (fnl_transparency)index;
+        return true;
+    case O_AA:
+        if (!argument_name("aa", value, antialiasing_name, &index)) return false;
+        o->frame.aa = (fnl_antialiasing)index;
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
@@ -289,6 +296,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lists", required_argument, NULL, O_LISTS},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
+                                             {"aa", required_argument, NULL, O_AA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},

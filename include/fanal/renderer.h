@@ -134,6 +134,13 @@ typedef enum fnl_transparency {
     FNL_TRANSPARENCY_LINKED,     /**< exact: the fragments of each pixel are listed and sorted */
     FNL_TRANSPARENCY_COUNT
 } fnl_transparency;
+/** What smooths the stairs of edges, besides `msaa`. docs/techniques/antialiasing.md compares them. */
+typedef enum fnl_antialiasing {
+    FNL_ANTIALIASING_NONE = 0,
+    FNL_ANTIALIASING_MLAA, /**< morphological: from the shapes of edges in the picture, by the rules of its first publication */
+    FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
+    FNL_ANTIALIASING_COUNT
+} fnl_antialiasing;
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -175,6 +182,7 @@ FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
+FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 
@@ -199,6 +207,7 @@ typedef struct fnl_frame {
     uint32_t
         msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
     fnl_transparency transparency; /**< default sorted */
+    fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
     float ev;              /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */

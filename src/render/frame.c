@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
+#include "passes/aa/morphological.h"
 #include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
@@ -77,6 +78,9 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     if (f->frame->exposure == FNL_EXPOSURE_AUTO) params.exposure = f->exposure = exposure_add(f->graph, f->radiance);
     if (f->frame->debug == FNL_DEBUG_NONE) {
         tonemap_add(f->graph, f->radiance, f->color, &params);
+        struct morphological_params shapes = {linear, swap};
+        if (f->frame->aa == FNL_ANTIALIASING_MLAA) f->color = mlaa_add(f->graph, f->color, &shapes);
+        if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
     } else {
         struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)

@@ -62,6 +62,12 @@ const char *fnl_transparency_name(fnl_transparency transparency) {
     return NAME_OF(names, transparency);
 }
 
+const char *fnl_antialiasing_name(fnl_antialiasing aa) {
+    static const char *const names[] = {"none", "mlaa", "smaa"};
+    _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
+    return NAME_OF(names, aa);
+}
+
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
     static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
     _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
@@ -247,6 +253,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     TRY(lists_check(host, &frame->list_options));
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
+    REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
