@@ -115,6 +115,8 @@ static const struct setting {
      0, NULL},
     {"fine-masks", "0: none, 1: a mask of lights per pixel, 2: per 2x2 pixels (1)", FIELD(fine_masks), SETTING_INTEGER, 0, 2,
      NULL},
+    {"fine-packed", "on or off: 32 bytes a tile, up to 24 of 1024 lights in view, no masks (off)", FIELD(fine_packed),
+     SETTING_SWITCH, 0, 0, NULL},
     {"backface-axis", "samples, sum or mips (samples)", FIELD(backface_axis), SETTING_NAME, 0, 0, backface_axis_name},
     {"tree-hybrid", "on or off: plain rows where trees do not pay (on)", FIELD(tree_hybrid), SETTING_SWITCH, 0, 0, NULL},
     {"cluster-size", "8 .. 256 pixels (64)", FIELD(cluster_size), SETTING_INTEGER, 8, 256, NULL},

@@ -33,7 +33,7 @@ static void print_help(void) {
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
-         "                             tile-normals backfaces, instead of the picture\n"
+         "                             tile-normals backfaces layers, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -57,6 +57,8 @@ static void print_help(void) {
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
+         "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
+         "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
          "Run\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
@@ -80,6 +82,8 @@ static void print_help(void) {
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
+static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
@@ -128,7 +132,9 @@ enum {
     O_LISTS,
     O_LIST_OPTION,
     O_MSAA,
+    O_AA,
     O_GBUFFER_PREPASS,
+    O_TRANSPARENCY,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -193,6 +199,14 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_integer("msaa", value, 1, 8, &integer)) return false;
         if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
+        return true;
+    case O_TRANSPARENCY:
+        if (!argument_name("transparency", value, transparency_name, &index)) return false;
+        o->frame.transparency = (fnl_transparency)index;
+        return true;
+    case O_AA:
+        if (!argument_name("aa", value, antialiasing_name, &index)) return false;
+        o->frame.aa = (fnl_antialiasing)index;
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
@@ -290,7 +304,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lists", required_argument, NULL, O_LISTS},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
+                                             {"aa", required_argument, NULL, O_AA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
+                                             {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},

@@ -220,6 +220,14 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     return true;
 }
 
+/* Lists of blended fragments learn by the first frame how long they have to be: what is saved is exact if memory lasts. */
+static bool settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
+    for (int i = 0; i < 2 && stats->blend_overflow > 0; i++)
+        if (fnl_renderer_render(renderer, frame) != FNL_OK || fnl_renderer_query_stats(renderer, stats) != FNL_OK)
+            return false;
+    return true;
+}
+
 /* One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is saved. */
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
                        struct render_report *report) {
@@ -246,6 +254,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
     }
+    if (!settle_transparency(renderer, &frame, &report->stats)) return false;
     show_progress(o, "done", total, total);
     return true;
 }

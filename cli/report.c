@@ -75,6 +75,9 @@ void report_print(const struct render_report *r) {
         for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
         puts(" (the last: nothing to shade)");
     }
+    if (s->blend_fragments)
+        printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
+               s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
     printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
@@ -116,8 +119,17 @@ static json_t *make_json(const struct render_report *r) {
                      "peak_bytes", integer(s->device_peak_bytes));
 }
 
+static void add_transparency(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    json_object_set_new(json, "transparency",
+                        json_pack("{s:s,s:o,s:o,s:o,s:o}", "kind", fnl_transparency_name(r->frame.transparency), "fragments",
+                                  integer(s->blend_fragments), "longest", integer(s->blend_longest), "bytes",
+                                  integer(s->blend_bytes), "overflow_pixels", integer(s->blend_overflow)));
+}
+
 bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
+    add_transparency(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&
                 json_dump_file(json, temporary, JSON_INDENT(2)) == 0 && rename(temporary, path) == 0;

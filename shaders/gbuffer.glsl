@@ -53,6 +53,21 @@ surface gbuffer_surface(gpu_gbuffer from, ivec2 pixel, vec3 position, vec3 emiss
     return gbuffer_unpack(g, position, emissive);
 }
 
+// The same of one sample, where the G-buffer is multisampled.
+float gbuffer_depth(gpu_gbuffer from, ivec2 pixel, int at) { return texelFetch(textures_multisampled[from.depth], pixel, at).r; }
+
+// What is stored, as it is stored: equal values are equal bits. Targets that there are not are zero.
+gbuffer gbuffer_stored(gpu_gbuffer from, ivec2 pixel, int at) {
+    gbuffer g;
+    for (uint i = 0u; i < GBUFFER_TARGETS; i++)
+        g.targets[i] = i < 3u ? texelFetch(textures_multisampled[from.targets[i]], pixel, at) : vec4(0.0);
+    return g;
+}
+
+surface gbuffer_surface(gpu_gbuffer from, ivec2 pixel, int at, vec3 position, vec3 emissive) {
+    return gbuffer_unpack(gbuffer_stored(from, pixel, at), position, emissive);
+}
+
 // World-space position of what a pixel's centre shows.
 vec3 gbuffer_position(view_block v, ivec2 pixel, float view_depth) {
     return (v.view.view_to_world * vec4(view_position_of(v, ndc_of_pixel(v, vec2(pixel) + 0.5), view_depth), 1.0)).xyz;

@@ -109,6 +109,9 @@ typedef struct fnl_list_options {
     bool fine_pruning;   /**< each pixel is tested against the lights' true volumes; default true. fine */
     uint32_t fine_masks; /**< side in pixels of the squares that share a mask: 1, 2, or 0: no masks; default 1. fine */
     bool
+        fine_packed; /**< a tile takes 32 bytes, without masks and pool: 24 lights of the first 1024 in view; tiles with others count in
+                            overflow_cells and use all lights in view; default false. fine */
+    bool
         normal_cones; /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     fnl_backface_axis backface_axis; /**< default samples. backface */
     bool tree_hybrid;      /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */
@@ -124,6 +127,21 @@ typedef struct fnl_list_options {
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
+
+/** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
+typedef enum fnl_transparency {
+    FNL_TRANSPARENCY_SORTED = 0, /**< objects are drawn back to front by their centres: wrong where they reach into one another */
+    FNL_TRANSPARENCY_WEIGHTED,   /**< in no order: a mean weighted by distance; exact where one surface covers a pixel */
+    FNL_TRANSPARENCY_LINKED,     /**< exact: the fragments of each pixel are listed and sorted */
+    FNL_TRANSPARENCY_COUNT
+} fnl_transparency;
+/** What smooths the stairs of edges, besides `msaa`. docs/techniques/antialiasing.md compares them. */
+typedef enum fnl_antialiasing {
+    FNL_ANTIALIASING_NONE = 0,
+    FNL_ANTIALIASING_MLAA, /**< morphological: from the shapes of edges in the picture, by the rules of its first publication */
+    FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
+    FNL_ANTIALIASING_COUNT
+} fnl_antialiasing;
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -151,6 +169,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_TILE_NORMALS, /**< mean normals of the tiles of backface lists */
     FNL_DEBUG_BACKFACES,    /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
+    FNL_DEBUG_LAYERS, /**< heat map of the blended surfaces that a pixel shows, with a legend */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -163,6 +182,8 @@ FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
+FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
+FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 
@@ -186,6 +207,8 @@ typedef struct fnl_frame {
     fnl_list_options list_options;
     uint32_t
         msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
+    fnl_transparency transparency; /**< default sorted */
+    fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
     float ev;              /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
@@ -247,6 +270,12 @@ typedef struct fnl_frame_stats {
     uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];
+    /**
+     * With FNL_TRANSPARENCY_LINKED: blended fragments that nothing opaque hides, the most in one pixel, and pixels that were
+     * drawn as sorted because the pool was too small in this frame. Bytes: what linked and weighted take beside the picture.
+     */
+    uint64_t blend_fragments, blend_bytes;
+    uint32_t blend_longest, blend_overflow;
     double cpu_milliseconds; /**< recording and submitting */
     double gpu_milliseconds; /**< sum of all passes; 0 without timers */
     float ev;                /**< exposure used, EV100 */

@@ -33,6 +33,9 @@ typedef struct fnl_instance_id {
 typedef struct fnl_light_id {
     uint32_t index, generation;
 } fnl_light_id;
+typedef struct fnl_decal_id {
+    uint32_t index, generation;
+} fnl_decal_id;
 
 /** An empty scene. `host` may be NULL. */
 FNL_API fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out);
@@ -183,6 +186,85 @@ FNL_API fnl_scatter_params fnl_scatter_params_default(void);
 /** The same with lights of all shapes; with the default shares and scale it gives exactly the same lights. */
 FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params);
 
+/* ---- decals ---- */
+
+/** How a decal finds the surface that it changes. docs/techniques/decals.md tells when to take which. */
+typedef enum fnl_decal_kind {
+    FNL_DECAL_BOX = 0, /**< projected along the box's -Z onto whatever is in the box */
+    FNL_DECAL_VOLUME,  /**< the box is a stack of slices: a surface shows the picture at its very place (marble, a cut) */
+    FNL_DECAL_MESH,    /**< on one instance, in the space of its mesh before it deforms: stretches and moves with the skin */
+    FNL_DECAL_REDRAW,  /**< the triangles of one instance that the box touches are drawn again over it, with lighting of their own */
+    FNL_DECAL_BAKED,   /**< painted into a copy of one instance's base colour textures when it is added: no cost in a frame */
+    FNL_DECAL_KIND_COUNT
+} fnl_decal_kind;
+
+/** What becomes of a base colour `b` under a decal's colour `c`, before both are mixed by the decal's alpha. */
+typedef enum fnl_decal_blend {
+    FNL_DECAL_BLEND_ALPHA = 0, /**< c */
+    FNL_DECAL_BLEND_MULTIPLY,  /**< b c */
+    FNL_DECAL_BLEND_ADD,       /**< b + c, at most 1 */
+    FNL_DECAL_BLEND_SCREEN,    /**< b + c - b c */
+    FNL_DECAL_BLEND_OVERLAY,   /**< 2 b c where b < 1/2, else 1 - 2 (1 - b) (1 - c) */
+    FNL_DECAL_BLEND_COUNT
+} fnl_decal_blend;
+
+/** What of the surface a decal changes; bits. */
+typedef enum fnl_decal_channel {
+    FNL_DECAL_COLOR = 1, /**< alone: a tattoo */
+    FNL_DECAL_NORMAL = 2, /**< alone: an embossing */
+    FNL_DECAL_ROUGHNESS = 4,
+    FNL_DECAL_METALLIC = 8,
+    FNL_DECAL_EMISSION = 16,
+    FNL_DECAL_ALL = 31 /**< a sticker */
+} fnl_decal_channel;
+
+typedef struct fnl_decal_params {
+    fnl_decal_kind kind; /**< default box */
+    /**
+     * From the unit cube (-1/2 .. 1/2) to the world, or to the space of `instance`: affine and invertible, may mirror. The picture lies in the
+     * cube's xy plane, +Y up, and is seen from +Z. Default: the cube itself.
+     */
+    fnl_mat4 transform;
+    /** Mesh, redraw and baked decals: what they are on. Box and volume decals: what they move with; all-zero (default): nothing. */
+    fnl_instance_id instance;
+    float color[4];      /**< linear RGB and alpha, 0..1, multiply the picture; default 1 */
+    float metallic;      /**< 0..1; default 0 */
+    float roughness;     /**< 0..1; default 0.5 */
+    float normal_scale;  /**< scales the normal map's x and y; default 1 */
+    float emissive[3];   /**< cd/m^2, >= 0; default 0 */
+    fnl_image_id color_image, normal_image, metallic_roughness_image, emissive_image; /**< all-zero (default): none */
+    uint32_t channels;     /**< fnl_decal_channel bits; default colour, roughness and metallic */
+    fnl_decal_blend blend; /**< default alpha */
+    bool flatten; /**< the normal map replaces the surface's own details instead of lying upon them; default false */
+    int32_t sort_key; /**< decals are applied by ascending key, of equal ones in the order they were added; default 0 */
+    /**
+     * Angles between the surface and the box's +Z, radians, 0 .. pi: in full up to fade_start, not at all from fade_end (>= fade_start) on.
+     * Default 65 and 85 degrees: sides seen edge-on would be streaks. Not for volume decals.
+     */
+    float fade_start, fade_end;
+    uint32_t receivers; /**< 8 bits: applied where they share one with the instance's (fnl_scene_set_instance_receivers); default 255 */
+    bool distance_field;     /**< the picture's alpha is a distance, and is cut at `cut`; default false */
+    float cut;               /**< 0..1; default 0.5 */
+    uint32_t slices; /**< volume decals: pictures stacked in each image, the topmost at +Z, 1 .. 4096; default 1 */
+} fnl_decal_params;
+
+/** Names such as "box" and "multiply"; NULL for a value out of range. */
+FNL_API const char *fnl_decal_kind_name(fnl_decal_kind kind);
+FNL_API const char *fnl_decal_blend_name(fnl_decal_blend blend);
+
+FNL_API fnl_decal_params fnl_decal_params_default(void);
+FNL_API fnl_result fnl_scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, fnl_decal_id *out);
+/** The kind and, but for box and volume decals, the instance stay as they are; a baked decal is painted anew. */
+FNL_API fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id decal, const fnl_decal_params *params);
+FNL_API fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id decal);
+/** Which decals an instance receives: they must share a bit with `receivers` (8 bits; 255 at first). 0: none. */
+FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers);
+/**
+ * Scatters `count` seeded box decals (graffiti, cracks, footprints, made by the library) over the scene's surfaces; fewer where there are none.
+ * Same scene, count and seed give the same decals.
+ */
+FNL_API fnl_result fnl_scene_scatter_decals(fnl_scene *scene, uint32_t count, uint64_t seed);
+
 /** Light from all around, cd/m^2: `sky` from +Y, `ground` from -Y, blended by the normal's height. Default 0. */
 FNL_API fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground);
 /** What is seen where nothing is, cd/m^2. Default 0. */
@@ -232,6 +314,8 @@ typedef struct fnl_scene_info {
     uint64_t instance_count;
     uint32_t light_count; /**< placed lights */
     uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count;
+    uint32_t decal_count; /**< of all kinds */
+    uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
     uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
     fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
 } fnl_scene_info;
@@ -262,6 +346,7 @@ FNL_API fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t in
 FNL_API const char *fnl_scene_message(const fnl_scene *scene, uint32_t index);
 FNL_API const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index);
 FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out);
+FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
 
 #ifdef __cplusplus
 }

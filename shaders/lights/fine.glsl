@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Tiles with a bit mask per pixel, or per 2 x 2 pixels, over the tile's lights (GPU_LIST_FINE). gpu_light_list.extra holds the masks and
-// behind them, where shading may not be where depth says, the positions that the masks were made for.
+// behind them, where shading may not be where depth says, the positions that the masks were made for. Packed tiles have no masks.
 #ifndef LIGHTS_FINE_GLSL
 #define LIGHTS_FINE_GLSL
 
@@ -46,21 +46,41 @@ bool fine_tile_of_point(light_list_block l, vec3 position, out uvec2 tile) {
 
 struct fine_cursor {
     uint first, end; // entries of the tile
-    uint word, bits; // where the next mask is, what is left of this one
-    bool masked;
+    uint word, bits; // where the next mask is, what is left of this one; packed: where the tile's words are
+    bool masked, packed;
 };
+
+// Place `entry` of a packed tile.
+uint fine_unpacked(light_list_block l, uint first, uint entry) {
+    uint word = const_uint_array(l.list.cells).at[first + entry / 3u];
+    return word >> entry % 3u * GPU_PACKED_BITS & GPU_PACKED_IN_VIEW - 1u;
+}
+
+fine_cursor fine_begin_packed(light_list_block l, uint cell) {
+    fine_cursor c = fine_cursor(0u, 0u, cell * GPU_PACKED_WORDS, 0u, false, true);
+    for (uint i = 0u; i < GPU_PACKED_WORDS; i++) c.end += const_uint_array(l.list.cells).at[c.word + i] >> 3u * GPU_PACKED_BITS;
+    if (const_uint_array(l.list.cells).at[c.word] == GPU_PACKED_ALL) {
+        c.end = const_uint_array(l.list.cells).at[c.word + 1u];
+        c.packed = false;
+    }
+    return c;
+}
 
 // False: the point takes all lights.
 bool fine_begin(light_list_block l, uvec2 tile, uvec2 pixel, vec3 position, out fine_cursor c) {
     uint index = tile.y * l.list.tiles_x + tile.x, cell = l.list.first_cell + index;
     uvec2 pixel_in_tile = pixel - tile * l.list.tile_size;
-    c = fine_cursor(0u, 0u, 0u, 0u, l.list.mask_size != 0u);
+    c = fine_cursor(0u, 0u, 0u, 0u, l.list.mask_size != 0u, false);
     bool tested = fine_tested(l, index, pixel_in_tile, position), scattered = l.list.scattered == 1u;
     if (!tested || (scattered && l.list.positions == 0u)) {
         uint first = tested ? l.list.first_cell : l.list.other_cell;
         if (first == GPU_CELL_ALL || (scattered && !fine_tile_of_point(l, position, tile))) return false;
         cell = first + tile.y * l.list.tiles_x + tile.x;
         c.masked = false;
+    }
+    if (l.list.packed == 1u) {
+        c = fine_begin_packed(l, cell);
+        return true;
     }
     gpu_cell at = l.list.cells.at[cell];
     if (at.count == GPU_CELL_ALL) return false;
@@ -79,7 +99,8 @@ bool fine_next(light_list_block l, inout fine_cursor c, out uint id) {
     id = 0u;
     if (!c.masked) {
         if (c.first >= c.end) return false;
-        id = l.list.ids.at[c.first++];
+        id = l.list.ids.at[c.packed ? fine_unpacked(l, c.word, c.first) : c.first];
+        c.first++;
         return true;
     }
     while (c.bits == 0u && c.first < c.end) { // no return from within: see bins_next()

@@ -71,6 +71,18 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 #define GPU_NODE_32_END 0xfffffu /* next of the last node */
 #define GPU_NODE_32_LIGHTS 4096u /* that fit into the bits */
 
+/*
+ * GPU_LIST_FINE, packed: a tile takes GPU_PACKED_WORDS words in place of a cell. Each holds the places of up to three lights among those in
+ * view, GPU_PACKED_BITS each from the least bit up, and how many in its two highest bits. Words are full from the first on. A tile whose
+ * lights these cannot hold has GPU_PACKED_ALL (no lights, and places that are not 0) in its first word, the number of lights in view in its
+ * second, and uses all of those. gpu_light_list.ids: lights in view -> local lights.
+ */
+#define GPU_PACKED_WORDS 8u
+#define GPU_PACKED_BITS 10u
+#define GPU_PACKED_LIGHTS 24u     /* of a tile */
+#define GPU_PACKED_IN_VIEW 1024u
+#define GPU_PACKED_ALL 0x3fffffffu
+
 /* GPU_LIST_TREE */
 #define GPU_TREE_LIGHTS 128u /* that share a tree */
 #define GPU_TREE_LEAF 0x80000000u
@@ -105,6 +117,7 @@ struct gpu_light_list {
     uint positions;      /* fine: where in extra the tested positions begin; 0: they are those of shading */
     float eye_distance;  /* fine: of the eye from the world's origin, metres */
     uint scattered;      /* fine: 1: points may be shaded off their pixel (MSAA) */
+    uint packed;         /* fine: 1: cells are GPU_PACKED_WORDS words each, without masks */
     ADDRESS(view_block) view; /* fine: where scattered points are seen */
     uint buckets;        /* sparse: keys of a cluster, 1 or one for each range of normals. In extra: the occupied ones before each, and one more */
     uint cell_limit;     /* sparse: cells that there is memory for */

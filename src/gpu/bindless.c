@@ -23,7 +23,7 @@ static void size_arrays(gpu_device *device) {
     sampled = MIN(sampled, GPU_SAMPLED_MAX);
     storage = MIN(storage, GPU_STORAGE_MAX);
     uint32_t all = limits.maxPerStageUpdateAfterBindResources -
-                   MIN(limits.maxPerStageUpdateAfterBindResources, GPU_MAX_COLORS + samplers);
+                   MIN(limits.maxPerStageUpdateAfterBindResources, GPU_MAX_COLORS + GPU_MAX_INPUTS + samplers);
     if (sampled + storage > all) {
         storage = MIN(storage, all / 4);
         sampled = MIN(sampled, all - storage);

@@ -102,7 +102,7 @@ void gpu_push(struct gpu_commands *commands, const void *data, uint32_t size) {
 }
 
 static bool can_run(const struct gpu_commands *commands, VkPipelineBindPoint point) {
-    return commands->handle && commands->pipeline && commands->pipeline->point == point;
+    return commands->handle && commands->pipeline && commands->pipeline->point == point && !commands->scope_skipped;
 }
 
 void gpu_dispatch(struct gpu_commands *commands, uint32_t x, uint32_t y, uint32_t z) {

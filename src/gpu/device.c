@@ -178,6 +178,7 @@ fnl_result gpu_device_new(const fnl_device_params *params, gpu_device **out) {
     pthread_mutex_init(&device->slice_mutex, NULL);
     pthread_mutex_init(&device->memory.mutex, NULL);
     pthread_mutex_init(&device->bindless.mutex, NULL);
+    pthread_mutex_init(&device->scopes.mutex, NULL);
     pthread_mutex_init(&device->uploads.mutex, NULL);
     pthread_mutex_init(&device->pipelines.creation, NULL);
     pthread_rwlock_init(&device->pipelines.lock, NULL);
@@ -230,6 +231,7 @@ fnl_result gpu_device_start(gpu_device *device, const char *cache_folder) {
     for (uint32_t i = 0; i < GPU_QUEUE_COUNT; i++) TRY(gpu_semaphore_create(device, names[i], &device->queues[i].timeline));
     TRY(gpu_semaphore_create(device, "upload timeline", &device->uploads.timeline));
     TRY(gpu_bindless_init(device));
+    TRY(gpu_scopes_init(device));
     TRY(gpu_pipelines_init(device, cache_folder));
     return gpu_frames_init(device);
 }
@@ -320,6 +322,7 @@ void fnl_device_destroy(fnl_device **address) {
         gpu_uploads_finish(device);
         gpu_frames_finish(device);
         gpu_pipelines_finish(device);
+        gpu_scopes_finish(device);
         gpu_bindless_finish(device);
         gpu_memory_finish(device);
         for (uint32_t i = 0; i < GPU_QUEUE_COUNT; i++)
@@ -334,6 +337,7 @@ void fnl_device_destroy(fnl_device **address) {
     pthread_mutex_destroy(&device->slice_mutex);
     pthread_mutex_destroy(&device->memory.mutex);
     pthread_mutex_destroy(&device->bindless.mutex);
+    pthread_mutex_destroy(&device->scopes.mutex);
     pthread_mutex_destroy(&device->uploads.mutex);
     pthread_mutex_destroy(&device->pipelines.creation);
     pthread_rwlock_destroy(&device->pipelines.lock);

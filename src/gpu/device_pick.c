@@ -28,6 +28,7 @@
     X(features_12, shaderStorageImageArrayNonUniformIndexing)                                                               \
     X(features_12, bufferDeviceAddress)                                                                                     \
     X(features_12, scalarBlockLayout)                                                                                       \
+    X(features_12, imagelessFramebuffer)                                                                                    \
     X(features_12, timelineSemaphore)                                                                                       \
     X(features_12, hostQueryReset)                                                                                          \
     X(features_12, separateDepthStencilLayouts)                                                                             \

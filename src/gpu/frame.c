@@ -103,6 +103,7 @@ fnl_result gpu_frame_begin(gpu_device *device) {
     fetch_timestamps(device, frame);
     gpu_retire_release(device, slot);
     gpu_slices_reset(device, &frame->slices);
+    gpu_scopes_begin_frame(device, slot);
     for (uint32_t queue = 0; queue < GPU_QUEUE_COUNT; queue++) {
         for (uint32_t chunk = 0; chunk < GPU_MAX_CHUNKS; chunk++) {
             struct gpu_command_pool *pool = &frame->pools[queue][chunk];

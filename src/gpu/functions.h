@@ -18,6 +18,12 @@
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_INSTANCE_DEBUG_FUNCTIONS(X) X(CreateDebugUtilsMessengerEXT) X(DestroyDebugUtilsMessengerEXT)
 
+/* Of render passes, see scope.c. */
+#define GPU_SCOPE_FUNCTIONS(X)                                                                                              \
+    X(CreateRenderPass2)                                                                                                    \
+    X(DestroyRenderPass) X(CreateFramebuffer) X(DestroyFramebuffer) X(CmdBeginRenderPass2) X(CmdNextSubpass2)               \
+        X(CmdEndRenderPass2) X(ResetDescriptorPool) X(GetDeviceMemoryCommitment)
+
 #define GPU_DEVICE_FUNCTIONS(X)                                                                                             \
     X(DestroyDevice)                                                                                                        \
     X(GetDeviceQueue) X(QueueSubmit2) X(AllocateMemory) X(FreeMemory) X(MapMemory) X(CreateBuffer) X(DestroyBuffer)         \
@@ -40,7 +46,8 @@
                                                                         X(CmdBeginRendering) X(CmdEndRendering)             \
                                                                             X(CmdSetViewport) X(CmdSetScissor)              \
                                                                                 X(CmdPipelineBarrier2)                      \
-                                                                                    X(CmdWriteTimestamp2)
+                                                                                    X(CmdWriteTimestamp2)                   \
+    GPU_SCOPE_FUNCTIONS(X)
 
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)

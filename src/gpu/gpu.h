@@ -23,6 +23,9 @@ enum {
     GPU_MAX_COLORS = 8,
     GPU_MAX_CONSTANTS = 16,
     GPU_MAX_CHUNKS = 16, /* command buffers that may be recorded at once */
+    GPU_MAX_INPUTS = 8,  /* attachments that a step of a scope reads */
+    GPU_MAX_SCOPE_ATTACHMENTS = 16,
+    GPU_MAX_SCOPE_STEPS = 8,
 };
 
 #define GPU_NO_INDEX UINT32_MAX
@@ -121,9 +124,14 @@ struct gpu_heap {
     VkDeviceMemory memory;
     uint64_t size;
     uint32_t memory_types;
+    bool lazy; /* of lazily allocated memory: only images of usage TRANSIENT_ATTACHMENT ask for such types */
 };
 fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, uint32_t memory_types, struct gpu_heap *out);
 void gpu_heap_destroy(gpu_device *device, struct gpu_heap *heap);
+/** Bytes that stand behind the heap: of a lazy one, what the driver could not keep on the chip. */
+uint64_t gpu_heap_committed(gpu_device *device, const struct gpu_heap *heap);
+/** Of one texel; 0 for formats that Fanal does not use. */
+uint32_t gpu_texel_bytes(VkFormat format);
 fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset,
                                const struct gpu_image_params *params, struct gpu_image *out);
 fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset, const char *name,
@@ -155,6 +163,7 @@ fnl_result gpu_read_buffer(gpu_device *device, const struct gpu_buffer *buffer, 
 /* ---- pipelines: made on first use and kept; all share one layout (bindless set 0, 128 bytes of push constants) ---- */
 
 struct gpu_pipeline;
+struct gpu_scope;
 
 struct gpu_compute_params {
     const struct gpu_shader *shader;
@@ -182,7 +191,9 @@ struct gpu_graphics_params {
     bool depth_test, depth_write, depth_clamp;
     bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
     VkCompareOp depth_compare;
-    uint32_t samples; /* 1, 2, 4, 8 */
+    uint32_t samples;              /* 1, 2, 4, 8 */
+    const struct gpu_scope *scope; /* the pipeline draws in this step of a scope; NULL: between gpu_begin_rendering and its end */
+    uint32_t scope_step;
 };
 
 /** NULL after a logged, sticky error. Hash lookups; no allocation when it exists. Thread-safe. Params must be zeroed before filling: they are hashed as bytes. */
@@ -244,6 +255,43 @@ struct gpu_rendering {
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);
 void gpu_end_rendering(struct gpu_commands *commands);
+
+/*
+ * ---- scopes: several steps of drawing, one over the other, of which later ones read what earlier ones drew at the same pixel ----
+ *
+ * A Vulkan render pass with a subpass for each step: a tile-based GPU keeps all attachments on the chip from the first step to the
+ * last and stores only those that ask for it. Every Vulkan 1.3 device has them. A step's fragment shader reads input `i` as
+ * `layout(set = 1, binding = i, input_attachment_index = i) uniform subpassInput`.
+ */
+struct gpu_scope_step {
+    uint32_t color_count, input_count;
+    uint32_t colors[GPU_MAX_COLORS], inputs[GPU_MAX_INPUTS]; /* attachments; inputs may have gaps of GPU_NO_INDEX */
+    uint32_t depth;                                          /* attachment or GPU_NO_INDEX */
+    bool depth_read_only;
+};
+/** Zeroed before it is filled in: it is hashed as bytes. An attachment may be input and colour of one step: each pixel may then be
+    drawn once, or gpu_scope_barrier stands between the draws. */
+struct gpu_scope_params {
+    uint32_t attachment_count, step_count;
+    struct {
+        VkFormat format;
+        VkAttachmentLoadOp load;
+        VkAttachmentStoreOp store;
+    } attachments[GPU_MAX_SCOPE_ATTACHMENTS]; /* single-sampled; colour is COLOR_ATTACHMENT_OPTIMAL before and after, depth
+                                                 DEPTH_ATTACHMENT_OPTIMAL */
+    struct gpu_scope_step steps[GPU_MAX_SCOPE_STEPS];
+};
+/** Can the device have steps with so many colours and inputs? */
+bool gpu_scope_supports(const gpu_device *device, uint32_t color_count, uint32_t input_count);
+/** NULL after a logged, sticky error. Made on first use and kept. Thread-safe. */
+const struct gpu_scope *gpu_scope_find(gpu_device *device, const struct gpu_scope_params *params);
+/** Begins the first step, all attachments in their order; the viewport is as gpu_begin_rendering's. NULL scope: what follows is skipped. */
+void gpu_begin_scope(struct gpu_commands *commands, const struct gpu_scope *scope, const struct gpu_image *const *images,
+                     const VkClearValue *clears);
+void gpu_next_step(struct gpu_commands *commands);
+/** What earlier draws of this step wrote can be read as input by later ones; for steps that have an attachment as input and colour. */
+void gpu_scope_barrier(struct gpu_commands *commands);
+void gpu_end_scope(struct gpu_commands *commands);
 
 /* For the frame graph. */
 struct gpu_image_barrier {

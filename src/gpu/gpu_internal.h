@@ -77,6 +77,7 @@ struct gpu_retired {
     VkBuffer buffer;
     VkImage image;
     VkImageView views[3];
+    VkFramebuffer framebuffer;
     VkDeviceMemory memory; /* a heap, of heap_size bytes */
     uint64_t heap_size;
     uint32_t sampled_index, storage_index, srgb_index; /* GPU_NO_INDEX: none */
@@ -125,6 +126,11 @@ struct gpu_memory {
 fnl_result gpu_memory_allocate(gpu_device *device, const char *name, const VkMemoryRequirements *requirements,
                                enum gpu_memory_kind kind, bool optimal, struct gpu_allocation *out, VkDeviceMemory *memory,
                                void **mapped);
+/** Memory types that do, best first; returns their number. Mapped kinds are coherent always. */
+uint32_t gpu_memory_order_types(const struct gpu_memory *memory, enum gpu_memory_kind kind, uint32_t mask,
+                                uint32_t types[VK_MAX_MEMORY_TYPES]);
+/** The first lazily allocated type of the mask, if there is one. */
+bool gpu_memory_lazy_type(const struct gpu_memory *memory, uint32_t mask, uint32_t *type);
 void gpu_memory_free(gpu_device *device, const struct gpu_allocation *allocation);
 void gpu_memory_free_heap(gpu_device *device, VkDeviceMemory memory, uint64_t size);
 void gpu_memory_finish(gpu_device *device);
@@ -186,6 +192,43 @@ fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder)
 /** Writes the file if the cache grew. */
 void gpu_pipeline_cache_save(gpu_device *device);
 
+/* ---- scope.c ---- */
+
+enum { GPU_SCOPE_FRAMEBUFFERS = 4, GPU_SCOPE_SETS = 64 }; /* kept of a scope; of steps in a frame */
+
+/** A framebuffer without images: what it needs to know of them. */
+struct gpu_framebuffer {
+    VkFramebuffer handle;
+    uint32_t width, height, layers;
+    VkImageUsageFlags usages[GPU_MAX_SCOPE_ATTACHMENTS];
+    uint64_t last_use;
+};
+
+struct gpu_scope {
+    struct gpu_scope_params params;
+    uint64_t hash;
+    VkRenderPass handle; /* VK_NULL_HANDLE: could not be made, for the reason of `result` */
+    fnl_result result;
+    struct gpu_framebuffer framebuffers[GPU_SCOPE_FRAMEBUFFERS];
+};
+
+struct gpu_scopes {
+    pthread_mutex_t mutex; /* of all of it */
+    ARRAY(struct gpu_scope *) items;
+    uint32_t input_count; /* at most, in a step */
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout layout; /* the bindless one with set 1 for inputs */
+    VkDescriptorPool pools[GPU_FRAMES_IN_FLIGHT];
+    VkDescriptorSet sets[GPU_FRAMES_IN_FLIGHT][GPU_SCOPE_SETS];
+    uint32_t used[GPU_FRAMES_IN_FLIGHT];
+    uint64_t uses;
+};
+
+fnl_result gpu_scopes_init(gpu_device *device);
+void gpu_scopes_finish(gpu_device *device);
+/** The sets of the slot's last frame are free again. */
+void gpu_scopes_begin_frame(gpu_device *device, uint32_t slot);
+
 /* ---- commands.c ---- */
 
 struct gpu_commands {
@@ -195,6 +238,10 @@ struct gpu_commands {
     uint32_t slot;
     const struct gpu_pipeline *pipeline;
     bool set_bound[2]; /* by VkPipelineBindPoint: graphics 0, compute 1 */
+    const struct gpu_scope *scope;
+    uint32_t scope_step;
+    VkImageView scope_views[GPU_MAX_SCOPE_ATTACHMENTS];
+    bool scope_skipped; /* it could not be begun: draws do nothing */
 };
 
 struct gpu_command_pool {
@@ -206,6 +253,8 @@ struct gpu_command_pool {
 fnl_result gpu_command_pool_init(gpu_device *device, struct gpu_command_pool *pool, enum gpu_queue queue);
 void gpu_command_pool_finish(gpu_device *device, struct gpu_command_pool *pool);
 VkImageAspectFlags gpu_format_aspect(VkFormat format);
+/** What the attachment view of an image of this usage is for. */
+VkImageUsageFlags gpu_view_usage(VkImageUsageFlags usage);
 
 /* ---- frame.c, slices.c ---- */
 
@@ -294,6 +343,7 @@ struct fnl_device {
     struct gpu_memory memory;
     struct gpu_bindless bindless;
     struct gpu_pipelines pipelines;
+    struct gpu_scopes scopes;
     struct gpu_uploads uploads;
 
     struct gpu_frame frames[GPU_FRAMES_IN_FLIGHT];

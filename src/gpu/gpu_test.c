@@ -127,5 +127,6 @@ int main(void) {
     failed += _cmocka_run_group_tests("gpu: memory", memory_tests, memory_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: commands", commands_tests, commands_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: draws", draw_tests, draw_test_count, NULL, NULL);
+    failed += _cmocka_run_group_tests("gpu: scopes", scope_tests, scope_test_count, NULL, NULL);
     return failed;
 }

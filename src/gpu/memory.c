@@ -9,9 +9,8 @@ static VkDeviceSize block_size(const struct gpu_memory *memory, uint32_t type) {
     return MIN((VkDeviceSize)BLOCK_BYTES, align_up(heap->size / 8, 4096)); /* small heaps are not eaten up by one block */
 }
 
-/** Memory types that do, best first; returns their number. Mapped kinds are coherent always. */
-static uint32_t order_types(const struct gpu_memory *memory, enum gpu_memory_kind kind, uint32_t mask,
-                            uint32_t types[VK_MAX_MEMORY_TYPES]) {
+uint32_t gpu_memory_order_types(const struct gpu_memory *memory, enum gpu_memory_kind kind, uint32_t mask,
+                                uint32_t types[VK_MAX_MEMORY_TYPES]) {
     const VkMemoryPropertyFlags mapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     static const struct {
         VkMemoryPropertyFlags required, wanted, unwanted;
@@ -191,7 +190,7 @@ fnl_result gpu_memory_allocate(gpu_device *device, const char *name, const VkMem
                                VkDeviceMemory *out_memory, void **mapped) {
     struct gpu_memory *memory = &device->memory;
     uint32_t types[VK_MAX_MEMORY_TYPES];
-    uint32_t type_count = order_types(memory, kind, requirements->memoryTypeBits, types);
+    uint32_t type_count = gpu_memory_order_types(memory, kind, requirements->memoryTypeBits, types);
     VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     pthread_mutex_lock(&memory->mutex);
     optimal = optimal && memory->granularity > 1; /* else neighbours of both sorts do not disturb one another */
@@ -246,13 +245,31 @@ struct gpu_memory_stats gpu_memory_stats(const gpu_device *device) {
 
 /* ---- heaps ---- */
 
+bool gpu_memory_lazy_type(const struct gpu_memory *memory, uint32_t mask, uint32_t *type) {
+    for (uint32_t i = 0; i < memory->properties.memoryTypeCount; i++) {
+        if (!(mask >> i & 1)) continue;
+        if (!(memory->properties.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT)) continue;
+        *type = i;
+        return true;
+    }
+    return false;
+}
+
+uint64_t gpu_heap_committed(gpu_device *device, const struct gpu_heap *heap) {
+    VkDeviceSize bytes = heap->size;
+    if (heap->lazy) device->vk.GetDeviceMemoryCommitment(device->handle, heap->memory, &bytes);
+    return bytes;
+}
+
 fnl_result gpu_heap_create(gpu_device *device, const char *name, uint64_t size, uint32_t memory_types,
                            struct gpu_heap *out) {
     *out = (struct gpu_heap){0};
     if (!gpu_retire_reserve(device)) return FNL_ERROR_MEMORY;
     struct gpu_memory *memory = &device->memory;
     uint32_t types[VK_MAX_MEMORY_TYPES];
-    uint32_t type_count = order_types(memory, GPU_MEMORY_DEVICE, memory_types, types);
+    uint32_t type_count = gpu_memory_lazy_type(memory, memory_types, types) ? 1 : 0;
+    out->lazy = type_count > 0;
+    if (!out->lazy) type_count = gpu_memory_order_types(memory, GPU_MEMORY_DEVICE, memory_types, types);
     VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     size = MAX(size, 1u);
     pthread_mutex_lock(&memory->mutex);

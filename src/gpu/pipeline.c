@@ -200,6 +200,12 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .pDynamicState = &dynamic,
         .layout = device->bindless.layout,
     };
+    if (params->scope) {
+        info.pNext = NULL;
+        info.layout = device->scopes.layout;
+        info.renderPass = params->scope->handle;
+        info.subpass = params->scope_step;
+    }
     return device->vk.CreateGraphicsPipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
 }
 
@@ -238,6 +244,10 @@ static fnl_result check_graphics(const gpu_device *device, const struct gpu_grap
     REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
     REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
     REQUIRE(host, !params->conservative || device->info.conservative_raster);
+    if (params->scope) {
+        REQUIRE(host, params->scope_step < params->scope->params.step_count);
+        REQUIRE(host, params->color_count == params->scope->params.steps[params->scope_step].color_count);
+    }
     REQUIRE(host, params->samples == 1 || params->samples == 2 || params->samples == 4 || params->samples == 8);
     return FNL_OK;
 }

@@ -47,6 +47,7 @@ void gpu_retired_free(gpu_device *device, const struct gpu_retired *item) {
     gpu_bindless_remove(device, GPU_BINDING_SAMPLED, item->srgb_index);
     gpu_bindless_remove(device, GPU_BINDING_STORAGE, item->storage_index);
     for (uint32_t i = 0; i < COUNT_OF(item->views); i++) vk->DestroyImageView(device->handle, item->views[i], NULL);
+    vk->DestroyFramebuffer(device->handle, item->framebuffer, NULL);
     vk->DestroyImage(device->handle, item->image, NULL);
     vk->DestroyBuffer(device->handle, item->buffer, NULL);
     if (item->allocation.size) gpu_memory_free(device, &item->allocation);

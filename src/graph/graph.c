@@ -42,6 +42,8 @@ static const struct use_kind {
                              VK_IMAGE_USAGE_STORAGE_BIT, LAYOUT_GENERAL, true, false, FOR_IMAGES | FOR_BUFFERS},
     [GRAPH_READ_GRAPHICS] = {"GRAPH_READ_GRAPHICS", STAGE(VERTEX_SHADER) | STAGE(FRAGMENT_SHADER),
                              ACCESS(SHADER_STORAGE_READ), 0, LAYOUT_NONE, true, false, FOR_BUFFERS},
+    [GRAPH_WRITE_FRAGMENT] = {"GRAPH_WRITE_FRAGMENT", STAGE(FRAGMENT_SHADER), ACCESS(SHADER_STORAGE_WRITE), 0, LAYOUT_NONE,
+                              false, true, FOR_BUFFERS},
     [GRAPH_READ_WRITE_FRAGMENT] = {"GRAPH_READ_WRITE_FRAGMENT", STAGE(FRAGMENT_SHADER),
                                    ACCESS(SHADER_STORAGE_READ) | ACCESS(SHADER_STORAGE_WRITE), VK_IMAGE_USAGE_STORAGE_BIT,
                                    LAYOUT_GENERAL, true, true, FOR_IMAGES | FOR_BUFFERS},
@@ -161,6 +163,7 @@ void graph_begin(struct graph *graph) {
     graph->result = FNL_OK;
     graph->executed = false;
     graph->resources.count = graph->passes.count = 0;
+    graph->scope = NULL;
     memset(&graph->plan, 0, sizeof graph->plan);
     arena_reset(&graph->arena);
     for (uint32_t i = graph->histories.count; i-- > 0;)
@@ -318,7 +321,8 @@ struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum gr
         graph_fail(graph, FNL_ERROR_MEMORY);
         return NULL;
     }
-    *pass = (struct graph_pass){.graph = graph, .name = name, .queue = queue, .execute = execute, .data = copy};
+    *pass = (struct graph_pass){
+        .graph = graph, .name = name, .queue = queue, .execute = execute, .data = copy, .scope = graph->scope};
     pass->depth.resource = pass->depth.resolve = GRAPH_NONE;
     return pass;
 }
@@ -504,4 +508,66 @@ void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp 
 
 void graph_depth_read_only(struct graph_pass *pass, graph_image image) {
     add_depth(pass, image, VK_ATTACHMENT_LOAD_OP_LOAD, 0, true);
+}
+
+/* ---- scopes ---- */
+
+bool graph_begin_scope(struct graph *graph, const struct graph_scope_params *params) {
+    if (graph->scope) {
+        graph_misuse(graph, "scope '%s' begins inside scope '%s'", params->name, graph->scope->name);
+        return false;
+    }
+    struct graph_scope *scope = arena_allocate(&graph->arena, sizeof *scope);
+    if (!scope) {
+        graph_fail(graph, FNL_ERROR_MEMORY);
+        return false;
+    }
+    bool fits = graph->device ? gpu_scope_supports(graph->device, params->most_colors, params->most_inputs)
+                              : params->most_colors <= GPU_MAX_COLORS && params->most_inputs <= GPU_MAX_INPUTS;
+    *scope = (struct graph_scope){.name = params->name, .merged = fits && !params->separate};
+    graph->scope = scope;
+    return scope->merged;
+}
+
+void graph_end_scope(struct graph *graph) {
+    if (!graph->scope) graph_misuse(graph, "a scope ends that was not begun");
+    graph->scope = NULL;
+}
+
+void graph_local_read(struct graph_pass *pass, uint32_t input, graph_image image) {
+    struct graph_resource *resource = attachment_of(pass, image, false);
+    if (!resource) return;
+    if (!pass->scope || input >= GPU_MAX_INPUTS) {
+        graph_misuse(pass->graph, "pass '%s' reads '%s' as local input %u, but %s", pass->name, resource->name, input,
+                     pass->scope ? "there are fewer" : "is in no scope");
+        return;
+    }
+    while (pass->input_count <= input) pass->inputs[pass->input_count++] = GRAPH_NONE;
+    pass->inputs[input] = (uint32_t)(resource - pass->graph->resources.data);
+    if (!pass->scope->merged) {
+        add_kind(pass, image.id, true, GRAPH_SAMPLE_FRAGMENT);
+        return;
+    }
+    add_use(pass, resource,
+            &(struct graph_access){.stages = STAGE(FRAGMENT_SHADER),
+                                   .access = ACCESS(INPUT_ATTACHMENT_READ),
+                                   .usage = VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT,
+                                   .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                                   .reads = true});
+}
+
+graph_image graph_local_rewrite(struct graph_pass *pass, uint32_t input, graph_image image) {
+    graph_local_read(pass, input, image);
+    if (!pass) return image;
+    bool merged = pass->scope && pass->scope->merged;
+    graph_image target = image;
+    if (!merged) {
+        const struct graph_resource *resource = graph_find_resource(pass->graph, image.id, true);
+        if (!resource) return image;
+        struct graph_image_params params = resource->params;
+        params.name = resource->name;
+        target = graph_create_image(pass->graph, &params);
+    }
+    graph_color(pass, target, merged ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
+    return target;
 }

@@ -11,6 +11,8 @@
 
 #include "gpu/gpu.h"
 
+#include <string.h>
+
 struct graph;
 struct graph_pass;
 
@@ -87,6 +89,7 @@ enum graph_use {
     GRAPH_READ_VERTEX, /* buffer, by address, in vertex shaders */
     GRAPH_READ_FRAGMENT,
     GRAPH_READ_GRAPHICS,       /* buffer: in vertex and fragment shaders */
+    GRAPH_WRITE_FRAGMENT,      /* buffer: as GRAPH_WRITE_COMPUTE */
     GRAPH_READ_WRITE_FRAGMENT, /* atomics from fragment shaders */
     GRAPH_INDIRECT,            /* buffer: indirect commands */
     GRAPH_INDEX,               /* buffer: indices */
@@ -105,6 +108,29 @@ void graph_resolve(struct graph_pass *pass, uint32_t index, graph_image image);
 void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, float clear_depth);
 /** Depth test without writes; the image may be sampled by the same pass. */
 void graph_depth_read_only(struct graph_pass *pass, graph_image image);
+/**
+ * Passes added until graph_end_scope draw one over the other in one rendering scope (gpu.h): what they leave at a pixel stays in tile
+ * memory for the next one to read at the same pixel, and only what is used after the scope is stored. All must be graphics passes with
+ * attachments of one size, single-sampled; only the first that has an attachment may clear it. An image is either an attachment (or local
+ * read) or something else in a scope. Buffers that one pass writes and another uses are for fragment shaders at the same pixel.
+ * Returns true when they are merged so. False when the device cannot, or `separate` forbids it: then they are passes as any other, and
+ * local reads are sampled reads; shaders differ. `name`, which is unique among passes, names the label and the timer of the whole.
+ */
+struct graph_scope_params {
+    const char *name;
+    uint32_t most_colors, most_inputs; /* in any of the passes */
+    bool separate;
+};
+bool graph_begin_scope(struct graph *graph, const struct graph_scope_params *params);
+void graph_end_scope(struct graph *graph);
+/** In a scope: the fragment shader reads `image`, a colour attachment, at its own pixel; merged, it is input attachment `input`. */
+void graph_local_read(struct graph_pass *pass, uint32_t input, graph_image image);
+/**
+ * graph_local_read of what is also the pass's next colour attachment. Returns the image to use from here on: merged, the same one; else a
+ * new one like it, all of whose pixels the pass must write.
+ */
+graph_image graph_local_rewrite(struct graph_pass *pass, uint32_t input, graph_image image);
+
 /** The pass runs even if nothing reads what it writes. Passes that write imported or history resources are always kept. */
 void graph_keep(struct graph_pass *pass);
 
@@ -148,12 +174,36 @@ struct graph_timer {
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count);
 
 struct graph_stats {
-    uint32_t pass_count, culled_pass_count, barrier_count, batch_count;
+    uint32_t pass_count, culled_pass_count, barrier_count, batch_count; /* a merged scope is one pass */
     uint64_t transient_bytes, transient_bytes_unaliased;
+    uint64_t image_bytes_read, image_bytes_written; /* of graph_query_traffic */
+    uint64_t tile_bytes; /* of images that live in one scope or pass as attachments: usage TRANSIENT_ATTACHMENT */
     double compile_milliseconds;
 };
 /** Of the last compile. */
 struct graph_stats graph_query_stats(const struct graph *graph);
+
+/**
+ * What a pass moves between an image and memory, by formats and load and store operations, not measured: each attachment that is loaded or
+ * stored, and each image that is sampled or is storage, counts once as a whole (caches, compression and texels left out are not known
+ * here); local reads of a merged scope count nothing, nor do copies.
+ */
+struct graph_traffic {
+    const char *pass, *image; /* of a merged scope: its name */
+    VkFormat format;
+    bool attachment, transient; /* transient: has no memory on devices that keep it in tiles */
+    VkAttachmentLoadOp load;    /* attachments */
+    VkAttachmentStoreOp store;
+    uint64_t bytes_read, bytes_written;
+};
+/** Of the last compile, in order of passes; writes at most `capacity` and returns how many there are. */
+uint32_t graph_query_traffic(const struct graph *graph, struct graph_traffic *out, uint32_t capacity);
+/** The same as a table for people; writes and returns as graph_print. */
+size_t graph_print_traffic(const struct graph *graph, char *text, size_t capacity);
+/** Lazily allocated memory of transient attachments: reserved, and of it what the driver had to back. 0 where there is none. */
+struct graph_lazy_memory {
+    uint64_t reserved_bytes, committed_bytes;
+} graph_query_lazy_memory(struct graph *graph);
 
 /* ---- inside a pass ---- */
 
@@ -161,7 +211,19 @@ struct graph_context {
     struct gpu_commands *commands;
     gpu_device *device;
     const struct graph *graph;
+    const struct gpu_scope *scope; /* merged scopes: the one that the pass is step `scope_step` of */
+    uint32_t scope_step;
 };
+/** The graphics pipeline for drawing in this pass, merged or not. */
+static inline const struct gpu_pipeline *graph_pipeline(const struct graph_context *context,
+                                                        const struct gpu_graphics_params *params) {
+    if (!context->scope) return gpu_graphics_pipeline(context->device, params);
+    struct gpu_graphics_params merged;
+    memcpy(&merged, params, sizeof merged); /* hashed as bytes */
+    merged.scope = context->scope;
+    merged.scope_step = context->scope_step;
+    return gpu_graphics_pipeline(context->device, &merged);
+}
 /** The context must be the one that the execute function was given. A resource that the pass did not declare is misuse. */
 const struct gpu_image *graph_get_image(const struct graph_context *context, graph_image image);
 const struct gpu_buffer *graph_get_buffer(const struct graph_context *context, graph_buffer buffer);

@@ -102,11 +102,16 @@ static bool list_steps(struct graph *graph) {
     struct graph_plan *plan = &graph->plan;
     plan->steps = ARENA_ARRAY(&graph->arena, struct graph_step, graph->passes.count);
     if (!plan->steps) return false;
-    for (uint32_t i = 0; i < graph->passes.count; i++) {
+    for (uint32_t i = 0, next; i < graph->passes.count; i = next) {
         struct graph_pass *pass = graph->passes.data[i];
+        next = i + 1;
         if (!pass->live) {
             plan->culled_count++;
             continue;
+        }
+        if (pass->scope && pass->scope->merged) {
+            pass = graph_merge(graph, i, &next);
+            if (!pass) return graph->result != FNL_OK; /* what went wrong is known */
         }
         bool on_async = plan->async && pass->queue == GRAPH_QUEUE_ASYNC;
         plan->steps[plan->step_count++] =
@@ -140,6 +145,15 @@ static void link_uses(struct graph *graph) {
             resource->usage |= use->usage;
             resource->on_async |= plan->steps[step].queue == GPU_QUEUE_COMPUTE;
         }
+    }
+    for (uint32_t i = 0; i < graph->resources.count; i++) {
+        struct graph_resource *resource = &graph->resources.data[i];
+        const VkImageUsageFlags attachment = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT |
+                                             VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT;
+        if (resource->first_use && resource->first_use == resource->last_use && !resource->first_use->reads &&
+            !outlives_frame(resource) && resource->usage && !(resource->usage & ~attachment))
+            resource->usage |= VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT; /* never seen outside of one pass */
     }
     /* Work of two queues has no order between their meeting points, so what the compute queue touches keeps its memory for
        the whole frame. */
@@ -411,6 +425,24 @@ static bool make_schedule(struct graph *graph) {
     return true;
 }
 
+/* ---- traffic ---- */
+
+static void count_traffic(struct graph *graph) {
+    struct graph_plan *plan = &graph->plan;
+    struct graph_traffic rows[64];
+    uint32_t count;
+    for (uint32_t step = 0; step < plan->step_count; step++) {
+        count = graph_step_traffic(graph, step, rows, COUNT_OF(rows));
+        for (uint32_t i = 0; i < MIN(count, (uint32_t)COUNT_OF(rows)); i++) {
+            plan->bytes_read += rows[i].bytes_read;
+            plan->bytes_written += rows[i].bytes_written;
+        }
+    }
+    for (uint32_t i = 0; i < graph->resources.count; i++)
+        if (graph->resources.data[i].first_use && (graph->resources.data[i].usage & VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT))
+            plan->tile_bytes += graph_image_bytes(&graph->resources.data[i]);
+}
+
 /* ---- the whole ---- */
 
 fnl_result graph_compile_for(struct graph *graph, bool async) {
@@ -425,6 +457,7 @@ fnl_result graph_compile_for(struct graph *graph, bool async) {
     if (graph->result == FNL_OK && !list_steps(graph)) graph_fail(graph, FNL_ERROR_MEMORY);
     if (graph->result != FNL_OK) return graph->result;
     link_uses(graph);
+    count_traffic(graph);
     if (!graph_place_resources(graph))
         graph_fail(graph, FNL_ERROR_MEMORY);
     else if (!make_schedule(graph))
@@ -446,5 +479,8 @@ struct graph_stats graph_query_stats(const struct graph *graph) {
                                 .batch_count = plan->batch_count,
                                 .transient_bytes = plan->transient_bytes,
                                 .transient_bytes_unaliased = plan->unaliased_bytes,
+                                .image_bytes_read = plan->bytes_read,
+                                .image_bytes_written = plan->bytes_written,
+                                .tile_bytes = plan->tile_bytes,
                                 .compile_milliseconds = plan->compile_milliseconds};
 }

@@ -93,14 +93,9 @@ static struct gpu_attachment attachment_of(const struct graph *graph, const stru
     const struct graph_resource *resource = &graph->resources.data[declared->resource];
     struct gpu_attachment attachment = {.image = resource->image,
                                         .load = declared->load,
-                                        .store = VK_ATTACHMENT_STORE_OP_STORE,
+                                        .store = graph_store_op(resource, declared->read_only, step),
                                         .clear = declared->clear,
                                         .read_only = declared->read_only};
-    bool last = !resource->imported && resource->role == GRAPH_HISTORY_NONE && resource->last_use->step == step;
-    if (declared->read_only)
-        attachment.store = VK_ATTACHMENT_STORE_OP_NONE;
-    else if (last)
-        attachment.store = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     if (declared->resolve != GRAPH_NONE) attachment.resolve = graph->resources.data[declared->resolve].image;
     return attachment;
 }
@@ -119,6 +114,49 @@ static bool begin_rendering(const struct graph *graph, struct gpu_commands *comm
     return true;
 }
 
+/* The passes of a merged scope, a step each. */
+static void record_scope(const struct graph *graph, struct gpu_commands *commands, const struct graph_merged *merged,
+                         uint32_t step) {
+    struct gpu_scope_params params;
+    const struct gpu_image *images[GPU_MAX_SCOPE_ATTACHMENTS];
+    VkClearValue clears[GPU_MAX_SCOPE_ATTACHMENTS];
+    memset(&params, 0, sizeof params); /* hashed as bytes */
+    params.attachment_count = merged->attachment_count;
+    params.step_count = merged->part_count;
+    for (uint32_t i = 0; i < merged->attachment_count; i++) {
+        const struct graph_pass_attachment *attachment = &merged->attachments[i];
+        const struct graph_resource *resource = &graph->resources.data[attachment->resource];
+        params.attachments[i].format = resource->params.format;
+        params.attachments[i].load = attachment->load;
+        params.attachments[i].store = graph_store_op(resource, attachment->read_only, step);
+        images[i] = resource->image;
+        clears[i] = attachment->clear;
+    }
+    for (uint32_t i = 0; i < merged->part_count; i++) {
+        const struct graph_pass *part = merged->parts[i];
+        struct gpu_scope_step *s = &params.steps[i];
+        s->color_count = part->color_count;
+        s->input_count = part->input_count;
+        for (uint32_t k = 0; k < part->color_count; k++)
+            s->colors[k] = graph_merged_attachment(merged, part->colors[k].resource);
+        for (uint32_t k = 0; k < part->input_count; k++)
+            s->inputs[k] = part->inputs[k] == GRAPH_NONE ? GPU_NO_INDEX : graph_merged_attachment(merged, part->inputs[k]);
+        s->depth = part->depth.resource == GRAPH_NONE ? GPU_NO_INDEX : graph_merged_attachment(merged, part->depth.resource);
+        s->depth_read_only = part->depth.read_only;
+    }
+    const struct gpu_scope *scope = gpu_scope_find(graph->device, &params);
+    gpu_begin_scope(commands, scope, images, clears);
+    for (uint32_t i = 0; i < merged->part_count && scope; i++) {
+        const struct graph_pass *part = merged->parts[i];
+        if (i) gpu_next_step(commands);
+        gpu_begin_label(commands, part->name);
+        struct recording recording = {{commands, graph->device, graph, scope, i}, part};
+        if (part->execute) part->execute(&recording.context, part->data);
+        gpu_end_label(commands);
+    }
+    gpu_end_scope(commands);
+}
+
 static void record_step(const struct recorder *recorder, struct gpu_commands *commands, uint32_t index) {
     const struct graph *graph = recorder->graph;
     const struct graph_step *step = &graph->plan.steps[index];
@@ -127,10 +165,14 @@ static void record_step(const struct recorder *recorder, struct gpu_commands *co
     record_barriers(graph, commands, &step->before);
     gpu_begin_label(commands, pass->name);
     if (timed) gpu_timestamp(commands, 2 * index);
-    bool rendering = begin_rendering(graph, commands, pass, index);
-    struct recording recording = {{commands, graph->device, graph}, pass};
-    if (pass->execute) pass->execute(&recording.context, pass->data);
-    if (rendering) gpu_end_rendering(commands);
+    if (pass->merged) {
+        record_scope(graph, commands, pass->merged, index);
+    } else {
+        bool rendering = begin_rendering(graph, commands, pass, index);
+        struct recording recording = {{commands, graph->device, graph, NULL, 0}, pass};
+        if (pass->execute) pass->execute(&recording.context, pass->data);
+        if (rendering) gpu_end_rendering(commands);
+    }
     if (timed) gpu_timestamp(commands, 2 * index + 1);
     gpu_end_label(commands);
 }

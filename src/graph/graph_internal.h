@@ -36,6 +36,12 @@ struct graph_pass_attachment {
     bool read_only;
 };
 
+/** Between graph_begin_scope and graph_end_scope. */
+struct graph_scope {
+    const char *name;
+    bool merged;
+};
+
 struct graph_pass {
     struct graph *graph;
     const char *name;
@@ -45,7 +51,19 @@ struct graph_pass {
     struct graph_access *first_use, *last_use;
     struct graph_pass_attachment colors[GPU_MAX_COLORS], depth;
     uint32_t color_count;
+    const struct graph_scope *scope;   /* or NULL */
+    uint32_t inputs[GPU_MAX_INPUTS];   /* resources of local reads, GRAPH_NONE: none */
+    uint32_t input_count;              /* with gaps */
+    const struct graph_merged *merged; /* of the pass that compile makes of a merged scope: what it is made of */
     bool keep, live;
+};
+
+/** The live passes of a merged scope, and their attachments in order of first use. */
+struct graph_merged {
+    struct graph_pass *parts[GPU_MAX_SCOPE_STEPS];
+    uint32_t part_count;
+    struct graph_pass_attachment attachments[GPU_MAX_SCOPE_ATTACHMENTS];
+    uint32_t attachment_count;
 };
 
 /** What must be waited for before a resource may be used again. Only meaningful while a plan is made. */
@@ -133,6 +151,7 @@ struct graph_plan {
     struct graph_batch *batches; /* in submission order; the first starts with the frame barrier */
     uint32_t batch_count;
     uint64_t transient_bytes, unaliased_bytes;
+    uint64_t bytes_read, bytes_written, tile_bytes; /* of images */
     double compile_milliseconds;
 };
 
@@ -189,6 +208,7 @@ struct graph {
     struct arena arena; /* lives for a frame */
     ARRAY(struct graph_resource) resources;
     ARRAY(struct graph_pass *) passes;
+    const struct graph_scope *scope; /* the open one */
     struct graph_plan plan;
     bool executed;
 
@@ -208,6 +228,17 @@ struct graph_resource *graph_find_resource(const struct graph *graph, uint32_t i
 /** The formats without stencil: D16, X8_D24, D32. */
 bool graph_is_depth_format(VkFormat format);
 struct gpu_image_params graph_gpu_params(const struct graph_resource *resource);
+
+/** Index of a resource among the attachments of a merged scope, or GRAPH_NONE. */
+uint32_t graph_merged_attachment(const struct graph_merged *merged, uint32_t resource);
+/** Makes one pass of the live passes of a merged scope that begin at `first`; NULL after an error. `next`: the pass after them. */
+struct graph_pass *graph_merge(struct graph *graph, uint32_t first, uint32_t *next);
+/** Of all mips, layers and samples. */
+uint64_t graph_image_bytes(const struct graph_resource *resource);
+/** graph_query_traffic of one step; the plan's uses are linked. */
+uint32_t graph_step_traffic(const struct graph *graph, uint32_t step, struct graph_traffic *out, uint32_t capacity);
+/** What the end of a step does with an attachment's contents. */
+VkAttachmentStoreOp graph_store_op(const struct graph_resource *resource, bool read_only, uint32_t step);
 
 /** Compiles as if there were a compute queue (`async`) or not. */
 fnl_result graph_compile_for(struct graph *graph, bool async);

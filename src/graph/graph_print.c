@@ -39,6 +39,7 @@ static const struct flag_name stage_names[] = {
 static const struct flag_name access_names[] = {
     {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "INDIRECT_COMMAND_READ"},
     {VK_ACCESS_2_INDEX_READ_BIT, "INDEX_READ"},
+    {VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT, "INPUT_ATTACHMENT_READ"},
     {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "SHADER_SAMPLED_READ"},
     {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "SHADER_STORAGE_READ"},
     {VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "SHADER_STORAGE_WRITE"},
@@ -125,7 +126,11 @@ static void put_barriers(struct printer *printer, const struct graph_barriers *b
 
 static void put_step(struct printer *printer, uint32_t index) {
     const struct graph_step *step = &printer->graph->plan.steps[index];
-    put(printer, "  pass %u '%s' %s:\n", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+    put(printer, "  pass %u '%s' %s", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
+    const struct graph_merged *merged = step->pass->merged;
+    for (uint32_t i = 0; merged && i < merged->part_count; i++)
+        put(printer, "%s'%s'", i ? ", " : ", one scope of ", merged->parts[i]->name);
+    put(printer, ":\n");
     put_barriers(printer, &step->before, "    ");
     for (const struct graph_access *use = step->pass->first_use; use; use = use->next) {
         const struct graph_resource *resource = &printer->graph->resources.data[use->resource];
@@ -173,5 +178,36 @@ size_t graph_print(const struct graph *graph, char *text, size_t capacity) {
         put_barriers(&printer, &batch->after, "  at the end: ");
     }
     put_memory(&printer);
+    return printer.length;
+}
+
+static const char *load_name(const struct graph_traffic *row) {
+    if (!row->attachment) return row->bytes_read ? "shader" : "-";
+    return row->load == VK_ATTACHMENT_LOAD_OP_LOAD ? "load" : row->load == VK_ATTACHMENT_LOAD_OP_CLEAR ? "clear" : "-";
+}
+
+static const char *store_name(const struct graph_traffic *row) {
+    if (!row->attachment) return row->bytes_written ? "shader" : "-";
+    return row->store == VK_ATTACHMENT_STORE_OP_STORE ? "store" : row->store == VK_ATTACHMENT_STORE_OP_NONE ? "none" : "-";
+}
+
+size_t graph_print_traffic(const struct graph *graph, char *text, size_t capacity) {
+    struct printer printer = {.graph = graph, .text = text, .capacity = capacity};
+    if (capacity) text[0] = 0;
+    if (!graph->plan.compiled) {
+        put(&printer, "no plan: the graph is not compiled\n");
+        return printer.length;
+    }
+    put(&printer, "%-24s %-24s %-7s %-7s %12s %12s\n", "pass", "image", "load", "store", "bytes read", "written");
+    struct graph_traffic rows[64];
+    for (uint32_t step = 0; step < graph->plan.step_count; step++) {
+        uint32_t count = MIN(graph_step_traffic(graph, step, rows, COUNT_OF(rows)), (uint32_t)COUNT_OF(rows));
+        for (uint32_t i = 0; i < count; i++)
+            put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu%s\n", i ? "" : rows[i].pass, rows[i].image,
+                load_name(&rows[i]), store_name(&rows[i]), (unsigned long long)rows[i].bytes_read,
+                (unsigned long long)rows[i].bytes_written, rows[i].transient ? " in tiles" : "");
+    }
+    put(&printer, "%-24s %-24s %-7s %-7s %12llu %12llu\n", "all", "", "", "", (unsigned long long)graph->plan.bytes_read,
+        (unsigned long long)graph->plan.bytes_written);
     return printer.length;
 }

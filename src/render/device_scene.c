@@ -38,6 +38,7 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
     array_free(&d->host, &d->light_data);
+    array_free(&d->host, &d->light_slots);
     array_free(&d->host, &d->plane_data);
 }
 
@@ -94,36 +95,6 @@ fnl_result device_scene_prepare(struct device_scene *d) {
 }
 
 /* ---- updates inside a frame ---- */
-
-struct copy_data {
-    struct gpu_slice slice;
-    struct gpu_buffer target;
-    uint64_t size;
-};
-
-static void execute_copy(const struct graph_context *context, const void *data) {
-    const struct copy_data *d = data;
-    gpu_copy_buffer(context->commands, d->slice.buffer, d->slice.offset, &d->target, 0, d->size);
-}
-
-static fnl_result add_lights(struct device_scene *d, struct graph *graph, graph_buffer lights) {
-    if (d->light_version == d->scene->light_version) return FNL_OK;
-    TRY(device_lights_gather(d->scene, d));
-    uint64_t light_size = d->light_data.count * sizeof(struct gpu_light), plane_size = d->plane_data.count * sizeof(vec4);
-    uint64_t planes = device_lights_planes_offset(d->light_data.count);
-    struct copy_data copy = {.target = d->lights, .size = plane_size ? planes + plane_size : light_size};
-    if (copy.size) {
-        copy.slice = gpu_frame_allocate(d->device, copy.size);
-        if (!copy.slice.data) return gpu_status(d->device);
-        memcpy(copy.slice.data, d->light_data.data, light_size);
-        if (plane_size) memcpy((char *)copy.slice.data + planes, d->plane_data.data, plane_size);
-        struct graph_pass *pass =
-            graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
-        graph_use_buffer(pass, lights, GRAPH_COPY_TO);
-    }
-    d->light_version = d->scene->light_version;
-    return FNL_OK;
-}
 
 struct move_data {
     struct device_scene *d;
@@ -213,7 +184,7 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out) {
     graph_buffer vertices = graph_import_buffer(graph, "scene vertices", &d->positions);
     graph_buffer lights = graph_import_buffer(graph, "lights", &d->lights);
-    TRY(add_lights(d, graph, lights));
+    TRY(device_lights_add(d, graph, lights));
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.address,

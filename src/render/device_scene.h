@@ -37,6 +37,8 @@ struct device_scene {
 
     struct gpu_buffer lights;
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
+    ARRAY(uint32_t) light_slots;        /* where each light of the scene stands in light_data, or SCENE_NONE */
+    uint64_t light_bytes_sent;          /* with the last frame */
     ARRAY(vec4) plane_data;             /* of the lights' hulls; behind the lights in their buffer */
     uint32_t directional_count;
     struct gpu_buffer faded_lights; /* a copy for frames with light_lod; made when first asked for */
@@ -68,8 +70,11 @@ static inline bool device_node_draws(const struct scene_node *node) {
     return node->active && !node->removed && node->mesh != SCENE_NONE;
 }
 
-/** The light array of a scene, directional ones first (device_lights.c). */
-fnl_result device_lights_gather(const fnl_scene *scene, struct device_scene *d);
+/**
+ * Declares the update of the light array, directional ones first (device_lights.c): only the lights that changed are sent, unless some came
+ * or went.
+ */
+fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
 struct gpu_light device_light(const fnl_light_params *light);
 /**
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
+#include "passes/aa/morphological.h"
 #include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
@@ -77,6 +78,9 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     if (f->frame->exposure == FNL_EXPOSURE_AUTO) params.exposure = f->exposure = exposure_add(f->graph, f->radiance);
     if (f->frame->debug == FNL_DEBUG_NONE) {
         tonemap_add(f->graph, f->radiance, f->color, &params);
+        struct morphological_params shapes = {linear, swap};
+        if (f->frame->aa == FNL_ANTIALIASING_MLAA) f->color = mlaa_add(f->graph, f->color, &shapes);
+        if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
     } else {
         struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
@@ -87,6 +91,9 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
             counts = (struct debug_counts){overshading_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
                                                            f->frame->width, f->frame->height),
                                            1};
+        if (f->frame->debug == FNL_DEBUG_LAYERS)
+            counts = (struct debug_counts){
+                layers_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height), 1};
         if (shading_shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
     }
@@ -158,7 +165,7 @@ struct count_copy {
     uint64_t from_offset, to_offset, size;
 };
 struct counts_data {
-    struct count_copy copies[7];
+    struct count_copy copies[8];
     uint32_t count;
 };
 
@@ -190,6 +197,9 @@ static void add_counts(struct frame_state *f) {
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};
+    if (f->linked.totals.id)
+        data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
+                                                        sizeof(struct linked_totals)};
     if (f->exposure.id)
         data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {
@@ -220,6 +230,7 @@ static void note_stats(struct frame_state *f) {
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = shading_draw_count(f);
+    s->blend_bytes = f->blend_bytes;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
     r->entry_bytes = f->lights.entry_bytes;

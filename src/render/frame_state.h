@@ -18,6 +18,8 @@ struct frame_state {
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
     struct aov_images aov;
+    struct linked_lists linked; /* transparency */
+    uint64_t blend_bytes;
     graph_image color;
 };
 

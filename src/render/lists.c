@@ -47,7 +47,10 @@ enum {
     ZBIN_BINS_PER_SLICE = 4
 }; /* bins cost a mask each, not a cell for each tile: there may be more than slices of clusters */
 
-static struct lights_in_view in_view(struct lists_context *c) { return lights_in_view_add(c->graph, c->device, c->input); }
+static struct lights_in_view in_view(struct lists_context *c, bool reaches) {
+    c->input->spheres_only = !reaches;
+    return lights_in_view_add(c->graph, c->device, c->input);
+}
 
 static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c->graph, c->device, c->input); }
 
@@ -64,6 +67,11 @@ static struct tiled_params tiled_params(const struct lists_context *c) {
 
 _Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FNL_TILE_BOUNDS_PROJECTED,
                "tile_bounds has the values of fnl_tile_bounds");
+
+static bool tile_reaches(const struct lists_context *c) {
+    const fnl_list_options *options = &c->frame->list_options;
+    return options->cone_tests || options->tile_bounds == FNL_TILE_BOUNDS_PROJECTED;
+}
 
 static graph_image add_blend_depth(struct lists_context *c) {
     struct graph_image_params params = graph_image_info(c->graph, c->depth);
@@ -83,28 +91,28 @@ static void add_blend_tiles(struct lists_context *c, const struct lights_in_view
 }
 
 static void add_tiled(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct tiled_params params = tiled_params(c);
     c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_halfz(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct tiled_params params = tiled_params(c);
     c->lights = halfz_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_25d(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct tiled_params params = tiled_params(c);
     c->lights = tiled25d_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_enhanced(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct tiled_params params = tiled_params(c);
     c->lights = enhanced_add(c->graph, c->device, c->input, &visible, &params);
 }
@@ -142,13 +150,13 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
 }
 
 static void add_clustered(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, c->frame->list_options.cone_tests);
     struct clustered_params params = cluster_params(c);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
 }
 
 static void add_zbin(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, false);
     struct clustered_params clusters = cluster_params(c);
     struct zbin_params params = {.tile_size = c->frame->list_options.tile_size,
                                  .bins = clusters.slices * ZBIN_BINS_PER_SLICE,
@@ -160,7 +168,7 @@ static void add_zbin(struct lists_context *c) {
 }
 
 static void add_bvh(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, c->frame->list_options.cone_tests);
     struct clustered_params params = cluster_params(c);
     c->lights = bvh_add(c->graph, c->device, c->input, &visible, &params);
 }
@@ -170,7 +178,8 @@ static void add_sparse(struct lists_context *c) {
         add_bvh(c);
         return;
     }
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible =
+        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->normals.id));
     struct sparse_params params = {.grid = cluster_params(c),
                                    .depth = c->depth,
                                    .normals = c->frame->list_options.normal_cones ? c->normals : (graph_image){0},
@@ -192,11 +201,12 @@ static void add_clustered_cpu(struct lists_context *c) {
 
 static void add_fine(struct lists_context *c) {
     const fnl_list_options *options = &c->frame->list_options;
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, false);
     struct fine_params params = fine_params_default();
     params.tile_size = options->tile_size;
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
+    params.packed = options->fine_packed;
     params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS);
     params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
@@ -213,7 +223,7 @@ _Static_assert((int)FNL_RASTER_LINKS64 == (int)GPU_NODES_64 && (int)FNL_RASTER_L
                "the builder's values are the options'");
 
 static void add_raster(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, false);
     struct raster_params params = raster_params_default();
     params.grid = cluster_params(c);
     params.path = (enum raster_path)c->frame->list_options.raster_path;
@@ -237,7 +247,7 @@ static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->wo
 static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
 
 static void add_mesh(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, false);
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, c->pool_capacity);
 }
 
@@ -249,7 +259,7 @@ static void add_backface(struct lists_context *c) {
         add_tiled(c);
         return;
     }
-    struct lights_in_view visible = in_view(c);
+    struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct backface_params params = backface_params_default();
     params.tiles = tiled_params(c);
     params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
@@ -298,8 +308,7 @@ bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
     }
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
-    if (builders[lists].flags & FORWARD_ONLY)
-        return shading_is(shading, SHADING_ITEMS);
+    if (builders[lists].flags & FORWARD_ONLY) return shading_is(shading, SHADING_ITEMS);
     if (builders[lists].flags & PREPASS_ONLY) return shading_is(shading, SHADING_FORWARD | SHADING_PREPASS);
     return true;
 }

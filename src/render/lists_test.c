@@ -235,6 +235,46 @@ static void test_light_counts(void **state) {
     }
 }
 
+/* ---- what lists share ---- */
+
+/* Cones and rectangles of lights are made for the lists that test them, and for no others; the pictures stay the same. */
+static void test_reaches_for_those_who_use_them(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=60", 0);
+    fnl_frame frame = stage.frame;
+    frame.width = 65;
+    frame.height = 37;
+    frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&stage, &frame);
+    char plan[65536];
+    uint32_t with = 0, without = 0;
+    for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_AUTO; l++) {
+        frame.lists = (fnl_light_lists)l;
+        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        for (uint32_t v = 0; v < 3; v++) {
+            frame.list_options = fnl_list_options_default();
+            frame.list_options.cone_tests = v == 0;
+            frame.list_options.normal_cones = v == 0;
+            frame.list_options.tile_bounds = v == 2 ? FNL_TILE_BOUNDS_PROJECTED : FNL_TILE_BOUNDS_BOX;
+            bool clusters = l == FNL_LISTS_CLUSTERED || l == FNL_LISTS_BVH || l == FNL_LISTS_SPARSE;
+            bool tiles = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_ENHANCED ||
+                         l == FNL_LISTS_BACKFACE;
+            bool uses = (clusters && v == 0) || (tiles && v != 1);
+            struct shot shot = stage_shoot(&stage, &frame);
+            assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
+            assert_true(fnl_renderer_print_plan(stage.renderer, plan, sizeof plan) < sizeof plan);
+            if ((strstr(plan, "light reaches") != NULL) != uses)
+                fail_msg("%s, variant %u: reaches %s", pair_name(&frame), v, uses ? "are missing" : "for nobody");
+            with += uses;
+            without += !uses && strstr(plan, "lights gather");
+            shot_free(&shot);
+        }
+    }
+    assert_true(with >= 10 && without >= 10);
+    shot_free(&all);
+    stage_close(&stage);
+}
+
 /* ---- overflow ---- */
 
 static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capacity) {
@@ -393,6 +433,7 @@ int main(void) {
         {"ES-1: EQ of lights of all shapes and hulls, seen from within", test_light_shapes, NULL, harness_check, NULL},
         cmocka_unit_test_teardown(test_mirrored_instance, harness_check),
         cmocka_unit_test_teardown(test_light_counts, harness_check),
+        cmocka_unit_test_teardown(test_reaches_for_those_who_use_them, harness_check),
         cmocka_unit_test_teardown(test_overflow_ES_37, harness_check),
         cmocka_unit_test_teardown(test_overflow_in_flight, harness_check),
         cmocka_unit_test_teardown(test_4096_lights_in_one_cluster, harness_check),

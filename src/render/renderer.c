@@ -56,6 +56,18 @@ const char *fnl_volume_shape_name(fnl_volume_shape shape) {
     return NAME_OF(names, shape);
 }
 
+const char *fnl_transparency_name(fnl_transparency transparency) {
+    static const char *const names[] = {"sorted", "weighted", "linked"};
+    _Static_assert(COUNT_OF(names) == FNL_TRANSPARENCY_COUNT, "each has a name");
+    return NAME_OF(names, transparency);
+}
+
+const char *fnl_antialiasing_name(fnl_antialiasing aa) {
+    static const char *const names[] = {"none", "mlaa", "smaa"};
+    _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
+    return NAME_OF(names, aa);
+}
+
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
     static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
     _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
@@ -64,7 +76,8 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
-                                        "cells", "overdraw", "tile-normals", "backfaces", "overshading"};
+                                        "cells", "overdraw", "tile-normals", "backfaces", "overshading",
+                                        "layers"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -239,6 +252,8 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     TRY(lists_check(host, &frame->list_options));
+    REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
+    REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
@@ -276,6 +291,14 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
+/* Lists of blended fragments grow in the same way. */
+static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) {
+    uint64_t needed = counts->blend.fragments, limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
+    if (counts->blend.overflow_pixels == 0) return;
+    limit = MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX);
+    r->blend_capacity = MAX(r->blend_capacity, (uint32_t)MIN(needed + needed / 4, limit));
+}
+
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
 
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
@@ -286,7 +309,10 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
     uint32_t slot = gpu_frame_slot(r->device);
-    if (r->slot_frames[slot]) grow_pool(r, slot_counts(r, slot));
+    if (r->slot_frames[slot]) {
+        grow_pool(r, slot_counts(r, slot));
+        grow_blend_pool(r, slot_counts(r, slot));
+    }
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
     fnl_result result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
@@ -408,6 +434,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     TRY(gpu_frame_wait(r->device, r->frame_number));
     const struct frame_counts *counts = slot_counts(r, r->frame_slot);
     grow_pool(r, counts);
+    grow_blend_pool(r, counts);
     *out = r->stats;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
     out->lights_in_view = lights.in_view + r->device_scene.directional_count;
@@ -417,6 +444,9 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
                            counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
+    out->blend_fragments = counts->blend.fragments;
+    out->blend_longest = counts->blend.longest;
+    out->blend_overflow = counts->blend.overflow_pixels;
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, out);
     out->lights_behind = counts->lights_behind;

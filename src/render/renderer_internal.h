@@ -4,6 +4,7 @@
 
 #include "fanal/renderer.h"
 #include "passes/debug/debug.h"
+#include "passes/transparency/transparency.h"
 #include "render/chooser.h"
 #include "render/device_scene.h"
 #include "render/lists.h"
@@ -15,9 +16,11 @@ struct frame_counts {
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
+    struct linked_totals blend;
 };
 
 enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */
+enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency, or as many as pixels */
 
 struct fnl_renderer {
     fnl_host host;
@@ -31,6 +34,8 @@ struct fnl_renderer {
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
+    uint32_t blend_capacity;               /* fragments of linked transparency; 0: by the frame's size */
+    bool weighted_half;                    /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits;              /* tests: ids at least so wide */
     bool poison;                           /* tests: transient buffers begin each frame full of rubbish */
     bool force_async; /* tests: passes for the compute queue go through it even where it is the graphics queue */

@@ -102,6 +102,30 @@ static void add_visibility(struct frame_state *f, struct shade_input *input, boo
     visibility_shade_add(f->graph, input, &visibility, f->radiance);
 }
 
+/* ---- blended surfaces ---- */
+
+static void add_transparency(struct frame_state *f, const struct shade_input *input) {
+    fnl_renderer *r = f->r;
+    if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
+        uint32_t pixels = f->frame->width * f->frame->height;
+        struct linked_params params = {r->blend_capacity ? r->blend_capacity : MAX(pixels, (uint32_t)BLEND_POOL_START)};
+        f->linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
+        f->blend_bytes = f->linked.byte_count;
+    } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
+        bool half = r->weighted_half || weighted_needs_half(r->device);
+        weighted_add(f->graph, input, half, f->radiance, f->depth);
+        f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa * weighted_bytes(half);
+    } else {
+        forward_add(f->graph, input, GEOMETRY_BLEND, false, f->radiance, f->depth);
+    }
+}
+
+static uint32_t blend_draw_count(const struct frame_state *f) {
+    uint32_t draws = geometry_draw_count(&f->scene->geometry, GEOMETRY_BLEND);
+    if (!has_blend(f) || f->frame->transparency == FNL_TRANSPARENCY_SORTED) return draws;
+    return (f->frame->transparency == FNL_TRANSPARENCY_LINKED ? 2 : 1) * draws + f->frame->msaa;
+}
+
 /* ---- the table ---- */
 
 static const struct order {
@@ -152,7 +176,7 @@ void shading_add(struct frame_state *f) {
     if (has_blend(f)) {
         blend.lights = &f->blend_lights;
         if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
-        forward_add(f->graph, &blend, GEOMETRY_BLEND, false, f->radiance, f->depth);
+        add_transparency(f, &blend);
     }
 }
 
@@ -162,5 +186,5 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (draws_batches(f)) opaque = batches_draw_count(scene);
     if (draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
-    return prepass + opaque + geometry_draw_count(scene, GEOMETRY_BLEND);
+    return prepass + opaque + blend_draw_count(f);
 }

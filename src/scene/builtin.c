@@ -5,12 +5,14 @@
 
 #define LIGHTS(count)                                                                                                       \
     { "lights", 0, BUILTIN_LIGHTS_MAX, count }
+#define DECALS                                                                                                              \
+    { "decals", 0, BUILTIN_DECALS_MAX, 0 }
 #define SEED                                                                                                                \
     { "seed", 0, UINT32_MAX, 1 }
 
 static const struct builtin_scene scenes[] = {
-    {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}}, builtin_make_city},
-    {"hall", {LIGHTS(1024), SEED}, builtin_make_hall},
+    {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}, DECALS}, builtin_make_city},
+    {"hall", {LIGHTS(1024), SEED, DECALS}, builtin_make_hall},
     {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
     {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
@@ -229,6 +231,16 @@ static fnl_result read_pair(const fnl_host *host, const char *text, const struct
     return FNL_ERROR_INVALID;
 }
 
+/** Scenes with the key "decals" get them once everything is in its place. */
+static void scatter_decals(struct builtin *b, const struct builtin_scene *what, const uint64_t *values) {
+    uint64_t count = 0, seed = 1;
+    for (uint32_t i = 0; i < key_count(what); i++) {
+        if (strcmp(what->keys[i].name, "decals") == 0) count = values[i];
+        if (strcmp(what->keys[i].name, "seed") == 0) seed = values[i];
+    }
+    if (!b->failed && fnl_scene_scatter_decals(b->scene, (uint32_t)count, seed) != FNL_OK) b->failed = true;
+}
+
 static fnl_result make_scene(const fnl_host *host, const char *text, const struct builtin_scene *what,
                              const uint64_t *values, fnl_scene **out) {
     char source[320];
@@ -240,6 +252,7 @@ static fnl_result make_scene(const fnl_host *host, const char *text, const struc
         what->make(&b, values);
         builtin_flush(&b);
         scene_update_transforms(b.scene);
+        scatter_decals(&b, what, values);
         jobs_destroy(&b.jobs);
     }
     for (uint32_t i = 0; i < b.placements.count; i++) array_free(&b.scene->host, &b.placements.data[i].transforms);

@@ -7,6 +7,7 @@
 #include "scene/scene.h"
 
 #define BUILTIN_LIGHTS_MAX 1048576u
+#define BUILTIN_DECALS_MAX 1048576u
 /** The value of a key whose default depends on the others. */
 #define BUILTIN_NOT_GIVEN UINT64_MAX
 
@@ -66,7 +67,7 @@ struct builtin_key {
 /** A line of the table: `make` gets the values in the order of the keys. */
 struct builtin_scene {
     const char *name;
-    struct builtin_key keys[4]; /* ends with a NULL name or with the array */
+    struct builtin_key keys[5]; /* ends with a NULL name or with the array */
     void (*make)(struct builtin *b, const uint64_t *values);
 };
 

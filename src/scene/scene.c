@@ -51,12 +51,16 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->animations);
     for (uint32_t i = 0; i < scene->lights.count; i++) light_hull_free(scene, &scene->lights.data[i]);
     array_free(&host, &scene->lights);
+    array_free(&host, &scene->decals);
+    array_free(&host, &scene->painted);
     array_free(&host, &scene->cameras);
     array_free(&host, &scene->extensions);
     array_free(&host, &scene->messages);
     array_free(&host, &scene->moved);
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
+    array_free(&host, &scene->free_decals);
+    array_free(&host, &scene->changed_lights);
     arena_finish(&scene->arena);
     host_free(&host, scene, sizeof *scene);
     *scene_address = NULL;
@@ -168,6 +172,28 @@ static void pose_light(const fnl_scene *scene, struct scene_light *light) {
     light->params.up = light_up(light->params.direction, vec3_make(m[4], m[5], m[6]));
 }
 
+void scene_lights_changed(fnl_scene *scene) {
+    scene->light_set_version = scene->changed_lights_since = ++scene->light_version;
+    scene->changed_lights.count = 0;
+}
+
+/* At the present light_version. */
+static void list_changed_light(fnl_scene *scene, uint32_t index) {
+    struct scene_light *light = &scene->lights.data[index];
+    bool listed = light->changed_version > scene->changed_lights_since;
+    light->changed_version = scene->light_version;
+    if (listed) return;
+    uint32_t limit = 1024 + scene->lights.count / 16; /* as for nodes that move */
+    if (scene->changed_lights.count < limit && array_push(&scene->host, &scene->changed_lights, index)) return;
+    scene->changed_lights.count = 0;
+    scene->changed_lights_since = scene->light_version++;
+}
+
+void scene_light_changed(fnl_scene *scene, uint32_t light) {
+    scene->light_version++;
+    list_changed_light(scene, light);
+}
+
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
     struct scene_light light = {.params = *params, .node = node, .generation = take_generation(scene)};
     if (node != SCENE_NONE) pose_light(scene, &light);
@@ -179,7 +205,7 @@ uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint3
         index = scene->lights.count;
         if (index == SCENE_NONE || !array_push(&scene->host, &scene->lights, light)) return SCENE_NONE;
     }
-    scene->light_version++;
+    scene_lights_changed(scene);
     return index;
 }
 
@@ -244,9 +270,10 @@ void scene_update_transforms(fnl_scene *scene) {
         struct scene_light *light = &scene->lights.data[i];
         if (light->removed || light->node == SCENE_NONE || nodes[light->node].moved_version != version) continue;
         pose_light(scene, light);
+        if (!lights_moved) scene->light_version++;
+        list_changed_light(scene, i);
         lights_moved = true;
     }
-    if (lights_moved) scene->light_version++;
 }
 
 void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {

@@ -119,6 +119,7 @@ struct scene_node {
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id; 0: not made through the API */
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
+    uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
 };
 
 struct scene_skin {
@@ -163,6 +164,21 @@ struct scene_light {
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     bool removed;
+    uint64_t changed_version; /* light_version at which it last changed while it stayed in its place */
+};
+
+/* A decal (decal.c). Pictures are indices; the transform is that of the parameters. */
+struct scene_decal {
+    fnl_decal_params params;
+    uint32_t node; /* what it is on or moves with, or SCENE_NONE */
+    uint32_t generation;
+    bool removed;
+};
+
+/* A node whose textures are painted on: what it showed before (decal_bake.c). */
+struct scene_painted {
+    uint32_t node, mesh; /* the mesh that others may show too */
+    uint32_t own_mesh;   /* with materials and pictures of its own */
 };
 
 struct scene_camera {
@@ -191,6 +207,8 @@ struct fnl_scene {
     ARRAY(struct scene_skin) skins;
     ARRAY(struct scene_animation) animations;
     ARRAY(struct scene_light) lights; /* removed ones stay as holes and are reused */
+    ARRAY(struct scene_decal) decals; /* so too */
+    ARRAY(struct scene_painted) painted;
     ARRAY(struct scene_camera) cameras;
     ARRAY(struct scene_extension) extensions;
     ARRAY(const char *) messages;
@@ -204,11 +222,15 @@ struct fnl_scene {
     /* A renderer remembers the versions it has seen. */
     uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
     uint64_t light_version;     /* lights, ambient */
+    uint64_t light_set_version; /* … at which lights last came or went, or all changed: re-read all */
+    ARRAY(uint32_t) changed_lights; /* every light whose changed_version is above changed_lights_since, once */
+    uint64_t changed_lights_since;
+    uint64_t decal_version;     /* decals; those that move with nodes follow transform_version besides */
     uint64_t transform_version; /* node transforms or morph weights */
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
 
-    ARRAY(uint32_t) free_nodes, free_lights; /* the holes */
+    ARRAY(uint32_t) free_nodes, free_lights, free_decals; /* the holes */
 };
 
 /* ---- building: used by the importer, the generators and the public calls ---- */
@@ -225,6 +247,10 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
+/** After a light's parameters changed, but neither its being directional nor its hull. */
+void scene_light_changed(fnl_scene *scene, uint32_t light);
+/** After any other change of lights. */
+void scene_lights_changed(fnl_scene *scene);
 /** Logs a warning and keeps it for `fanal info`. */
 void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -249,6 +275,24 @@ vec3 light_up(vec3 direction, vec3 up);
 fnl_result light_hull_create(const fnl_host *host, const vec3 *points, uint32_t count, struct light_hull **out);
 /** Takes a light's hull away, if it has one. */
 void light_hull_free(fnl_scene *scene, struct scene_light *light);
+
+/** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
+uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);
+/** Whether what a decal is on or moves with is shown. */
+bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal);
+/** Whether numbers are in their ranges; logged. Instance and pictures are left to the caller. */
+fnl_result decal_check(const fnl_host *host, const fnl_decal_params *params);
+/** From the unit cube to the world, or for mesh, redraw and baked decals to the space of their mesh. */
+mat4 decal_transform(const fnl_scene *scene, const struct scene_decal *decal);
+/** An index of a picture; SCENE_NONE: none. */
+static inline uint32_t decal_image(fnl_image_id id) { return id.generation ? id.index : SCENE_NONE; }
+/** Paints all baked decals of a node into copies of its textures, or shows it as it was when there are none left (decal_bake.c). */
+fnl_result decal_bake(fnl_scene *scene, uint32_t node);
+/** Whether the unit cube around the origin touches a triangle. */
+bool decal_touches(const vec3 corners[3]);
+/** The pictures of graffiti, cracks and footprints as decals that only lack a place (builtin_decal.c). */
+enum { SCATTER_DECAL_KINDS = 8 };
+fnl_result decal_prototypes(fnl_scene *scene, uint64_t seed, fnl_decal_params out[SCATTER_DECAL_KINDS]);
 
 /* ---- the parts ---- */
 

@@ -306,8 +306,13 @@ fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_l
     REQUIRE(&scene->host, light_alive(scene, light));
     fnl_light_params checked;
     TRY(check_light(&scene->host, params, &checked));
-    scene->lights.data[light.index].params = checked;
-    scene->light_version++;
+    fnl_light_params *changed = &scene->lights.data[light.index].params;
+    bool stays = (changed->kind == FNL_LIGHT_DIRECTIONAL) == (checked.kind == FNL_LIGHT_DIRECTIONAL);
+    *changed = checked;
+    if (stays)
+        scene_light_changed(scene, light.index);
+    else
+        scene_lights_changed(scene);
     return FNL_OK;
 }
 
@@ -317,7 +322,7 @@ fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
     if (!array_push(&scene->host, &scene->free_lights, light.index)) return FNL_ERROR_MEMORY;
     light_hull_free(scene, &scene->lights.data[light.index]);
     scene->lights.data[light.index].removed = true;
-    scene->light_version++;
+    scene_lights_changed(scene);
     return FNL_OK;
 }
 
@@ -328,7 +333,7 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     struct scene_light *target = &scene->lights.data[light.index];
     if (!points) {
         light_hull_free(scene, target);
-        scene->light_version++;
+        scene_lights_changed(scene);
         return FNL_OK;
     }
     REQUIRE(&scene->host, count >= 4 && count <= LIGHT_HULL_POINTS_MAX);
@@ -338,7 +343,7 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     light_hull_free(scene, target);
     target->hull = hull;
     scene->hull_plane_count += hull->plane_count;
-    scene->light_version++;
+    scene_lights_changed(scene);
     return FNL_OK;
 }
 
@@ -348,7 +353,7 @@ fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, flo
     REQUIRE(&scene->host, threshold > 0 && isfinite(threshold));
     scene->cutoff_roughness = min_roughness;
     scene->cutoff_illuminance = threshold;
-    scene->light_version++;
+    scene_lights_changed(scene);
     return FNL_OK;
 }
 
@@ -399,6 +404,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .image_count = scene->images.count,
         .node_count = scene->nodes.count - scene->free_nodes.count,
         .light_count = scene->lights.count - scene->free_lights.count,
+        .decal_count = scene->decals.count - scene->free_decals.count,
         .camera_count = scene->cameras.count,
         .animation_count = scene->animations.count,
         .skin_count = scene->skins.count,
@@ -417,6 +423,8 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         out->instance_count += node->instance_count;
         out->triangle_count += node->instance_count * mesh_triangles(scene, &scene->meshes.data[node->mesh]);
     }
+    for (uint32_t i = 0; i < scene->decals.count; i++)
+        if (!scene->decals.data[i].removed) out->decal_kind_counts[scene->decals.data[i].params.kind]++;
     for (uint32_t i = 0; i < scene->lights.count; i++) {
         if (scene->lights.data[i].removed) continue;
         switch (scene->lights.data[i].params.kind) {

@@ -27,7 +27,7 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
                              VkDeviceAddress view, uint32_t width, uint32_t height);
 
 /** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of parts of invocations for
- *  GPU_DEBUG_OVERSHADING, of lights where shading does not go by the list. */
+ *  GPU_DEBUG_OVERSHADING, of blended fragments for GPU_DEBUG_LAYERS, of lights where shading does not go by the list. */
 struct debug_counts {
     graph_buffer buffer; /* id 0: none */
     uint32_t stride;

@@ -17,6 +17,7 @@
 #define GPU_DEBUG_TILE_NORMALS 8u
 #define GPU_DEBUG_BACKFACES 9u
 #define GPU_DEBUG_OVERSHADING 10u
+#define GPU_DEBUG_LAYERS 11u
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

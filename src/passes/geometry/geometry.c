@@ -25,11 +25,17 @@ void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, c
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
                    const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
                    const struct gpu_shader *mask_fragment, struct gpu_geometry_push push) {
+    geometry_draw_with(context, scene, draws, set, state, mask_fragment, &push, sizeof push);
+}
+
+void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
+                        const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
+                        const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
     params.vertex = &shader_geometry_vert;
-    push.scene = scene->scene;
-    push.visible = graph_address(context, draws->visible);
+    push->scene = scene->scene;
+    push->visible = graph_address(context, draws->visible);
     for (uint32_t i = 0; i < scene->bucket_count; i++) {
         const struct geometry_bucket *bucket = &scene->buckets[i];
         if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
@@ -38,8 +44,8 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
-        gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
-        gpu_push(context->commands, &push, sizeof push);
+        gpu_bind(context->commands, graph_pipeline(context, &params));
+        gpu_push(context->commands, push, size);
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws),
                                   bucket->first_group * sizeof(struct gpu_draw), bucket->group_count);
     }
@@ -48,9 +54,9 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;
-        push.visible = graph_address(context, draws->blend_visible);
-        gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
-        gpu_push(context->commands, &push, sizeof push);
+        push->visible = graph_address(context, draws->blend_visible);
+        gpu_bind(context->commands, graph_pipeline(context, &params));
+        gpu_push(context->commands, push, size);
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->blend_draws), 0,
                                   scene->blend_item_count);
     }

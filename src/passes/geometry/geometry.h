@@ -59,6 +59,10 @@ void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, c
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
                    const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
                    const struct gpu_shader *mask_fragment, struct gpu_geometry_push push);
+/** The same for fragment shaders whose push constants begin with these and go on: `push` has `size` bytes and is changed. */
+void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
+                        const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
+                        const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size);
 /** Number of indirect draw calls that geometry_draw makes. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
 

@@ -82,7 +82,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
         push.cells = graph_address(context, d->bounds);
         push.visible_ids = graph_address(context, d->in_view.ids);
         push.bounds = graph_address(context, d->in_view.bounds);
-        push.reaches = graph_address(context, d->in_view.reaches);
+        if (cells_use_reaches(push.flags)) push.reaches = graph_address(context, d->in_view.reaches);
         push.depth = graph_sampled(context, d->depth);
         if (d->block) d->block->normals = graph_sampled(context, d->normals);
     }
@@ -119,7 +119,7 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.in_view.reaches, GRAPH_READ_COMPUTE);
+    if (cells_use_reaches(data.build.flags)) graph_use_buffer(pass, data.in_view.reaches, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.cones, GRAPH_READ_WRITE_COMPUTE);
     if (data.axes.id) graph_use_buffer(pass, data.axes, GRAPH_READ_COMPUTE);

@@ -146,6 +146,8 @@ static void execute_masks(const struct graph_context *context, const void *data)
     gpu_dispatch_linear(context->commands, DIVIDE_UP(groups ? d->group_count : d->group_count * push.words, 64u));
 }
 
+static bool uses_reaches(const struct bvh_query *query) { return query->cone_tests || query->facings.id; }
+
 static void execute_query(const struct graph_context *context, const void *data) {
     const struct query_data *d = data;
     uint32_t fills = d->step == QUERY_FILL;
@@ -160,10 +162,10 @@ static void execute_query(const struct graph_context *context, const void *data)
                                       .masks = graph_address(context, d->masks) + d->first_masks[0] * 4ull,
                                       .spheres = graph_address(context, d->tree.spheres),
                                       .pairs = graph_address(context, d->tree.pairs),
-                                      .reaches = graph_address(context, d->in_view.reaches),
                                       .visible_ids = graph_address(context, d->in_view.ids),
                                       .sums = graph_address(context, d->sums),
                                       .overflow = graph_address(context, d->overflow)};
+    if (uses_reaches(&d->query)) push.reaches = graph_address(context, d->in_view.reaches);
     if (d->query.facings.id) push.facings = graph_address(context, d->query.facings);
     if (fills) {
         push.ids = graph_address(context, d->sort_steps % 2 ? d->unsorted : d->ids);
@@ -246,8 +248,9 @@ static void add_masks(struct graph *graph, struct query_data *d) {
 }
 
 static void use_tree(struct graph_pass *pass, const struct query_data *d) {
-    const graph_buffer buffers[] = {d->in_view.sums, d->in_view.ids,  d->in_view.reaches, d->tree.boxes,   d->tree.spheres,
-                                    d->tree.pairs,   d->query.bounds, d->masks,           d->query.facings};
+    const graph_buffer buffers[] = {d->in_view.sums, d->in_view.ids,  d->tree.boxes, d->tree.spheres,
+                                    d->tree.pairs,   d->query.bounds, d->masks,      d->query.facings};
+    if (uses_reaches(&d->query)) graph_use_buffer(pass, d->in_view.reaches, GRAPH_READ_COMPUTE);
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++)
         if (buffers[i].id) graph_use_buffer(pass, buffers[i], GRAPH_READ_COMPUTE);
     if (d->query.facings.id) graph_use_buffer(pass, d->input.buffer, GRAPH_READ_COMPUTE);

@@ -48,7 +48,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
     if (d->build.refine.add) push.extra = d->build.refine.address;
     push.visible_sums = graph_address(context, d->in_view.sums);
     push.bounds = graph_address(context, d->in_view.bounds);
-    push.reaches = graph_address(context, d->in_view.reaches);
+    if (cells_use_reaches(d->build.flags)) push.reaches = graph_address(context, d->in_view.reaches);
     push.sums = graph_address(context, d->sums);
     push.overflow = graph_address(context, d->overflow);
     if (d->step == STEP_FILL) {
@@ -98,7 +98,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
+    if (cells_use_reaches(build->flags)) graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
     if (data.extra.id && !ranges) graph_use_buffer(pass, data.extra, GRAPH_READ_COMPUTE);
@@ -119,7 +119,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
+    if (cells_use_reaches(build->flags)) graph_use_buffer(pass, in_view->reaches, GRAPH_READ_COMPUTE);
     if (refine->add) {
         graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, refine->cones, GRAPH_READ_COMPUTE);

@@ -37,6 +37,9 @@ struct cells_refine {
     graph_buffer cones, marks; /* read, and written where id is not 0, by fill_shader */
 };
 
+/** Whether cells with these flags need lights_in_view.reaches. */
+static inline bool cells_use_reaches(uint32_t flags) { return (flags & (CELLS_CONES | CELLS_RECTANGLE)) != 0; }
+
 struct cells_build {
     const struct cells_names *names;
     const struct gpu_shader *bounds_shader;

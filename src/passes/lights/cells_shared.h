@@ -52,6 +52,7 @@ struct gpu_lights_push {
     ADDRESS(reach_array) reaches;  /* of the same */
     uint light_count;              /* local lights */
     uint cull;                     /* 0: all count as in view that light anything */
+    uint reach;                    /* 1: reaches are asked for */
 };
 
 struct gpu_cells_push {

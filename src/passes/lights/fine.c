@@ -53,7 +53,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
     for (uint32_t i = 0; fills && i < d->list_count; i++) {
         if (!d->headers[i]) continue;
         d->headers[i]->cells = graph_address(context, d->cells);
-        d->headers[i]->ids = push.ids;
+        d->headers[i]->ids = d->headers[i]->packed ? push.visible_ids : push.ids;
         d->headers[i]->extra = push.extra;
     }
     struct gpu_compute_params params = {
@@ -112,7 +112,7 @@ static void add_step(struct graph *graph, const char *name, const struct gpu_sha
 
 /* How large the squares are that share a mask. */
 static uint32_t mask_size_of(const struct fine_params *params, uint32_t cell_count) {
-    uint32_t size = params->pruning ? params->mask_size : 0;
+    uint32_t size = params->pruning && !params->packed ? params->mask_size : 0;
     if (size > params->tile_size / 8) size = params->tile_size / 8; /* no more than what a thread owns */
     for (; size && size <= 2; size *= 2) {
         uint64_t side = params->tile_size / size;
@@ -159,7 +159,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     uint32_t cell_count = tile_count * all.list_count;
     uint32_t mask_size = mask_size_of(&masked, cell_count), side = mask_size ? params->tile_size / mask_size : 0;
     bool compares = !params->exact_positions && (prunes || several);
-    uint64_t mask_words = MAX((params->pool_capacity / 32ull + cell_count) * side * side, 1u),
+    uint32_t pool = params->packed ? 0 : params->pool_capacity,
+             cell_bytes = params->packed ? GPU_PACKED_WORDS * 4 : sizeof(struct gpu_cell);
+    uint64_t mask_words = MAX((pool / 32ull + cell_count) * side * side, 1u),
              position_words = compares ? (uint64_t)tile_count * params->tile_size * params->tile_size * 3 : 0;
 
     VkDeviceAddress addresses[FINE_LISTS] = {0};
@@ -175,6 +177,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         header->positions = compares && (i == 0 || i != blend) ? (uint32_t)mask_words : 0;
         header->eye_distance = params->eye_distance;
         header->scattered = params->scattered;
+        header->packed = params->packed;
         header->view = input->view;
     }
     all.header = addresses[0];
@@ -193,8 +196,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     all.found = graph_create_buffer(graph, "fine found", (uint64_t)cell_count * (FINE_FOUND + side * side) * 4);
     all.sums = graph_create_buffer(graph, "fine sums", (cell_count + 1) * 4ull);
     all.overflow = graph_create_buffer(graph, "fine overflow", 4);
-    all.cells = graph_create_buffer(graph, "fine cells", cell_count * sizeof(struct gpu_cell));
-    all.ids = graph_create_buffer(graph, "fine ids", MAX(params->pool_capacity, 1u) * 4ull);
+    all.cells = graph_create_buffer(graph, "fine cells", (uint64_t)cell_count * cell_bytes);
+    if (!params->packed) all.ids = graph_create_buffer(graph, "fine ids", MAX(pool, 1u) * 4ull);
     all.extra = graph_create_buffer(graph, "fine masks", (mask_words + position_words) * 4);
 
     add_step(graph, "fine bounds", &shader_fine_bounds_comp, &all, DIVIDE_UP(visible, 64u), 0, 0);
@@ -212,15 +215,15 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                                        .lights = input->buffer,
                                        .header = addresses[0],
                                        .cells = all.cells,
-                                       .ids = all.ids,
+                                       .ids = params->packed ? in_view->ids : all.ids,
                                        .extra = all.extra,
                                        .cell_count = cell_count,
-                                       .entry_bytes = 4 + side * side / 8,
+                                       .entry_bytes = params->packed ? 0 : 4 + side * side / 8,
                                        .totals = totals};
     lists.lights.fixed_bytes =
-        cell_count * sizeof(struct gpu_cell) + (uint64_t)cell_count * side * side * 4 + position_words * 4;
+        (uint64_t)cell_count * cell_bytes + (uint64_t)cell_count * side * side * 4 + position_words * 4;
     lists.lights.byte_count =
-        cell_count * sizeof(struct gpu_cell) + params->pool_capacity * 4ull + (mask_words + position_words) * 4;
+        (uint64_t)cell_count * cell_bytes + pool * 4ull + (side ? mask_words : 0) * 4 + position_words * 4;
     /* The others lie in the same buffers, which are counted once. */
     struct light_list other = lists.lights;
     other.cell_count = other.entry_bytes = 0;

@@ -11,6 +11,9 @@
  *
  * No number of lights, per tile or in all, is too many: see fine_tile.glsl. Cost: 8 bytes a tile; 4 for an entry and one bit for each
  * entry and pixel (or quad) of its tile; with positions 12 a pixel; while building a bit for each light and block.
+ *
+ * Packed as in the source, a tile and list takes 32 bytes and nothing else: no masks, no pool. Up to 24 lights fit, of the first 1024 in
+ * view; a tile with others counts as overflown and uses all lights in view.
  */
 #ifndef FNL_PASSES_FINE_H
 #define FNL_PASSES_FINE_H
@@ -22,6 +25,8 @@ struct fine_params {
     uint32_t tile_size; /* pixels: 8, 16, 32 or 64; default 16 */
     bool pruning;       /* test pixels; false: boxes alone, and no masks; default true */
     uint32_t mask_size; /* side of the squares of pixels that share a mask: 1, 2, or 0: no masks; default 1 */
+    bool
+        packed; /* three places of 10 bits a word, eight words a tile; mask_size and pool_capacity mean nothing then; default false */
     bool
         exact_positions; /* shading makes its positions from depth as well, so that none have to be compared; default true */
     bool scattered;      /* MSAA: shading may be off its pixel; default false */

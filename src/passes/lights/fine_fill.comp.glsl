@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
 // Writes the lights of each tile, ascending, and the masks that say which pixels they hold. A tile that the pool
-// cannot hold is marked to use all lights instead.
+// cannot hold is marked to use all lights instead; a packed one that its words cannot hold, all in view.
 #include "common.glsl"
 #include "passes/lights/fine_steps.glsl"
 #include "passes/lights/fine_tile.glsl"
@@ -20,9 +20,29 @@ void make_masks(uint first, uint count) {
     }
 }
 
+// From what the count found: places among the lights in view, ascending.
+void pack(uint count) {
+    uint_array words = uint_array(push.list.list.cells);
+    uint from = fine_found_of(cell), to = cell * GPU_PACKED_WORDS;
+    bool fits = count <= GPU_PACKED_LIGHTS && (count == 0u || push.found.at[from + count - 1u] < GPU_PACKED_IN_VIEW);
+    if (thread < GPU_PACKED_WORDS) {
+        uint first = min(thread * 3u, count), held = min(count - first, 3u), word = held << 3u * GPU_PACKED_BITS;
+        if (fits)
+            for (uint i = 0u; i < held; i++) word |= push.found.at[from + first + i] << i * GPU_PACKED_BITS;
+        else
+            word = thread == 0u ? GPU_PACKED_ALL : thread == 1u ? push.visible_sums.at[push.list.list.local_count] : 0u;
+        words.at[to + thread] = word;
+    }
+    if (thread == 0u && !fits) atomicAdd(push.overflow.at[0], 1u);
+}
+
 void main() {
     begin_tile();
     uint first = push.sums.at[cell], last = push.sums.at[cell + 1u], count = last - first;
+    if (push.list.list.packed == 1u) {
+        pack(count);
+        return;
+    }
     bool fits = last <= push.capacity;
     if (thread == 0u) {
         push.list.list.cells.at[cell] = gpu_cell(first, fits ? count : GPU_CELL_ALL);

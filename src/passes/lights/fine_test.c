@@ -625,6 +625,133 @@ static void test_overflow_FP_10(void **state) {
     free(depth);
 }
 
+/* ---- packed ---- */
+
+enum { PACKED_ALL = -1 };
+
+/* The local lights of a packed tile, or PACKED_ALL; fails unless its words have the form that the source gives them. */
+static int unpack(const struct fine_copy *c, uint32_t cell, uint32_t out[GPU_PACKED_LIGHTS]) {
+    const uint32_t *words = (const uint32_t *)c->data[COPY_CELLS] + (size_t)cell * GPU_PACKED_WORDS;
+    const uint32_t *visible = c->data[COPY_IDS];
+    int count = 0;
+    if (words[0] == GPU_PACKED_ALL) {
+        assert_int_equal(words[1], c->totals.in_view);
+        return PACKED_ALL;
+    }
+    for (uint32_t w = 0; w < GPU_PACKED_WORDS; w++) {
+        uint32_t held = words[w] >> 30;
+        assert_true(w == 0 || held == 0 || words[w - 1] >> 30 == 3);
+        for (uint32_t i = 0; i < 3; i++) {
+            uint32_t place = words[w] >> 10 * i & 1023;
+            if (i < held)
+                out[count++] = visible[place];
+            else
+                assert_int_equal(place, 0);
+        }
+    }
+    return count;
+}
+
+/* Tile by tile what the ordinary storage holds, or all in view where that is too much. */
+static void check_packed(const struct fine_copy *packed, const struct fine_copy *plain) {
+    uint32_t overflow = 0;
+    assert_int_equal(packed->cell_count, plain->cell_count);
+    assert_int_equal(packed->sizes[COPY_CELLS], packed->cell_count * 32ull);
+    assert_int_equal(packed->totals.entries, plain->totals.entries);
+    assert_int_equal(packed->totals.in_view, plain->totals.in_view);
+    for (uint32_t cell = 0; cell < plain->cell_count; cell++) {
+        uint32_t held[GPU_PACKED_LIGHTS], want = cell_at(plain, cell).count;
+        const uint32_t *visible = packed->data[COPY_IDS];
+        int count = unpack(packed, cell, held);
+        bool fits = want <= GPU_PACKED_LIGHTS;
+        if (fits && want && packed->totals.in_view > 1024) fits = ids_at(plain, cell)[want - 1] <= visible[1023];
+        if (!fits) {
+            assert_int_equal(count, PACKED_ALL);
+            overflow++;
+            continue;
+        }
+        assert_int_equal(count, want);
+        if (want) assert_memory_equal(held, ids_at(plain, cell), want * sizeof *held);
+    }
+    assert_int_equal(packed->totals.overflow_cells, overflow);
+}
+
+static struct fine_copy build_both(const struct gpu_view *view, uint32_t light_count, const float *depth, const float *front,
+                                   struct fine_params p) {
+    p.mask_size = 0;
+    struct fine_copy plain = build(view, light_count, depth, front, &p);
+    p.packed = true;
+    struct fine_copy packed = build(view, light_count, depth, front, &p);
+    check_packed(&packed, &plain);
+    copy_free(&plain);
+    return packed;
+}
+
+static void test_packed_round_trip_FP_9_FP_10(void **state) {
+    UNUSED(state);
+    enum { HIDDEN = 5 };
+    static const uint32_t counts[] = {0, 1, 2, 3, 4, 23, 24, 25, 70};
+    fnl_camera camera = fnl_camera_default();
+    struct gpu_view view = view_from_camera(&camera, 24, 20);
+    float depth[24 * 20];
+    for (uint32_t i = 0; i < COUNT_OF(depth); i++) depth[i] = depth_of_view_depth(&view, 10);
+    struct fine_params p = fine_params_default();
+    for (uint32_t n = 0; n < COUNT_OF(counts); n++) {
+        for (uint32_t i = 0; i < HIDDEN; i++) place(&view, i, 8, 8, -10, 0.4f, false); /* so that places are not indices */
+        for (uint32_t i = 0; i < counts[n]; i++) place(&view, HIDDEN + i, 8.5, 8.5, 10, 0.3f, false);
+        struct fine_copy c = build_both(&view, HIDDEN + counts[n], depth, NULL, p);
+        uint32_t held[GPU_PACKED_LIGHTS];
+        int count = unpack(&c, 0, held);
+        assert_int_equal(count, counts[n] <= 24 ? (int)counts[n] : PACKED_ALL);
+        for (int i = 0; i < count; i++) assert_int_equal(held[i], HIDDEN + i);
+        assert_int_equal(c.totals.in_view, counts[n]);
+        assert_int_equal(c.totals.overflow_cells, counts[n] > 24);
+        copy_free(&c);
+    }
+    /* Places up to 1023 are stored. With one light more in view, tiles that hold it are not, and the others are. */
+    for (uint32_t in_view = 1024; in_view <= 1025; in_view++) {
+        for (uint32_t i = 0; i < HIDDEN; i++) place(&view, i, 8, 8, -10, 0.4f, false);
+        for (uint32_t i = 0; i < in_view; i++) place(&view, HIDDEN + i, 8, 8, 5, 0.2f, false); /* before all surfaces */
+        place(&view, HIDDEN + 511, 8.5, 8.5, 10, 0.3f, false);
+        place(&view, HIDDEN + 1023, 8.5, 8.5, 10, 0.3f, false);
+        place(&view, HIDDEN + 1022, 20.5, 8.5, 10, 0.05f, false); /* the tile on the right */
+        if (in_view > 1024) place(&view, HIDDEN + 1024, 8.5, 8.5, 10, 0.3f, false);
+        struct fine_copy c = build_both(&view, HIDDEN + in_view, depth, NULL, p);
+        const uint32_t *words = c.data[COPY_CELLS];
+        assert_int_equal(c.totals.in_view, in_view);
+        assert_int_equal(words[0], in_view == 1024 ? 2u << 30 | 1023u << 10 | 511u : GPU_PACKED_ALL);
+        assert_int_equal(words[GPU_PACKED_WORDS], 1u << 30 | 1022u);
+        assert_int_equal(c.totals.overflow_cells, in_view == 1025);
+        copy_free(&c);
+    }
+}
+
+static void test_packed_equals_plain_FP_9(void **state) {
+    UNUSED(state);
+    enum { LIGHTS = 140 };
+    struct random_state random = {31};
+    uint32_t packed_entries = 0, overflow = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        random_lights(&view, &random, LIGHTS);
+        for (uint32_t i = 0; i < LIGHTS; i++)
+            lights[i].entity = kind == 2 && i % 3 == 0 ? GPU_ENTITY_PROBE : GPU_ENTITY_LIGHT;
+        float *depth = list_random_depth(&view, &random), *front = list_random_depth(&view, &random);
+        struct fine_params p = fine_params_default();
+        p.tile_size = kind == 1 ? 8 : kind == 3 ? 32 : 16;
+        p.pruning = kind != 4;
+        p.blend = kind != 2;
+        p.probes = kind == 2;
+        struct fine_copy c = build_both(&view, LIGHTS, kind == 3 ? NULL : depth, p.blend ? front : NULL, p);
+        packed_entries += c.totals.entries;
+        overflow += c.totals.overflow_cells;
+        copy_free(&c);
+        free(depth);
+        free(front);
+    }
+    assert_true(packed_entries > 2000 && overflow > 3);
+}
+
 /* ---- lists beside the first ---- */
 
 static void test_lights_and_probes_FP_12(void **state) {
@@ -731,10 +858,12 @@ static void test_pictures_FP_1(void **state) {
             fnl_list_options options = fnl_list_options_default();
             struct shot all = shoot(&stage, orders[o].shading, FNL_LISTS_ALL, orders[o].msaa, options);
             assert_true(all.stats.evaluations_useful > 1000);
-            for (uint32_t v = 0; v < (o == 0 ? 5u : 2u); v++) {
-                options.fine_pruning = v != 1;
-                options.fine_masks = v == 2 ? 0 : v == 3 ? 2 : 1;
-                options.tile_size = v == 3 ? 32 : v == 4 ? 8 : 16;
+            static const uint32_t variants[] = {7, 2, 3}; /* of each order */
+            for (uint32_t v = 0; v < variants[o]; v++) {
+                options.fine_pruning = v != 1 && v != 6;
+                options.fine_masks = v == 3 ? 0 : v == 4 ? 2 : 1;
+                options.fine_packed = v == 2 || v == 6;
+                options.tile_size = v == 4 ? 32 : v == 5 ? 8 : 16;
                 struct shot fine = shoot(&stage, orders[o].shading, FNL_LISTS_FINE, orders[o].msaa, options);
                 if (count_differing(&all.radiance, &fine.radiance))
                     fail_msg("shape %u, %s, %u samples, variant %u: %llu pixels differ", kind,
@@ -765,6 +894,45 @@ static void test_partly_covered_pixels_FP_1(void **state) {
         shot_free(&fine);
     }
     stage_close(&stage);
+}
+
+/* Packed: more lights than fit, in a tile or in view, and MSAA; what fits costs as many evaluations as without masks. */
+static void test_packed_pictures_FP_9_FP_10(void **state) {
+    UNUSED(state);
+    static const struct {
+        fnl_shading shading;
+        uint32_t msaa, lights;
+    } cases[] = {{FNL_SHADING_DEFERRED, 1, 30},
+                 {FNL_SHADING_DEFERRED, 1, 300},
+                 {FNL_SHADING_DEFERRED, 1, 1100},
+                 {FNL_SHADING_FORWARD, 4, 300},
+                 {FNL_SHADING_FORWARD_PREPASS, 4, 300}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        struct stage stage = stage_open("builtin:glass?lights=0", cases[i].lights);
+        fnl_list_options options = fnl_list_options_default();
+        struct shot all = shoot(&stage, cases[i].shading, FNL_LISTS_ALL, cases[i].msaa, options);
+        options.fine_masks = 0;
+        options.frustum_cull = cases[i].lights < 1024; /* or all count as in view */
+        struct shot plain = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, options);
+        options.fine_packed = true;
+        struct shot packed = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, options);
+        if (count_differing(&all.radiance, &packed.radiance))
+            fail_msg("case %u: %llu pixels differ", i, (unsigned long long)count_differing(&all.radiance, &packed.radiance));
+        assert_int_equal(packed.stats.list_entries, plain.stats.list_entries);
+        assert_true(cases[i].lights < 1024 || packed.stats.lights_in_view > 1024);
+        assert_true((packed.stats.overflow_cells > 0) == (cases[i].lights > 30));
+        assert_true(packed.stats.evaluations >= plain.stats.evaluations &&
+                    packed.stats.evaluations <= all.stats.evaluations);
+        if (cases[i].lights == 30) {
+            assert_int_equal(packed.stats.evaluations, plain.stats.evaluations);
+            assert_int_equal(packed.stats.list_bytes, 7 * 4 * 32 * 2); /* opaque and blended */
+            assert_int_equal(packed.stats.list_used_bytes, packed.stats.list_bytes);
+        }
+        shot_free(&all);
+        shot_free(&plain);
+        shot_free(&packed);
+        stage_close(&stage);
+    }
 }
 
 /* A pixel visits hardly more lights than reach it: without blended surfaces, none but those within the slack. */
@@ -810,10 +978,13 @@ int main(void) {
         cmocka_unit_test_teardown(test_boxes_FP_4, harness_check),
         cmocka_unit_test_teardown(test_many_lights_FP_10, harness_check),
         cmocka_unit_test_teardown(test_overflow_FP_10, harness_check),
+        cmocka_unit_test_teardown(test_packed_round_trip_FP_9_FP_10, harness_check),
+        cmocka_unit_test_teardown(test_packed_equals_plain_FP_9, harness_check),
         cmocka_unit_test_teardown(test_lights_and_probes_FP_12, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces, harness_check),
         cmocka_unit_test_teardown(test_pictures_FP_1, harness_check),
         cmocka_unit_test_teardown(test_partly_covered_pixels_FP_1, harness_check),
+        cmocka_unit_test_teardown(test_packed_pictures_FP_9_FP_10, harness_check),
         cmocka_unit_test_teardown(test_evaluations, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

@@ -287,7 +287,10 @@ uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_
         if (w < words && count - w * 32u < 32u) bits &= (1u << (count - w * 32u)) - 1u;
         uint at = out_first + kept + sum_before(uint(bitCount(bits)), total);
         for (; bits != 0u; bits &= bits - 1u, at++)
-            if (at < out_end) out_ids.at[at] = local_light(held[w * 32u + uint(findLSB(bits))]);
+            if (at < out_end) {
+                uint index = held[w * 32u + uint(findLSB(bits))];
+                out_ids.at[at] = push.list.list.packed == 1u ? index : local_light(index);
+            }
         kept += total;
     }
     barrier();

@@ -45,16 +45,17 @@ struct view_data {
 
 static void execute_lights(const struct graph_context *context, const void *data) {
     const struct view_data *d = data;
-    bool gathers = d->shader == &shader_lights_gather_comp;
+    bool gathers = d->shader == &shader_lights_gather_comp, reaches = gathers && d->in_view.reaches.id;
     struct gpu_compute_params params = {.shader = d->shader};
     struct gpu_lights_push push = {.view = d->input.view,
                                    .list = d->header,
                                    .sums = graph_address(context, d->in_view.sums),
                                    .ids = gathers ? graph_address(context, d->in_view.ids) : 0,
                                    .bounds = gathers ? graph_address(context, d->in_view.bounds) : 0,
-                                   .reaches = gathers ? graph_address(context, d->in_view.reaches) : 0,
+                                   .reaches = reaches ? graph_address(context, d->in_view.reaches) : 0,
                                    .light_count = d->input.local_count,
-                                   .cull = !d->input.keep_unseen};
+                                   .cull = !d->input.keep_unseen,
+                                   .reach = reaches};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u));
@@ -67,7 +68,8 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     data.in_view.sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull);
     data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
     data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
-    data.in_view.reaches = graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach));
+    if (!input->spheres_only)
+        data.in_view.reaches = graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach));
     light_list_header(device, input, &data.header);
     struct graph_pass *pass = graph_add_pass(graph, "lights mark", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
@@ -79,7 +81,7 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.in_view.bounds, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.in_view.reaches, GRAPH_WRITE_COMPUTE);
+    if (!input->spheres_only) graph_use_buffer(pass, data.in_view.reaches, GRAPH_WRITE_COMPUTE);
     return data.in_view;
 }
 

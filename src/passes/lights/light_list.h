@@ -20,6 +20,7 @@ struct light_input {
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
+    bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
 
@@ -54,7 +55,7 @@ struct lights_in_view {
     graph_buffer sums;    /* local_count + 1; the last is the number in view */
     graph_buffer ids;     /* ascending */
     graph_buffer bounds;  /* struct gpu_bound, view space */
-    graph_buffer reaches; /* struct gpu_reach, view space */
+    graph_buffer reaches; /* struct gpu_reach, view space; or id 0 */
 };
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 

@@ -19,6 +19,7 @@ void main() {
     bound.center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
     bound.radius = light.bound_radius + float(BOUND_ROUNDING) * (length(light.bound_center) + length(push.view.view.eye));
     push.bounds.at[slot] = bound;
+    if (push.reach == 0u) return;
     gpu_reach reach;
     reach_cone(light, push.view.view.world_to_view,
                float(BOUND_ROUNDING) * (length(light.position) + length(push.view.view.eye)), reach);

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Forward shading, opaque and transparent: what both entry points share.
+// Forward shading, opaque and transparent: what all entry points that shade as they draw share.
 #include "common.glsl"
 #include "material.glsl"
 #include "shade.glsl"
 #include "passes/geometry/geometry_shared.h"
 
-layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
-
-layout(location = 0) out vec4 out_radiance;
-
-void main() {
+// Radiance times coverage, and coverage. Leaves where there is a hole, or the back of a single-sided surface. `view_depth` is that of the
+// point that is shaded.
+vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
@@ -17,7 +15,8 @@ void main() {
     // the pixel.
     vec3 view_position = (push.view.view.world_to_view * vec4(s.position, 1.0)).xyz;
     uvec2 pixel = push.view.view.samples > 1u ? pixel_of(push.view, view_position) : uvec2(gl_FragCoord.xy);
-    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, -view_position.z, in_ids.y);
+    view_depth = -view_position.z;
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, view_depth, in_ids.y);
     // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).
-    out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
+    return vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
 }

@@ -26,11 +26,13 @@ static const struct {
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth) {
     struct gbuffer gbuffer = {.depth = depth, .target_count = COUNT_OF(targets)};
+    uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     for (uint32_t i = 0; i < gbuffer.target_count; i++)
         gbuffer.targets[i] = graph_create_image(graph, &(struct graph_image_params){.name = targets[i].name,
                                                                                     .format = targets[i].format,
                                                                                     .width = input->width,
-                                                                                    .height = input->height});
+                                                                                    .height = input->height,
+                                                                                    .samples = samples});
     gbuffer.normal = gbuffer.targets[1];
     struct gbuffer_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
@@ -41,7 +43,7 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
                                      .depth_test = true,
                                      .depth_write = !prepass,
                                      .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
-                                     .samples = 1};
+                                     .samples = samples};
     for (uint32_t i = 0; i < gbuffer.target_count; i++) data.state.color_formats[1 + i] = targets[i].format;
     struct graph_pass *pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);

@@ -15,7 +15,7 @@ struct gbuffer {
 
 /**
  * Draws the opaque set: 16 bytes a pixel beside depth and radiance, which takes the emission (layout in shaders/gbuffer.glsl).
- * Single-sampled. With `prepass` the depth is complete and the pass tests for equality (ES-4e): no hidden surface reads its textures; geometry
+ * Has the samples of `depth`. With `prepass` the depth is complete and the pass tests for equality (ES-4e): no hidden surface reads its textures; geometry
  * is drawn twice.
  */
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,

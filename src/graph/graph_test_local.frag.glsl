@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: MIT
+#version 460
+
+layout(input_attachment_index = 1, set = 1, binding = 1) uniform subpassInput below;
+layout(location = 0) out vec4 target;
+
+void main() { target = subpassLoad(below) + 0.5; }

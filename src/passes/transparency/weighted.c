@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/transparency/transparency.h"
+
+#include "passes/transparency/transparency_draw_shared.h"
+#include "shaders.h"
+
+struct formats {
+    VkFormat sum, clear;
+};
+
+static struct formats formats_of(bool half) {
+    return half ? (struct formats){VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16_SFLOAT}
+                : (struct formats){VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
+}
+
+bool weighted_needs_half(const gpu_device *device) {
+    struct formats full = formats_of(false);
+    return !gpu_format_supports(device, full.sum, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT) ||
+           !gpu_format_supports(device, full.clear, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT);
+}
+
+uint32_t weighted_bytes(bool half) { return half ? 8 + 2 : 16 + 4; }
+
+struct draw_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+    bool half;
+};
+
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct draw_data *d = data;
+    struct gpu_weighted_push push = {.geometry = {.view = d->view,
+                                                  .lights = d->lights,
+                                                  .counters = d->counters.id ? graph_address(context, d->counters) : 0},
+                                     .half_sums = d->half};
+    geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_BLEND, &d->state, NULL, &push.geometry, sizeof push);
+}
+
+struct composite_data {
+    graph_image sum, clear;
+    VkFormat format;
+    uint32_t samples;
+};
+
+static void execute_composite(const struct graph_context *context, const void *data) {
+    const struct composite_data *d = data;
+    struct gpu_graphics_params state = {.vertex = &shader_screen_vert,
+                                        .fragment = &shader_weighted_composite_frag,
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                        .color_count = 1,
+                                        .color_formats = {d->format},
+                                        .blends = {GPU_BLEND_ALPHA},
+                                        .samples = d->samples};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
+    for (uint32_t i = 0; i < d->samples; i++) {
+        struct gpu_weighted_composite_push push = {graph_sampled(context, d->sum), graph_sampled(context, d->clear),
+                                                   d->samples, i};
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_draw(context->commands, 3, 1, 0, 0);
+    }
+}
+
+void weighted_add(struct graph *graph, const struct shade_input *input, bool half, graph_image radiance, graph_image depth) {
+    struct graph_image_params target = graph_image_info(graph, radiance), params = target;
+    struct formats formats = formats_of(half);
+    uint32_t samples = MAX(target.samples, 1u);
+    params.name = "weighted sum";
+    params.format = formats.sum;
+    graph_image sum = graph_create_image(graph, &params);
+    params.name = "weighted clear";
+    params.format = formats.clear;
+    graph_image clear = graph_create_image(graph, &params);
+
+    struct draw_data draw = {.scene = input->scene,
+                             .draws = *input->draws,
+                             .view = input->view,
+                             .lights = input->lights->header,
+                             .counters = input->counters,
+                             .half = half};
+    /* Alpha blending of no colour with coverage leaves what is behind times what stays open. */
+    draw.state = (struct gpu_graphics_params){.fragment = &shader_weighted_frag,
+                                              .constant_count = 2,
+                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .color_count = 2,
+                                              .color_formats = {formats.sum, formats.clear},
+                                              .blends = {GPU_BLEND_ADD, GPU_BLEND_ALPHA},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER,
+                                              .samples = samples};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "weighted blend", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
+    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
+    graph_color(pass, clear, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){1, 1, 1, 1});
+    graph_depth_read_only(pass, depth);
+
+    struct composite_data composite = {sum, clear, target.format, samples};
+    pass = graph_add_pass(graph, "weighted composite", GRAPH_QUEUE_GRAPHICS, execute_composite, &composite, sizeof composite);
+    graph_use_image(pass, sum, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, clear, GRAPH_SAMPLE_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
+}

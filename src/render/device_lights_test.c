@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Lights that change are sent alone: the bytes of a frame are those of the lights that changed since the last, and pictures equal those of a
+ * renderer that has just sent everything.
+ */
+#include "tests/render_harness.h"
+
+enum { LIGHTS = 400, LIGHT_BYTES = sizeof(struct gpu_light) };
+
+static fnl_light_id ids[4 * LIGHTS];
+
+static fnl_light_params some_light(uint32_t i) {
+    fnl_light_params light = fnl_light_params_default();
+    light.kind = (fnl_light_kind)(FNL_LIGHT_POINT + i % 5);
+    uint32_t at = i * 61 % LIGHTS; /* a few are all over the scene, too */
+    light.position = vec3_make((float)(at % 20) * 0.5f - 5, 0.5f + (float)(i % 3) * 0.4f, (float)(at / 20) * 0.5f - 5);
+    light.direction = vec3_make(0.6f, -0.8f, 0);
+    light.intensity = 20;
+    light.range = 1.5f;
+    return light;
+}
+
+static struct stage open_lights(uint32_t count) {
+    struct stage s = stage_open("builtin:spheres?lights=0", 0);
+    s.frame.width = 65;
+    s.frame.height = 37;
+    s.frame.lists = FNL_LISTS_TILED;
+    s.frame.exposure = FNL_EXPOSURE_NONE;
+    for (uint32_t i = 0; i < count; i++) {
+        fnl_light_params light = some_light(i);
+        assert_int_equal(fnl_scene_add_light(s.scene, &light, &ids[i]), FNL_OK);
+    }
+    return s;
+}
+
+static void move(struct stage *s, uint32_t i, float by) {
+    fnl_light_params light = some_light(i);
+    light.position.y += by;
+    light.position.x += 0.3f * by;
+    light.color[1] = 0.2f;
+    assert_int_equal(fnl_scene_set_light(s->scene, ids[i], &light), FNL_OK);
+}
+
+/* Renders a frame that must send so many bytes, and the same with a renderer of its own. */
+static void check_frame(struct stage *s, uint64_t bytes) {
+    struct shot shot = stage_shoot(s, &s->frame);
+    if (s->renderer->device_scene.light_bytes_sent != bytes)
+        fail_msg("%llu bytes of lights sent, not %llu", (unsigned long long)s->renderer->device_scene.light_bytes_sent,
+                 (unsigned long long)bytes);
+    struct stage fresh = *s;
+    assert_int_equal(fnl_renderer_create(harness_device(), s->scene, &fresh.renderer), FNL_OK);
+    struct shot other = stage_shoot(&fresh, &fresh.frame);
+    assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
+    assert_int_equal(shot.stats.list_entries, other.stats.list_entries);
+    fnl_renderer_destroy(&fresh.renderer);
+    shot_free(&shot);
+    shot_free(&other);
+}
+
+static void test_few_lights_move(void **state) {
+    UNUSED(state);
+    struct stage s = open_lights(LIGHTS);
+    check_frame(&s, LIGHTS * LIGHT_BYTES);
+    check_frame(&s, 0);
+    static const uint32_t counts[] = {1, 2, 3, 17, LIGHTS / 2, LIGHTS / 2 + 1, LIGHTS};
+    for (uint32_t c = 0; c < COUNT_OF(counts); c++) {
+        for (uint32_t k = 0; k < counts[c]; k++) move(&s, (k * 7 + c) % LIGHTS, 0.1f * (float)(c + 1));
+        move(&s, c % LIGHTS, 0.7f);                                                   /* a second time */
+        check_frame(&s, (counts[c] > LIGHTS / 2 ? LIGHTS : counts[c]) * LIGHT_BYTES); /* most of them: all in one piece */
+    }
+    check_frame(&s, 0);
+    assert_int_equal(fnl_scene_set_ambient(s.scene, (fnl_vec3){1, 2, 3}, (fnl_vec3){1, 1, 1}), FNL_OK);
+    check_frame(&s, 0);
+    stage_close(&s);
+}
+
+/* Lights that come, go or change their place among the others, with some that move beside them. */
+static void test_lights_come_and_go(void **state) {
+    UNUSED(state);
+    struct stage s = open_lights(LIGHTS);
+    check_frame(&s, LIGHTS * LIGHT_BYTES);
+    move(&s, 3, 1);
+    assert_int_equal(fnl_scene_remove_light(s.scene, ids[5]), FNL_OK);
+    move(&s, 9, 1);
+    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    move(&s, LIGHTS - 1, 1); /* behind the hole */
+    check_frame(&s, LIGHT_BYTES);
+    fnl_light_params sun = fnl_light_params_default();
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = vec3_make(0, -1, 0);
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK); /* to the front */
+    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    sun.intensity = 3;
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK);
+    move(&s, 41, 0.5f);
+    check_frame(&s, 2 * LIGHT_BYTES);
+    move(&s, 40, 0.5f);
+    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    fnl_light_params light = some_light(5);
+    assert_int_equal(fnl_scene_add_light(s.scene, &light, &ids[5]), FNL_OK);
+    check_frame(&s, LIGHTS * LIGHT_BYTES);
+    assert_int_equal(fnl_scene_set_light_cutoff(s.scene, 0.5f, 0.1f), FNL_OK);
+    check_frame(&s, LIGHTS * LIGHT_BYTES);
+    stage_close(&s);
+}
+
+/* The planes of a hull are seen from the light: they are sent with it. */
+static void test_hulls_move_with_their_lights(void **state) {
+    UNUSED(state);
+    enum { FEW = 30 };
+    struct stage s = open_lights(FEW);
+    for (uint32_t i = 0; i < FEW; i += 3) {
+        vec3 at = some_light(i).position;
+        fnl_vec3 corners[8];
+        for (uint32_t k = 0; k < 8; k++)
+            corners[k] = vec3_make(at.x + (k & 1 ? 1.f : -0.5f), at.y + (k & 2 ? 1.f : -1.f), at.z + (k & 4 ? 0.4f : -0.4f));
+        assert_int_equal(fnl_scene_set_light_hull(s.scene, ids[i], corners, 8), FNL_OK);
+    }
+    check_frame(&s, FEW * LIGHT_BYTES + 10 * 6 * sizeof(vec4));
+    struct shot before = stage_shoot(&s, &s.frame);
+    for (uint32_t i = 0; i < FEW; i += 3) {
+        fnl_light_params light = some_light(i);
+        light.position.x += 0.7f;
+        light.range = 4;
+        assert_int_equal(fnl_scene_set_light(s.scene, ids[i], &light), FNL_OK);
+    }
+    move(&s, 10, 0.1f);
+    check_frame(&s, 11 * LIGHT_BYTES + 10 * 6 * sizeof(vec4));
+    struct shot after = stage_shoot(&s, &s.frame);
+    assert_true(count_differing(&before.radiance, &after.radiance) > 100);
+    shot_free(&before);
+    shot_free(&after);
+    assert_int_equal(fnl_scene_set_light_hull(s.scene, ids[6], NULL, 0), FNL_OK);
+    check_frame(&s, FEW * LIGHT_BYTES + 9 * 6 * sizeof(vec4));
+    move(&s, 12, 0.1f);
+    check_frame(&s, LIGHT_BYTES + 6 * sizeof(vec4));
+    stage_close(&s);
+}
+
+/* A renderer that slept through more changes than the scene lists; and one that saw some of them. */
+static void test_renderers_that_missed_steps(void **state) {
+    UNUSED(state);
+    enum { MANY = 4 * LIGHTS };
+    struct stage s = open_lights(MANY), late = s;
+    assert_int_equal(fnl_renderer_create(harness_device(), s.scene, &late.renderer), FNL_OK);
+    s.frame.lists = late.frame.lists = FNL_LISTS_CLUSTERED;
+    check_frame(&s, MANY * LIGHT_BYTES);
+    check_frame(&late, MANY * LIGHT_BYTES);
+    for (uint32_t round = 0; round < 3; round++) {
+        for (uint32_t k = 0; k < 700; k++) move(&s, (k * 2 + round) % MANY, 0.2f);
+        check_frame(&s, 700 * LIGHT_BYTES);
+    }
+    for (uint32_t k = 0; k < 500; k++) move(&s, k, 0.3f); /* the list has begun anew: these are in it once */
+    check_frame(&s, 500 * LIGHT_BYTES);
+    check_frame(&late, MANY * LIGHT_BYTES); /* nearly all */
+    move(&s, 8, 0.6f);
+    check_frame(&late, LIGHT_BYTES);
+    check_frame(&s, LIGHT_BYTES);
+    fnl_renderer_destroy(&late.renderer);
+    stage_close(&s);
+}
+
+/* Lights on nodes that move, and lists that the CPU makes from a copy whose far lights are faded out. */
+static void test_nodes_and_faded_lights(void **state) {
+    UNUSED(state);
+    enum { NODES = 60 };
+    struct stage s = open_lights(0);
+    mat4 identity = mat4_scaling(vec3_make(1, 1, 1));
+    uint32_t nodes[NODES];
+    for (uint32_t i = 0; i < NODES; i++) {
+        fnl_light_params light = some_light(i);
+        nodes[i] = scene_add_node(s.scene, "lamp", SCENE_NONE, &identity, SCENE_NONE);
+        s.scene->nodes.data[nodes[i]].translation = light.position;
+        s.scene->nodes.data[nodes[i]].has_matrix = false;
+        assert_int_not_equal(scene_add_light(s.scene, &light, nodes[i]), SCENE_NONE);
+    }
+    scene_update_transforms(s.scene);
+    s.frame.lists = FNL_LISTS_CLUSTERED_CPU;
+    for (uint32_t lod = 0; lod < 2; lod++) {
+        s.frame.light_lod = lod ? 1000 : 0;
+        check_frame(&s, lod ? 0 : NODES * LIGHT_BYTES);
+        for (uint32_t i = 0; i < 5; i++) s.scene->nodes.data[nodes[i * 3]].translation.y += 0.3f;
+        scene_update_transforms(s.scene);
+        check_frame(&s, 5 * LIGHT_BYTES);
+    }
+    for (uint32_t i = 0; i < 9; i++) { /* of lights that were faded out */
+        fnl_light_params light = s.scene->lights.data[i].params;
+        light.range *= 3;
+        assert_int_equal(fnl_scene_set_light(s.scene, (fnl_light_id){i, s.scene->lights.data[i].generation}, &light),
+                         FNL_OK);
+    }
+    check_frame(&s, 9 * LIGHT_BYTES);
+    s.frame.light_lod = 0;
+    check_frame(&s, 0);
+    device_scene_forget(&s.renderer->device_scene);
+    check_frame(&s, NODES * LIGHT_BYTES);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_few_lights_move, harness_check),
+        cmocka_unit_test_teardown(test_lights_come_and_go, harness_check),
+        cmocka_unit_test_teardown(test_hulls_move_with_their_lights, harness_check),
+        cmocka_unit_test_teardown(test_renderers_that_missed_steps, harness_check),
+        cmocka_unit_test_teardown(test_nodes_and_faded_lights, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
