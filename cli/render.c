@@ -56,6 +56,10 @@ static void print_help(void) {
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
+         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
+         "                             (compact)\n"
+         "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
+         "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
          "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
@@ -81,6 +85,7 @@ static void print_help(void) {
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
@@ -131,6 +136,9 @@ enum {
     O_LISTS,
     O_LIST_OPTION,
     O_MSAA,
+    O_MSAA_METHOD,
+    O_MSAA_GROUPS,
+    O_MSAA_TOLERANCE,
     O_AA,
     O_GBUFFER_PREPASS,
     O_TRANSPARENCY,
@@ -197,6 +205,19 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_integer("msaa", value, 1, 8, &integer)) return false;
         if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
+        return true;
+    case O_MSAA_METHOD:
+        if (!argument_name("msaa-method", value, msaa_method_name, &index)) return false;
+        o->frame.msaa_method = (fnl_msaa_method)index;
+        return true;
+    case O_MSAA_GROUPS:
+        if (!argument_integer("msaa-groups", value, 2, 3, &integer)) return false;
+        o->frame.msaa_groups = (uint32_t)integer;
+        return true;
+    case O_MSAA_TOLERANCE:
+        if (!argument_number("msaa-tolerance", value, &number)) return false;
+        if (!(number >= 0 && number <= 1)) return argument_bad("msaa-tolerance", value, "a number from 0 to 1");
+        o->frame.msaa_tolerance = (float)number;
         return true;
     case O_TRANSPARENCY:
         if (!argument_name("transparency", value, transparency_name, &index)) return false;
@@ -296,6 +317,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lists", required_argument, NULL, O_LISTS},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
+                                             {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
+                                             {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
+                                             {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
                                              {"aa", required_argument, NULL, O_AA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},

@@ -127,6 +127,20 @@ typedef struct fnl_list_options {
 
 FNL_API fnl_list_options fnl_list_options_default(void);
 
+/**
+ * Which samples deferred shading lights where pixels have several (`msaa`). all .. compact give the same bits; docs/techniques/deferred-msaa.md
+ * compares them.
+ */
+typedef enum fnl_msaa_method {
+    FNL_MSAA_ALL = 0,  /**< every sample */
+    FNL_MSAA_TILES,    /**< every sample of 8 x 8 pixel tiles that have an edge, one of each pixel elsewhere */
+    FNL_MSAA_STENCIL,  /**< every sample of pixels that show an edge, in a pass of their own */
+    FNL_MSAA_COMPACT,  /**< every surface of a pixel once; those beyond the first from a list */
+    FNL_MSAA_COVERAGE, /**< one surface of each pixel; what else it shows takes the light of a neighbour: not exact */
+    FNL_MSAA_AGGREGATE, /**< like surfaces of a pixel are merged and shaded by their statistics: not exact */
+    FNL_MSAA_METHOD_COUNT
+} fnl_msaa_method;
+
 /** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED = 0, /**< objects are drawn back to front by their centres: wrong where they reach into one another */
@@ -181,6 +195,7 @@ FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
+FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
@@ -205,7 +220,14 @@ typedef struct fnl_frame {
     fnl_light_lists lists;  /**< default FNL_LISTS_AUTO */
     fnl_list_options list_options;
     uint32_t
-        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
+        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders and deferred; default 1 */
+    fnl_msaa_method msaa_method; /**< default compact. FNL_SHADING_DEFERRED */
+    uint32_t msaa_groups;        /**< surfaces of a pixel at most, 2 or 3; default 2. FNL_MSAA_AGGREGATE */
+    /**
+     * Samples of a pixel count as one surface up to this difference of colours, of parameters, and of normals as a chord, 0 .. 1; the surface
+     * is then shaded as the first of them. 0 (default): what is stored must be equal. FNL_SHADING_DEFERRED, but for FNL_MSAA_ALL.
+     */
+    float msaa_tolerance;
     fnl_transparency transparency; /**< default sorted */
     fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
@@ -275,6 +297,12 @@ typedef struct fnl_frame_stats {
      */
     uint64_t blend_fragments, blend_bytes;
     uint32_t blend_longest, blend_overflow;
+    /** With FNL_SHADING_DEFERRED and MSAA. */
+    uint32_t msaa_pixels,   /**< pixels that show a surface in some sample */
+        msaa_edge_pixels;   /**< pixels whose samples show more than one thing, sky being one */
+    uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */
+        msaa_samples,       /**< samples that show a surface */
+        msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
     double cpu_milliseconds; /**< recording and submitting */
     double gpu_milliseconds; /**< sum of all passes; 0 without timers */
     float ev;                /**< exposure used, EV100 */

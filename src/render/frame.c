@@ -194,6 +194,9 @@ static void add_counts(struct frame_state *f) {
     if (f->class_counts.id)
         data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
                                                         sizeof f->r->stats.shading_blocks};
+    if (f->edge_counts.id)
+        data.copies[data.count++] = (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges),
+                                                        EDGES_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};

@@ -17,6 +17,7 @@ struct frame_state {
     struct light_input whole_lights;        /* before small ones were faded */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
+    graph_buffer surfaces, edge_counts; /* of deferred shading with MSAA (passes/shade/edges.h) */
     struct aov_images aov;
     struct linked_lists linked; /* transparency */
     uint64_t blend_bytes;

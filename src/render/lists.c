@@ -207,7 +207,7 @@ static void add_fine(struct lists_context *c) {
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
     params.packed = options->fine_packed;
-    params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS);
+    params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS) && c->frame->msaa == 1;
     params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);

@@ -90,8 +90,8 @@ static void test_scene(void **state) {
     if (c->msaa > 1) {
         fnl_frame frame = stage.frame;
         frame.msaa = c->msaa;
-        for (uint32_t s = 0; s < 2; s++) {
-            frame.shading = s ? FNL_SHADING_FORWARD_PREPASS : FNL_SHADING_FORWARD;
+        for (uint32_t s = 0; s <= FNL_SHADING_DEFERRED; s++) {
+            frame.shading = (fnl_shading)s;
             struct shot shot = check_lists(&stage, frame);
             shot_free(&shot);
         }

@@ -56,6 +56,12 @@ const char *fnl_volume_shape_name(fnl_volume_shape shape) {
     return NAME_OF(names, shape);
 }
 
+const char *fnl_msaa_method_name(fnl_msaa_method method) {
+    static const char *const names[] = {"all", "tiles", "stencil", "compact", "coverage", "aggregate"};
+    _Static_assert(COUNT_OF(names) == FNL_MSAA_METHOD_COUNT, "each has a name");
+    return NAME_OF(names, method);
+}
+
 const char *fnl_transparency_name(fnl_transparency transparency) {
     static const char *const names[] = {"sorted", "weighted", "linked"};
     _Static_assert(COUNT_OF(names) == FNL_TRANSPARENCY_COUNT, "each has a name");
@@ -107,6 +113,8 @@ fnl_frame fnl_frame_default(void) {
                        .lists = FNL_LISTS_AUTO,
                        .list_options = fnl_list_options_default(),
                        .msaa = 1,
+                       .msaa_method = FNL_MSAA_COMPACT,
+                       .msaa_groups = 2,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,
                        .outputs = FNL_OUTPUT_COLOR,
@@ -252,6 +260,9 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     TRY(lists_check(host, &frame->list_options));
+    REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
+    REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
+    REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
@@ -267,8 +278,13 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_FORWARD) && frame->msaa > 1) {
-        log_error(host, "%s shading has no MSAA; use a forward order or 1 sample", fnl_shading_name(frame->shading));
+    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_SAMPLES) && frame->msaa > 1) {
+        log_error(host, "%s shading has no MSAA; use a forward order, deferred, or 1 sample",
+                  fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1 && frame->class_blocks) {
+        log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
@@ -440,6 +456,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
                            counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
+    out->msaa_pixels = counts->edges[EDGES_PIXELS];
+    out->msaa_edge_pixels = counts->edges[EDGES_MIXED];
+    out->msaa_surfaces = counts->edges[EDGES_SURFACES];
+    out->msaa_samples = counts->edges[EDGES_SAMPLES];
+    out->msaa_shaded = counts->edges[EDGES_SHADED];
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;

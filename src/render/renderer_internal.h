@@ -5,6 +5,7 @@
 #include "fanal/renderer.h"
 #include "passes/debug/debug.h"
 #include "passes/transparency/transparency.h"
+#include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
 #include "render/device_scene.h"
 #include "render/lists.h"
@@ -16,6 +17,7 @@ struct frame_counts {
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
+    uint32_t edges[EDGES_COUNTS];
     struct linked_totals blend;
 };
 

@@ -4,6 +4,7 @@
 #include "passes/lights/sprites.h"
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
+#include "passes/shade/deferred_msaa.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
 
@@ -58,7 +59,27 @@ static void add_forward(struct frame_state *f, struct shade_input *input, bool p
 
 /* ---- deferred ---- */
 
+_Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT == MSAA_COMPACT &&
+                   (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
+               "deferred_msaa_shared.h has the values of fnl_msaa_method");
+
+/* Lists see all samples of the depth, but no normals. */
+static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    add_lists(f, f->depth, (graph_image){0});
+    struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
+                                          .groups = f->frame->msaa_groups,
+                                          .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
+    struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
+    f->surfaces = edges.surfaces;
+    f->edge_counts = edges.counts;
+}
+
 static void add_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    if (f->frame->msaa > 1) {
+        add_deferred_samples(f, input, prepass);
+        return;
+    }
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
     add_lists(f, f->depth, gbuffer.normal);
     struct shade_classes classes = {0};
@@ -123,9 +144,9 @@ static const struct order {
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
     uint32_t traits;
 } orders[FNL_SHADING_COUNT] = {
-    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD},
-    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS},
-    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS},
+    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_SAMPLES},
+    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS | SHADING_SAMPLES},
+    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES},
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS},
 };
 
