@@ -53,6 +53,11 @@ static void print_help(void) {
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --light-lod PIXELS         lights of a smaller radius on the screen are drawn as points and light nothing (0: "
          "off)\n"
+         "  --gbuffer LAYOUT           of deferred orders: default siege killzone2 frostbite2 stalker clear-sky engel destiny;\n"
+         "                             'fanal info --gbuffers' tells what each holds (default)\n"
+         "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
+         "                             best-fit float (layout: as the layout has them)\n"
+         "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
@@ -90,6 +95,8 @@ static const char *transparency_name(int i) { return fnl_transparency_name((fnl_
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
+static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
+static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
 static const char *aov_name(int i) {
     static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position"};
     return i < RENDER_AOV_COUNT ? names[i] : NULL;
@@ -142,6 +149,9 @@ enum {
     O_AA,
     O_GBUFFER_PREPASS,
     O_TRANSPARENCY,
+    O_GBUFFER,
+    O_NORMALS,
+    O_CHROMA,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -234,6 +244,17 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_integer("class-blocks", value, 0, 8, &integer)) return false;
         if (integer % 4) return argument_bad("class-blocks", value, "one of 0 4 8");
         o->frame.class_blocks = (uint32_t)integer;
+    case O_GBUFFER:
+        if (!argument_name("gbuffer", value, gbuffer_name, &index)) return false;
+        o->frame.gbuffer = (fnl_gbuffer)index;
+        return true;
+    case O_NORMALS:
+        if (!argument_name("normals", value, normals_name, &index)) return false;
+        o->frame.normals = (fnl_normal_encoding)index;
+        return true;
+    case O_CHROMA:
+        o->frame.chroma = true;
+        return true;
         return true;
     case O_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
@@ -328,6 +349,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
                                              {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
                                              {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
+                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
+                                             {"normals", required_argument, NULL, O_NORMALS},
+                                             {"chroma", no_argument, NULL, O_CHROMA},
                                              {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
                                              {"light-lod", required_argument, NULL, O_LIGHT_LOD},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},

@@ -44,6 +44,7 @@ struct gpu_material {
 };
 
 /* Object to world: rows of a 3x4 matrix. */
+    uint forward_layouts;   /* a bit for each G-buffer layout that cannot hold it */
 struct gpu_instance {
     vec4 rows[3];
 };

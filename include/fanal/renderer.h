@@ -95,6 +95,37 @@ typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_COUNT
 } fnl_backface_axis;
 
+/**
+ * How the G-buffer is laid out: that of this renderer, and published ones (docs/techniques/gbuffer.md). All give the same picture within
+ * their quantisation: materials that a layout cannot hold are lit forward in the same frame.
+ */
+typedef enum fnl_gbuffer {
+    FNL_GBUFFER_DEFAULT = 0, /**< 16 bytes a pixel; holds every material */
+    FNL_GBUFFER_SIEGE,       /**< 16 bytes: Rainbow Six Siege, with motion and a material ID */
+    FNL_GBUFFER_KILLZONE2,   /**< 12 bytes: Killzone 2, dielectrics alone */
+    FNL_GBUFFER_FROSTBITE2,  /**< 12 bytes: Battlefield 3, with a material ID */
+    FNL_GBUFFER_STALKER,     /**< 20 bytes: S.T.A.L.K.E.R., with a position and a material ID */
+    FNL_GBUFFER_CLEAR_SKY,   /**< 12 bytes: S.T.A.L.K.E.R. Clear Sky, with a material ID */
+    FNL_GBUFFER_ENGEL,       /**< 12 bytes: Engel 2009, dielectrics alone */
+    FNL_GBUFFER_DESTINY,     /**< 8 bytes: Destiny, with a material ID; smoothness is in the normal's length */
+    FNL_GBUFFER_COUNT
+} fnl_gbuffer;
+
+/** How normals are stored in the G-buffer. Where each is good and how good: docs/techniques/gbuffer.md. */
+typedef enum fnl_normal_encoding {
+    FNL_NORMALS_LAYOUT = 0, /**< as the layout has them */
+    FNL_NORMALS_OCTAHEDRAL,
+    FNL_NORMALS_XYZ,           /**< three components */
+    FNL_NORMALS_XY,            /**< x and y in view space; wrong where a normal looks away along the axis of the view */
+    FNL_NORMALS_SPHERICAL,     /**< two angles, one of them as its cosine */
+    FNL_NORMALS_SPHERE_MAP,    /**< Lambert's azimuthal projection */
+    FNL_NORMALS_STEREOGRAPHIC, /**< in view space; wrong where a normal looks away by more than 30 degrees */
+    FNL_NORMALS_VIEW,          /**< x and y as the viewer of the very pixel sees them; wrong where a normal looks away from it */
+    FNL_NORMALS_BEST_FIT,      /**< three components of 8 bits, scaled to the length with the least error */
+    FNL_NORMALS_FLOAT,         /**< 16 bytes in a target of its own: what the others are compared with */
+    FNL_NORMALS_COUNT
+} fnl_normal_encoding;
+
 /** Settings of the light lists; each names the lists that heed it. None changes the picture. */
 typedef struct fnl_list_options {
     bool
@@ -209,9 +240,32 @@ typedef enum fnl_output {
     FNL_OUTPUT_COLOR = 1,    /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
     FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
     FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
+FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
+FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
     FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
     FNL_OUTPUT_POSITION = 16 /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
 } fnl_output;
+/** A field of a G-buffer layout. Its bits lie in render target `target`; those that share bits with another have 0. */
+typedef struct fnl_gbuffer_field {
+    const char *name;
+    uint32_t target, bits;
+} fnl_gbuffer_field;
+
+typedef struct fnl_gbuffer_info {
+    uint32_t target_count;
+    uint32_t target_bits[5];  /**< a pixel */
+    uint32_t bits;            /**< sum of those: what this renderer stores beside depth (32), radiance (64) and, where needed, a mask (8) */
+    uint32_t published_bits;  /**< of the publication: with its depth, stencil and light accumulation */
+    uint32_t material_count;  /**< that its IDs tell apart; 0: no ID */
+    fnl_normal_encoding normals; /**< FNL_NORMALS_LAYOUT means this one */
+    uint32_t encodings;       /**< bit 1 << e: the encoding e goes with the layout */
+    uint32_t field_count;
+    const fnl_gbuffer_field *fields;
+} fnl_gbuffer_info;
+
+/** What a layout consists of; all-zero for a value out of range. */
+FNL_API fnl_gbuffer_info fnl_gbuffer_query_info(fnl_gbuffer layout);
+
 
 typedef struct fnl_frame {
     uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
@@ -264,6 +318,9 @@ FNL_API void fnl_renderer_destroy(fnl_renderer **renderer);
 
 /** Submits one frame; `frame` NULL means defaults. Changes of the scene since the last frame are taken along. */
 FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *frame);
+    fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
+    fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
+    bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
 /** Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 

@@ -18,7 +18,8 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
-                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs};
+                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs,
+                                    &d->material_entries};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
@@ -193,6 +194,7 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .buckets = d->buckets.data,
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
+                                            .material_entries = d->material_entries.address,
                                             .group_count = d->group_count,
                                             .blend_first_item = d->blend_first_item,
                                             .blend_item_count = d->blend_item_count};

@@ -23,7 +23,7 @@ struct device_scene {
     fnl_scene *scene;
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
-    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, items, groups, table, deforms,
+    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups, table, deforms,
         influences, morphs;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(struct geometry_bucket) buckets;
@@ -104,3 +104,5 @@ mat4 device_instance_matrix(const struct scene_node *node, uint32_t k);
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);
 
 #endif
+/** A bit for each G-buffer layout that cannot hold a material; `id` is its index. */
+uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);

@@ -25,6 +25,7 @@ struct frame_state {
 };
 
 /** An image of the frame's size. */
+    struct gbuffer gbuffer; /* depth id 0: none, or several samples a pixel */
 static inline graph_image frame_create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {
     return graph_create_image(
         f->graph,

@@ -179,10 +179,10 @@ static void add_sparse(struct lists_context *c) {
         return;
     }
     struct lights_in_view visible =
-        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->normals.id));
+        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->gbuffer));
     struct sparse_params params = {.grid = cluster_params(c),
                                    .depth = c->depth,
-                                   .normals = c->frame->list_options.normal_cones ? c->normals : (graph_image){0},
+                                   .gbuffer = c->frame->list_options.normal_cones ? c->gbuffer : NULL,
                                    .blend = c->has_blend};
     struct sparse_lists lists = sparse_add(c->graph, c->device, c->input, &visible, &params);
     c->lights = lists.lights;
@@ -255,7 +255,7 @@ _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_
                "backface_axis has the values of fnl_backface_axis");
 
 static void add_backface(struct lists_context *c) {
-    if (!c->normals.id) { /* no normals are known before shading */
+    if (!c->gbuffer) { /* no normals are known before shading */
         add_tiled(c);
         return;
     }
@@ -265,7 +265,7 @@ static void add_backface(struct lists_context *c) {
     params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
     params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
     params.tally = c->frame->count_lights;
-    c->lights = backface_add(c->graph, c->device, c->input, &visible, c->depth, c->normals, &params);
+    c->lights = backface_add(c->graph, c->device, c->input, &visible, c->gbuffer, &params);
     add_blend_tiles(c, &visible, &params.tiles);
 }
 

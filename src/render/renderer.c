@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "fanal/vulkan.h"
+#include "passes/shade/gbuffer_layouts.h"
 #include "render/shading.h"
 
 enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
@@ -78,6 +79,33 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
     static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
     _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
     return NAME_OF(names, tonemap);
+}
+
+const char *fnl_gbuffer_name(fnl_gbuffer layout) {
+    return (uint32_t)layout < FNL_GBUFFER_COUNT ? gbuffer_layouts[layout].name : NULL;
+}
+
+const char *fnl_normal_encoding_name(fnl_normal_encoding normals) {
+    static const char *const names[] = {"layout",     "octahedral",    "xyz",  "xy",       "spherical",
+                                        "sphere-map", "stereographic", "view", "best-fit", "float"};
+    _Static_assert(COUNT_OF(names) == FNL_NORMALS_COUNT, "each has a name");
+    return NAME_OF(names, normals);
+}
+
+fnl_gbuffer_info fnl_gbuffer_query_info(fnl_gbuffer layout) {
+    fnl_gbuffer_info info = {0};
+    if ((uint32_t)layout >= FNL_GBUFFER_COUNT) return info;
+    const struct gbuffer_layout *l = &gbuffer_layouts[layout];
+    info = (fnl_gbuffer_info){.target_count = l->target_count,
+                              .published_bits = l->published_bits,
+                              .material_count = l->id_count,
+                              .normals = l->own,
+                              .encodings = l->encodings | 1u << FNL_NORMALS_LAYOUT,
+                              .field_count = l->field_count,
+                              .fields = l->fields};
+    for (uint32_t i = 0; i < l->target_count; i++) info.target_bits[i] = gbuffer_format_bits(l->targets[i].format);
+    for (uint32_t i = 0; i < l->target_count; i++) info.bits += info.target_bits[i];
+    return info;
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
@@ -262,6 +290,34 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     TRY(lists_check(host, &frame->list_options));
     REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
     REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
+static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
+    REQUIRE(host, (uint32_t)frame->normals < FNL_NORMALS_COUNT);
+    bool plain = frame->gbuffer == FNL_GBUFFER_DEFAULT && frame->normals == FNL_NORMALS_LAYOUT && !frame->chroma;
+    bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
+    if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
+    if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS)) {
+        log_error(host, "%s shading has a G-buffer of its own", fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    fnl_gbuffer_info info = fnl_gbuffer_query_info(frame->gbuffer);
+    if (!(info.encodings >> frame->normals & 1)) {
+        log_error(host, "the normals of layout %s cannot hold encoding %s", fnl_gbuffer_name(frame->gbuffer),
+                  fnl_normal_encoding_name(frame->normals));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->chroma && frame->gbuffer != FNL_GBUFFER_DEFAULT) {
+        log_error(host, "layout %s has no base colour that chroma could make smaller", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->gbuffer != FNL_GBUFFER_DEFAULT && frame->msaa > 1) {
+        log_error(host, "layout %s has 1 sample a pixel", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
     REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
@@ -269,6 +325,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
+    TRY(check_gbuffer(r, frame));
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
     REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);

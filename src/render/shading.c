@@ -14,7 +14,7 @@ static bool has_blend(const struct frame_state *f) {
     return false;
 }
 
-static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
+static void add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
     struct lists_context context = {.graph = f->graph,
                                     .device = f->r->device,
                                     .frame = f->frame,
@@ -25,7 +25,7 @@ static void add_lists(struct frame_state *f, graph_image depth, graph_image norm
                                     .input = &f->scene->lights,
                                     .state = &f->r->lists,
                                     .depth = depth,
-                                    .normals = normals,
+                                    .gbuffer = gbuffer,
                                     .has_blend = has_blend(f),
                                     .pool_capacity = f->r->pool_capacity};
     lists_add(&context);
@@ -47,7 +47,7 @@ static bool draws_per_light(const struct frame_state *f) {
 
 static void add_forward(struct frame_state *f, struct shade_input *input, bool prepass) {
     const struct light_input *lights = &f->scene->lights;
-    add_lists(f, prepass ? f->depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
+    add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
     if (draws_batches(f))
         batches_add(f->graph, input, f->radiance, f->depth);
     else if (draws_per_light(f))
@@ -66,7 +66,7 @@ _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT 
 /* Lists see all samples of the depth, but no normals. */
 static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    add_lists(f, f->depth, (graph_image){0});
+    add_lists(f, f->depth, NULL);
     struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
                                           .groups = f->frame->msaa_groups,
                                           .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
@@ -81,21 +81,26 @@ static void add_deferred(struct frame_state *f, struct shade_input *input, bool 
         return;
     }
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    add_lists(f, f->depth, gbuffer.normal);
+    add_lists(f, f->depth, &gbuffer);
     struct shade_classes classes = {0};
     if (f->frame->class_blocks) {
         classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
         f->class_counts = classes.counts;
     }
     deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+    hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    f->gbuffer = gbuffer;
 }
 
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
 static void add_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    if (has_blend(f)) {
-        add_lists(f, f->depth, (graph_image){0});
-        f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
+    struct light_list own = {0}; /* of what is lit forward */
+    bool has_lists = has_blend(f) || gbuffer.mask.id;
+    if (has_lists) {
+        add_lists(f, f->depth, gbuffer.mask.id ? &gbuffer : NULL);
+        own = f->lights;
+        if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
     } else {
         f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
     }
@@ -107,7 +112,12 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
     struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
                                     f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
     graph_buffer totals = volumes_add(f->graph, f->r->device, input, &volumes, &gbuffer, f->radiance);
-    if (!has_blend(f)) {
+    if (gbuffer.mask.id) {
+        input->lights = &own;
+        hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    }
+    f->gbuffer = gbuffer;
+    if (!has_lists) {
         f->lights.totals = f->blend_lights.totals = totals;
         f->lights.totals_known = false;
     }
@@ -146,8 +156,8 @@ static const struct order {
 } orders[FNL_SHADING_COUNT] = {
     [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_SAMPLES},
     [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS | SHADING_SAMPLES},
-    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES},
-    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS},
+    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
+    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS},
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
@@ -177,7 +187,10 @@ void shading_add(struct frame_state *f) {
                                       .width = f->frame->width,
                                       .height = f->frame->height,
                                       .counters = f->counters,
-                                      .background = {background.x, background.y, background.z}};
+                                      .background = {background.x, background.y, background.z},
+                                      .layout = f->frame->gbuffer,
+                                      .normals = f->frame->normals,
+                                      .chroma = f->frame->chroma};
     bool prepass = shading_has_prepass(f->frame);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
     struct shade_input opaque = input, blend = input;
@@ -196,5 +209,6 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (draws_batches(f)) opaque = batches_draw_count(scene);
     if (draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
+    if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

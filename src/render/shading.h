@@ -11,7 +11,8 @@ enum shading_trait {
     SHADING_PREPASS = 4,   /* draws depth first, always */
     SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
     SHADING_POSITIONS = 16, /* looks lights up at positions rebuilt from depth, as lists made from depth do */
-    SHADING_SAMPLES = 32    /* pixels may have several samples */
+    SHADING_SAMPLES = 32,   /* pixels may have several samples */
+    SHADING_LAYOUTS = 64    /* heeds fnl_frame.gbuffer, normals and chroma */
 };
 /** Whether an order (not auto) has all of these traits. */
 bool shading_is(fnl_shading shading, uint32_t traits);

@@ -4,7 +4,8 @@
 #include "shaders.h"
 
 static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
-    return bucket->blend == (set == GEOMETRY_BLEND);
+    bool wanted = set < GEOMETRY_NOT_IN_FIRST || bucket->forward_layouts >> ((int)set - GEOMETRY_NOT_IN_FIRST) & 1;
+    return wanted && bucket->blend == (set == GEOMETRY_BLEND);
 }
 
 static bool bucket_is_sorted(const struct geometry_bucket *bucket) {

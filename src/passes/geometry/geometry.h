@@ -14,12 +14,14 @@
 struct geometry_bucket {
     VkPrimitiveTopology topology;
     bool mask, blend, double_sided, mirrored;
+    uint32_t forward_layouts; /* a bit for each G-buffer layout that cannot hold its materials (gbuffer_layouts.h) */
     uint32_t first_item, item_count, first_group, group_count;
 };
 
 /** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
 struct geometry_scene {
     VkDeviceAddress scene; /* struct gpu_scene */
+    VkDeviceAddress material_entries; /* of the G-buffer layouts with material IDs (gbuffer_shared.h) */
     const struct gpu_buffer *indices;
     graph_buffer
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
@@ -46,7 +48,10 @@ enum geometry_set {
     GEOMETRY_BLEND,  /* blended items, back to front */
 };
 
+    GEOMETRY_NOT_IN_FIRST
 /** Declares the buffers that a drawing pass reads. */
+/* Opaque and cutout items that a G-buffer layout (fnl_gbuffer) cannot hold. */
+#define GEOMETRY_NOT_IN(layout) ((enum geometry_set)(GEOMETRY_NOT_IN_FIRST + (int)(layout)))
 void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
                   enum geometry_set set);
 
