@@ -365,7 +365,7 @@ typedef struct fnl_frame_stats {
     float ev;                /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
-    fnl_light_lists lists;
+    fnl_light_lists lists; /**< likewise; mesh where that stood in for batches or multipass, which have no MSAA and only so many passes */
     bool choosing;      /**< auto is still measuring candidates */
     const char *choice; /**< what auto chose by, or ""; owned by the renderer, valid until its next call */
     uint32_t pass_count;

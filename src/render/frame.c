@@ -228,7 +228,8 @@ static void note_stats(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     fnl_frame_stats *s = &r->stats;
     *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count,
-                           .items = scene->item_count};
+                           .items = scene->item_count,
+                           .lists = f->drawn_lists};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
@@ -243,7 +244,8 @@ static void note_stats(struct frame_state *f) {
 }
 
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
-    struct frame_state f = {.r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame};
+    struct frame_state f = {
+        .r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame, .drawn_lists = frame->lists};
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
     TRY(add_view(&f));

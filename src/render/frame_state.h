@@ -15,6 +15,7 @@ struct frame_state {
     struct geometry_draws draws;
     graph_image radiance, depth;
     struct light_input whole_lights;        /* before small ones were faded */
+    fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
     graph_buffer surfaces, edge_counts; /* of deferred shading with MSAA (passes/shade/edges.h) */

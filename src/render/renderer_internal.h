@@ -33,6 +33,7 @@ struct fnl_renderer {
     struct device_scene_frame scene_frame; /* of the frame being made */
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
+    bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
