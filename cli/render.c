@@ -69,6 +69,7 @@ static void print_help(void) {
          "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
          "Run\n"
+         "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
          "  --stats FILE.json          writes the numbers\n"
          "  --plan                     prints the frame graph\n"
@@ -159,6 +160,7 @@ enum {
     O_LIGHT_SCALE,
     O_RANGE_ROUGHNESS,
     O_LIGHT_LOD,
+    O_CHOOSE_SECONDS,
     O_EXPOSURE,
     O_TONEMAP,
     O_BACKGROUND,
@@ -276,6 +278,11 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!(number >= 0 && number <= 1e6)) return argument_bad("light-lod", value, "a number of pixels");
         o->frame.light_lod = (float)number;
         return true;
+    case O_CHOOSE_SECONDS:
+        if (!argument_number("choose-seconds", value, &number)) return false;
+        if (!(number >= 0 && number <= 1e6)) return argument_bad("choose-seconds", value, "a number of seconds");
+        o->choose_seconds = number;
+        return true;
     case O_RANGE_ROUGHNESS:
         if (!argument_number("range-roughness", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
@@ -354,6 +361,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"chroma", no_argument, NULL, O_CHROMA},
                                              {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
                                              {"light-lod", required_argument, NULL, O_LIGHT_LOD},
+                                             {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},
                                              {"tonemap", required_argument, NULL, O_TONEMAP},
                                              {"background", required_argument, NULL, O_BACKGROUND},
@@ -384,7 +392,7 @@ static bool check_options(struct render_options *o) {
 }
 
 int command_render(int argc, char **argv) {
-    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1};
+    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1, .choose_seconds = 20};
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {

@@ -63,6 +63,8 @@ cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the
 expect 0 'auto: (fastest of|likely the best)' render builtin:spheres $small --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"
 cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other bytes'
 expect 0 'auto: (remembered|likely)' render builtin:spheres $small -o "$work/b.png"
+expect 0 'auto has not decided within 0 s' render builtin:spheres --size 33x19 --lists auto --choose-seconds 0 --frames 2 -o "$work/c.png"
+expect 2 "choose-seconds: '-1' is not" render builtin:spheres --choose-seconds -1 -o "$work/c.png"
 expect 2 "list-option: 'tiles' is not" render builtin:spheres --list-option tiles=3 -o "$work/b.png"
 expect 2 "tile-size: '24' is not one of 8 16 32 64" render builtin:spheres --list-option tile-size=24 -o "$work/b.png"
 expect 2 'cluster-near must be less' render builtin:spheres --list-option cluster-near=9,cluster-far=3 -o "$work/b.png"
