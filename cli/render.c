@@ -32,7 +32,7 @@ static void print_help(void) {
          "  --background R,G,B         radiance where nothing is, cd/m^2\n"
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
-         "                             tile-normals backfaces layers, instead of the picture\n"
+         "                             tile-normals backfaces layers decals, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -42,9 +42,8 @@ static void print_help(void) {
          "  --light-scale X            their radius times X (1)\n"
          "  --range-roughness R        lights without a range reach as far as highlights of roughness R do (1)\n"
          "  --time SECONDS             pose of the animation (0)\n"
-         "  --animation NAME|INDEX     which animation (0)\n"
-         "\n"
-         "Method\n"
+         "  --animation NAME|INDEX     which animation (0)\n");
+    puts("Method\n"
          "  --shading KIND             forward forward-prepass deferred deferred-volumes auto\n"
          "                             (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
@@ -65,6 +64,7 @@ static void print_help(void) {
          "                             (compact)\n"
          "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
          "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
+         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists)\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
          "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
@@ -93,11 +93,12 @@ static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i)
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
 static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
+static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
-static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
-static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
 static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
+static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
+static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
     static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position"};
     return i < RENDER_AOV_COUNT ? names[i] : NULL;
@@ -148,11 +149,12 @@ enum {
     O_MSAA_GROUPS,
     O_MSAA_TOLERANCE,
     O_AA,
-    O_GBUFFER_PREPASS,
-    O_TRANSPARENCY,
     O_GBUFFER,
     O_NORMALS,
     O_CHROMA,
+    O_GBUFFER_PREPASS,
+    O_TRANSPARENCY,
+    O_DECALS,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -235,17 +237,14 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_name("transparency", value, transparency_name, &index)) return false;
         o->frame.transparency = (fnl_transparency)index;
         return true;
+    case O_DECALS:
+        if (!argument_name("decals", value, decals_name, &index)) return false;
+        o->frame.decals = (fnl_decals)index;
+        return true;
     case O_AA:
         if (!argument_name("aa", value, antialiasing_name, &index)) return false;
         o->frame.aa = (fnl_antialiasing)index;
         return true;
-    case O_GBUFFER_PREPASS:
-        o->frame.gbuffer_prepass = true;
-        return true;
-    case O_CLASS_BLOCKS:
-        if (!argument_integer("class-blocks", value, 0, 8, &integer)) return false;
-        if (integer % 4) return argument_bad("class-blocks", value, "one of 0 4 8");
-        o->frame.class_blocks = (uint32_t)integer;
     case O_GBUFFER:
         if (!argument_name("gbuffer", value, gbuffer_name, &index)) return false;
         o->frame.gbuffer = (fnl_gbuffer)index;
@@ -257,6 +256,13 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_CHROMA:
         o->frame.chroma = true;
         return true;
+    case O_GBUFFER_PREPASS:
+        o->frame.gbuffer_prepass = true;
+        return true;
+    case O_CLASS_BLOCKS:
+        if (!argument_integer("class-blocks", value, 0, 8, &integer)) return false;
+        if (integer % 4) return argument_bad("class-blocks", value, "one of 0 4 8");
+        o->frame.class_blocks = (uint32_t)integer;
         return true;
     case O_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
@@ -349,16 +355,17 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
                                              {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
                                              {"aa", required_argument, NULL, O_AA},
+                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
+                                             {"normals", required_argument, NULL, O_NORMALS},
+                                             {"chroma", no_argument, NULL, O_CHROMA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
+                                             {"decals", required_argument, NULL, O_DECALS},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
                                              {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
                                              {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
-                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
-                                             {"normals", required_argument, NULL, O_NORMALS},
-                                             {"chroma", no_argument, NULL, O_CHROMA},
                                              {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
                                              {"light-lod", required_argument, NULL, O_LIGHT_LOD},
                                              {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},

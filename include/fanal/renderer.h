@@ -187,6 +187,15 @@ typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
 
+/** How box and volume decals get onto surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
+typedef enum fnl_decals {
+    FNL_DECALS_LISTS = 0, /**< surfaces look them up in a list while they are drawn, blended ones too */
+    FNL_DECALS_GBUFFER,   /**< boxes are drawn over the finished G-buffer; blended surfaces, orders without a G-buffer and MSAA
+                               use lists all the same */
+    FNL_DECALS_OFF,       /**< none, of no kind but those that are baked */
+    FNL_DECALS_COUNT
+} fnl_decals;
+
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
     FNL_TONEMAP_KHRONOS_NEUTRAL,
@@ -214,6 +223,14 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_BACKFACES,    /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
     FNL_DEBUG_LAYERS, /**< heat map of the blended surfaces that a pixel shows, with a legend */
+    FNL_DEBUG_DECALS,      /**< heat map of the boxes and volumes of decals that hold a pixel's surface, with a legend */
+    FNL_DEBUG_GBUFFER_0, /**< fields of a render target of the G-buffer, as lighting reads them; a quarter of the picture each, if several */
+    FNL_DEBUG_GBUFFER_1,
+    FNL_DEBUG_GBUFFER_2,
+    FNL_DEBUG_GBUFFER_3,
+    FNL_DEBUG_GBUFFER_4,
+    FNL_DEBUG_MATERIAL_ID, /**< colours for the material IDs in the G-buffer */
+    FNL_DEBUG_LIT_FORWARD, /**< white where the layout cannot hold the material, which is therefore lit forward */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -228,23 +245,13 @@ FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
 FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
+FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
+FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
+FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 
-/** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
-FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
-
-/** What a frame keeps for fnl_renderer_read; bits. */
-typedef enum fnl_output {
-    FNL_OUTPUT_COLOR = 1,    /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
-    FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
-    FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
-FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
-FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
-    FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
-    FNL_OUTPUT_POSITION = 16 /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
-} fnl_output;
 /** A field of a G-buffer layout. Its bits lie in render target `target`; those that share bits with another have 0. */
 typedef struct fnl_gbuffer_field {
     const char *name;
@@ -263,9 +270,20 @@ typedef struct fnl_gbuffer_info {
     const fnl_gbuffer_field *fields;
 } fnl_gbuffer_info;
 
-/** What a layout consists of; all-zero for a value out of range. */
-FNL_API fnl_gbuffer_info fnl_gbuffer_query_info(fnl_gbuffer layout);
+/** What a layout consists of. */
+FNL_API fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out);
 
+/** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
+FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
+
+/** What a frame keeps for fnl_renderer_read; bits. */
+typedef enum fnl_output {
+    FNL_OUTPUT_COLOR = 1,    /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
+    FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
+    FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
+    FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
+    FNL_OUTPUT_POSITION = 16 /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
+} fnl_output;
 
 typedef struct fnl_frame {
     uint32_t width, height; /**< pixels, 1 .. 16384; default 1280 x 720 */
@@ -283,6 +301,12 @@ typedef struct fnl_frame {
      */
     float msaa_tolerance;
     fnl_transparency transparency; /**< default sorted */
+    fnl_decals decals;     /**< default lists */
+    /**
+     * FNL_DECALS_GBUFFER: pictures are filtered by how the surface itself lies, not by how positions differ from pixel to pixel, which at
+     * silhouettes draws a fringe. Default true; false shows the fault.
+     */
+    bool decal_mip_fix;
     fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
@@ -301,6 +325,9 @@ typedef struct fnl_frame {
      * light nothing; up to twice the size they fade. 0 (default): off.
      */
     float light_lod;
+    fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
+    fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
+    bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     bool gbuffer_prepass; /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
@@ -318,9 +345,6 @@ FNL_API void fnl_renderer_destroy(fnl_renderer **renderer);
 
 /** Submits one frame; `frame` NULL means defaults. Changes of the scene since the last frame are taken along. */
 FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *frame);
-    fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
-    fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
-    bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
 /** Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
@@ -345,6 +369,8 @@ typedef struct fnl_frame_stats {
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */
     uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
+    uint64_t gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
+    uint64_t items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
     uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];
@@ -360,6 +386,9 @@ typedef struct fnl_frame_stats {
     uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */
         msaa_samples,       /**< samples that show a surface */
         msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
+    uint32_t decals_total, decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
+    uint64_t decal_entries;                /**< of the list over them, or fragments of the G-buffer's way */
+    uint32_t decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
     double cpu_milliseconds; /**< recording and submitting */
     double gpu_milliseconds; /**< sum of all passes; 0 without timers */
     float ev;                /**< exposure used, EV100 */

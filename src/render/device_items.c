@@ -109,7 +109,8 @@ static void walk_items(struct item_walk *w) {
                     continue;
                 }
                 struct group_key *group = &w->keys[w->groups[key]];
-                w->items[group->first + group->count++] = (struct gpu_item){w->d->node_instances.data[n] + k, primitive};
+                w->items[group->first + group->count++] =
+                    (struct gpu_item){w->d->node_instances.data[n] + k, primitive, (uint8_t)~node->refuses};
             }
         }
     }
@@ -164,8 +165,8 @@ static fnl_result upload_groups(struct item_walk *w) {
                                              .mask = !sorted && key->bucket & 4,
                                              .double_sided = !sorted && key->bucket & 2,
                                              .mirrored = !sorted && key->bucket & 1,
-                                             .first_item = first,
                                              .forward_layouts = sorted ? 0 : key->bucket >> BUCKET_LAYOUTS,
+                                             .first_item = first,
                                              .first_group = i};
             if (!array_push(&d->host, &d->buckets, bucket)) {
                 result = FNL_ERROR_MEMORY;

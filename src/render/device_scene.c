@@ -7,7 +7,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .scene = scene,
                                .structure_version = UINT64_MAX,
                                .transform_version = UINT64_MAX,
-                               .light_version = UINT64_MAX};
+                               .light_version = UINT64_MAX,
+                               .decals = {.version = UINT64_MAX, .sent_version = UINT64_MAX}};
 }
 
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
@@ -29,6 +30,7 @@ static void free_structure(struct device_scene *d) {
 
 void device_scene_finish(struct device_scene *d) {
     free_structure(d);
+    device_decals_finish(d);
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->faded_lights);
     array_free(&d->host, &d->bound_radii);
@@ -43,7 +45,9 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->plane_data);
 }
 
-void device_scene_forget(struct device_scene *d) { d->structure_version = d->light_version = UINT64_MAX; }
+void device_scene_forget(struct device_scene *d) {
+    d->structure_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
+}
 
 static bool node_mirrors(const struct scene_node *node) {
     return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
@@ -84,6 +88,7 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         d->structure_version = UINT64_MAX; /* until it is whole */
         TRY(prepare_structure(d));
     }
+    TRY(device_decals_prepare(d));
     /* The lights' buffer only grows; its contents are sent inside the frame. */
     uint64_t needed =
         device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
@@ -189,12 +194,12 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.address,
+                                            .material_entries = d->material_entries.address,
                                             .indices = &d->indices,
                                             .vertices = vertices,
                                             .buckets = d->buckets.data,
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
-                                            .material_entries = d->material_entries.address,
                                             .group_count = d->group_count,
                                             .blend_first_item = d->blend_first_item,
                                             .blend_item_count = d->blend_item_count};

@@ -69,16 +69,16 @@ const char *fnl_transparency_name(fnl_transparency transparency) {
     return NAME_OF(names, transparency);
 }
 
+const char *fnl_decals_name(fnl_decals decals) {
+    static const char *const names[] = {"lists", "gbuffer", "off"};
+    _Static_assert(COUNT_OF(names) == FNL_DECALS_COUNT, "each has a name");
+    return NAME_OF(names, decals);
+}
+
 const char *fnl_antialiasing_name(fnl_antialiasing aa) {
     static const char *const names[] = {"none", "mlaa", "smaa"};
     _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
     return NAME_OF(names, aa);
-}
-
-const char *fnl_tonemap_name(fnl_tonemap tonemap) {
-    static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
-    _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
-    return NAME_OF(names, tonemap);
 }
 
 const char *fnl_gbuffer_name(fnl_gbuffer layout) {
@@ -92,26 +92,34 @@ const char *fnl_normal_encoding_name(fnl_normal_encoding normals) {
     return NAME_OF(names, normals);
 }
 
-fnl_gbuffer_info fnl_gbuffer_query_info(fnl_gbuffer layout) {
-    fnl_gbuffer_info info = {0};
-    if ((uint32_t)layout >= FNL_GBUFFER_COUNT) return info;
+fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out) {
+    if ((uint32_t)layout >= FNL_GBUFFER_COUNT || !out) return FNL_ERROR_INVALID;
     const struct gbuffer_layout *l = &gbuffer_layouts[layout];
-    info = (fnl_gbuffer_info){.target_count = l->target_count,
+    *out = (fnl_gbuffer_info){.target_count = l->target_count,
                               .published_bits = l->published_bits,
                               .material_count = l->id_count,
                               .normals = l->own,
                               .encodings = l->encodings | 1u << FNL_NORMALS_LAYOUT,
                               .field_count = l->field_count,
                               .fields = l->fields};
-    for (uint32_t i = 0; i < l->target_count; i++) info.target_bits[i] = gbuffer_format_bits(l->targets[i].format);
-    for (uint32_t i = 0; i < l->target_count; i++) info.bits += info.target_bits[i];
-    return info;
+    for (uint32_t i = 0; i < l->target_count; i++) {
+        out->target_bits[i] = gbuffer_format_bits(l->targets[i].format);
+        out->bits += out->target_bits[i];
+    }
+    return FNL_OK;
+}
+
+const char *fnl_tonemap_name(fnl_tonemap tonemap) {
+    static const char *const names[] = {"none", "khronos-neutral", "aces", "agx"};
+    _Static_assert(COUNT_OF(names) == FNL_TONEMAP_COUNT, "each has a name");
+    return NAME_OF(names, tonemap);
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
                                         "cells", "overdraw", "tile-normals", "backfaces", "overshading",
-                                        "layers"};
+                                        "layers", "decals",     "gbuffer-0",
+                                        "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -143,6 +151,8 @@ fnl_frame fnl_frame_default(void) {
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
+                       .decals = FNL_DECALS_LISTS,
+                       .decal_mip_fix = true,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,
                        .outputs = FNL_OUTPUT_COLOR,
@@ -231,6 +241,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->device = device;
     r->scene = scene;
     r->pool_capacity = POOL_START;
+    r->decal_capacity = DECAL_POOL_START;
     device_scene_init(&r->device_scene, device, scene);
     lists_init(&r->lists, &r->host);
     load_choices(r);
@@ -281,15 +292,6 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
 }
 
-static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
-    const fnl_host *host = &r->host;
-    REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
-    REQUIRE(host, camera_valid(&frame->camera));
-    REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
-    REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
-    TRY(lists_check(host, &frame->list_options));
-    REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
-    REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
 static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
@@ -301,7 +303,8 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "%s shading has a G-buffer of its own", fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    fnl_gbuffer_info info = fnl_gbuffer_query_info(frame->gbuffer);
+    fnl_gbuffer_info info;
+    TRY(fnl_gbuffer_query_info(frame->gbuffer, &info));
     if (!(info.encodings >> frame->normals & 1)) {
         log_error(host, "the normals of layout %s cannot hold encoding %s", fnl_gbuffer_name(frame->gbuffer),
                   fnl_normal_encoding_name(frame->normals));
@@ -318,14 +321,47 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
+/* Views of the G-buffer need one that holds what they show. */
+static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->debug < FNL_DEBUG_GBUFFER_0 || frame->debug > FNL_DEBUG_LIT_FORWARD) return FNL_OK;
+    const fnl_host *host = &r->host;
+    if (frame->shading == FNL_SHADING_AUTO || !shading_is(frame->shading, SHADING_LAYOUTS) || frame->msaa > 1) {
+        log_error(host, "the view %s shows the G-buffer of deferred shading with 1 sample", fnl_debug_view_name(frame->debug));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    fnl_gbuffer_info info;
+    TRY(fnl_gbuffer_query_info(frame->gbuffer, &info));
+    uint32_t index = (uint32_t)(frame->debug - FNL_DEBUG_GBUFFER_0);
+    if (index <= 4 && index >= info.target_count + (frame->normals == FNL_NORMALS_FLOAT)) {
+        log_error(host, "layout %s has no render target %u", fnl_gbuffer_name(frame->gbuffer), index);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->debug == FNL_DEBUG_MATERIAL_ID && info.material_count == 0) {
+        log_error(host, "layout %s has no material ID", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
+static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
+    REQUIRE(host, camera_valid(&frame->camera));
+    REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
+    REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
+    TRY(lists_check(host, &frame->list_options));
+    TRY(check_gbuffer(r, frame));
+    REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
+    REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
     REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
+    REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
-    TRY(check_gbuffer(r, frame));
+    TRY(check_gbuffer_view(r, frame));
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
     REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
@@ -360,12 +396,23 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
-/* Lists of blended fragments grow in the same way. */
+/* So does what holds decals: entries of their list, or fragments of the G-buffer's way. */
+static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) {
+    uint64_t needed = MAX(counts->decals.entries, counts->decal_fragments);
+    uint64_t limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
+    if (needed > r->decal_capacity)
+        r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)DECAL_POOL_START));
+}
+
+/* The lists of blended fragments start with one per pixel and grow in the same way. */
+static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
+    uint64_t limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
+    return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START), MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
+}
+
 static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) {
-    uint64_t needed = counts->blend.fragments, limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
-    if (counts->blend.overflow_pixels == 0) return;
-    limit = MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX);
-    r->blend_capacity = MAX(r->blend_capacity, (uint32_t)MIN(needed + needed / 4, limit));
+    uint64_t needed = counts->blend.fragments;
+    if (counts->blend.overflow_pixels > 0) r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
@@ -381,7 +428,9 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     if (r->slot_frames[slot]) {
         grow_pool(r, slot_counts(r, slot));
         grow_blend_pool(r, slot_counts(r, slot));
+        grow_decal_pool(r, slot_counts(r, slot));
     }
+    if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, (uint64_t)frame->width * frame->height);
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
     fnl_result result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
@@ -489,6 +538,10 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     const struct gpu_draw *draws = r->draws.mapped;
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
+        bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
+                       bucket->forward_layouts >> r->frame.gbuffer & 1;
+        for (uint32_t i = 0; i < bucket->group_count && forward; i++)
+            s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
         for (uint32_t i = 0; i < bucket->group_count; i++) {
             const struct gpu_draw *draw = &draws[bucket->first_group + i];
@@ -504,7 +557,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     const struct frame_counts *counts = slot_counts(r, r->frame_slot);
     grow_pool(r, counts);
     grow_blend_pool(r, counts);
+    grow_decal_pool(r, counts);
     *out = r->stats;
+    out->decals_in_view = counts->decals.in_view;
+    out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
+    out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
     out->lights_in_view = lights.in_view + r->device_scene.directional_count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;

@@ -14,6 +14,8 @@
 /** What the GPU writes for the CPU in each frame. */
 struct frame_counts {
     struct light_totals lights, blend_lights;
+    struct light_totals decals;
+    uint32_t decal_fragments, decal_overflow; /* of the G-buffer's way */
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
@@ -21,8 +23,9 @@ struct frame_counts {
     struct linked_totals blend;
 };
 
+enum { DECAL_POOL_START = 1 << 17 };
 enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */
-enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency, or as many as pixels */
+enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 struct fnl_renderer {
     fnl_host host;
@@ -37,7 +40,8 @@ struct fnl_renderer {
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
-    uint32_t blend_capacity;               /* fragments of linked transparency; 0: by the frame's size */
+    uint32_t blend_capacity;               /* fragments of linked transparency; 0: before the first frame */
+    uint32_t decal_capacity;               /* of what holds decals */
     bool weighted_half;                    /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     bool poison;                           /* tests: transient buffers begin each frame full of rubbish */
     bool force_async; /* tests: passes for the compute queue go through it even where it is the graphics queue */

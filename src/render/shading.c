@@ -5,6 +5,7 @@
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
+#include "passes/shade/gbuffer_layouts.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
 
@@ -89,6 +90,7 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
     struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
                                           .groups = f->frame->msaa_groups,
                                           .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
+    f->gbuffer = gbuffer;
     struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
     f->surfaces = edges.surfaces;
     f->edge_counts = edges.counts;
@@ -147,8 +149,7 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
 static void add_transparency(struct frame_state *f, const struct shade_input *input) {
     fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
-        uint32_t pixels = f->frame->width * f->frame->height;
-        struct linked_params params = {r->blend_capacity ? r->blend_capacity : MAX(pixels, (uint32_t)BLEND_POOL_START)};
+        struct linked_params params = {r->blend_capacity};
         f->linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
         f->blend_bytes = f->linked.byte_count;
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
@@ -220,6 +221,13 @@ void shading_add(struct frame_state *f) {
         if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
         add_transparency(f, &blend);
     }
+}
+
+uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
+    const struct gbuffer *g = &f->gbuffer;
+    if (!g->depth.id) return 0;
+    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0);
+    return bytes * f->frame->width * f->frame->height * f->frame->msaa;
 }
 
 uint32_t shading_draw_count(const struct frame_state *f) {

@@ -26,6 +26,8 @@ VkFormat shading_format(const struct frame_state *f);
 
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);
+/** Bytes of the G-buffer's targets: what drawing it writes, and lighting reads once; depth and radiance are left out. */
+uint64_t shading_gbuffer_bytes(const struct frame_state *f);
 /** Draw calls of the frame so declared. */
 uint32_t shading_draw_count(const struct frame_state *f);
 

@@ -28,6 +28,8 @@ struct geometry_scene {
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
+    uint32_t features; /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
+    graph_buffer feature_buffers[5]; /* what they read for it; id 0: none */
 };
 
 /** Result of culling: which items are drawn, as indirect draws. */
@@ -46,12 +48,12 @@ struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene 
 enum geometry_set {
     GEOMETRY_OPAQUE, /* opaque and cutout items */
     GEOMETRY_BLEND,  /* blended items, back to front */
-};
-
     GEOMETRY_NOT_IN_FIRST
-/** Declares the buffers that a drawing pass reads. */
+};
 /* Opaque and cutout items that a G-buffer layout (fnl_gbuffer) cannot hold. */
 #define GEOMETRY_NOT_IN(layout) ((enum geometry_set)(GEOMETRY_NOT_IN_FIRST + (int)(layout)))
+
+/** Declares the buffers that a drawing pass reads. */
 void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
                   enum geometry_set set);
 

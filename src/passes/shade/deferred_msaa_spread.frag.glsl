@@ -42,7 +42,8 @@ uint borrowed(ivec2 pixel, uint samples, uint own) {
 }
 
 void main() {
-    uvec2 size = push.view.view.size, at = uvec2(gl_FragCoord.xy);
+    // Helpers beyond the edge of the picture load too, and addresses have no bounds.
+    uvec2 size = push.view.view.size, at = min(uvec2(gl_FragCoord.xy), size - 1u);
     uint pixels = size.x * size.y, index = at.y * size.x + at.x;
     uint word = push.surfaces.at[index], samples, result = index + in_slot * pixels;
     if (METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE || METHOD == MSAA_COVERAGE) {
@@ -53,8 +54,8 @@ void main() {
     } else {
         samples = in_slot == 0u && surface_of(word, 0u) != SURFACE_NONE ? EVERY_SAMPLE : 0u;
     }
-    if (samples == 0u) discard; // sky keeps the background
-    if (METHOD == MSAA_COVERAGE) result = in_slot == widest_surface(word) ? index : borrowed(ivec2(at), samples, index);
-    gl_SampleMask[0] = int(samples);
+    if (samples == 0u) result = index;
+    if (METHOD == MSAA_COVERAGE) result = samples == 0u || in_slot == widest_surface(word) ? index : borrowed(ivec2(at), samples, index);
+    gl_SampleMask[0] = int(samples); // none: sky keeps the background, or the slot is not this pixel's
     out_radiance = vec4(result_at(push.results, result), 1.0);
 }

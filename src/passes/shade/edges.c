@@ -20,8 +20,9 @@ static void execute_clear(const struct graph_context *context, const void *data)
 
 static void execute_find(const struct graph_context *context, const void *data) {
     const struct edges_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_edges_find_comp, .constant_count = 10, .constants = {[8] = UINT32_MAX}};
+    struct gpu_compute_params params = {.shader = &shader_edges_find_comp, .constant_count = 10};
     params.constants[9] = d->samples;
+    gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     struct gpu_edges_push push = {.view = d->view,
                                   .surfaces = graph_address(context, d->out.surfaces),
                                   .sums = d->params.lists ? graph_address(context, d->out.sums) : 0,

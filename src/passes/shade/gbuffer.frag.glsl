@@ -6,6 +6,7 @@
 #include "view.glsl"
 #include "lights/iterate.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
 
@@ -22,6 +23,7 @@ layout(location = 6) out vec4 out_5;
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_gbuffer(s, push.geometry.view, push.geometry.scene);
     if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
     bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;

@@ -6,25 +6,9 @@
 #include "fanal/renderer.h"
 #include "gbuffer_shared.h"
 #include "gpu/gpu.h"
+#include "passes/shade/gbuffer_view_shared.h"
 
-/** What a field is, for the views of it; the values go to gbuffer_view.comp.glsl. */
-enum gbuffer_semantic {
-    GBUFFER_SEEN_NORMAL,
-    GBUFFER_SEEN_COLOR,
-    GBUFFER_SEEN_ROUGHNESS,
-    GBUFFER_SEEN_METALLIC,
-    GBUFFER_SEEN_OCCLUSION,
-    GBUFFER_SEEN_F0,
-    GBUFFER_SEEN_F90,
-    GBUFFER_SEEN_MATERIAL,
-    GBUFFER_SEEN_MOTION,
-    GBUFFER_SEEN_POSITION,
-    GBUFFER_SEEN_DEPTH,
-    GBUFFER_SEEN_SECOND, /* bits whose meaning goes by the material */
-    GBUFFER_SEEN_RAW     /* the target's first three channels */
-};
-
-enum { GBUFFER_FIELDS = 12, GBUFFER_TARGET_FIELDS = 4 };
+enum { GBUFFER_FIELDS = 12 };
 
 struct gbuffer_layout {
     const char *name;
@@ -34,7 +18,7 @@ struct gbuffer_layout {
         VkFormat format;
     } targets[GBUFFER_TARGETS];
     fnl_gbuffer_field fields[GBUFFER_FIELDS];
-    uint8_t semantics[GBUFFER_FIELDS];
+    uint8_t semantics[GBUFFER_FIELDS]; /* GBUFFER_SEEN_…: how views show the field */
     uint32_t color_target, normal_target;
     uint32_t id_count;        /* materials that an ID tells apart; 0: no ID */
     fnl_normal_encoding own;  /* normals as the layout has them */

@@ -4,6 +4,7 @@
 // Lights what the G-buffer's mask marks from its material, where it is nearest. Hidden fragments are not shaded, and so not counted.
 #include "common.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "shade.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
@@ -17,6 +18,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.geometry.view, push.geometry.scene);
     // A surface at the same depth, drawn later, may have taken the pixel.
     if (!gbuffer_is_forward(push.gbuffer, pixel)) discard;
     // A list may have been made from what the G-buffer says; it then holds for that alone.
