@@ -90,5 +90,13 @@ for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces'
     for other in "$work"/kept-*; do [ -e "$other" ] && cmp -s "$work/c.png" "$other" && fail "$option gives the same picture as ${other##*/}"; done
     mv "$work/c.png" "$work/kept-${option// /}"
 done
+
+# Ways to put blended surfaces together: each is another picture where glass reaches into glass, and linked counts fragments.
+expect 2 "transparency: 'x' is not one of sorted weighted linked" render builtin:glass --transparency x -o "$work/c.png"
+for kind in sorted weighted linked; do
+    expect 0 '' render "builtin:glass?crossing=1&lights=8" $small --transparency $kind -o "$work/glass-$kind.png" --quiet
+done
+expect 0 'blended fragments [0-9]+, at most [0-9]+ in a pixel' render "builtin:glass?lights=8" $small --transparency linked --debug layers -o "$work/c.png"
+for kind in weighted linked; do cmp -s "$work/glass-sorted.png" "$work/glass-$kind.png" && fail "$kind gives the same picture as sorted"; done
 [ $failures = 0 ] && echo 'all checks of the command passed'
 exit $((failures > 0))

@@ -358,6 +358,43 @@ static void test_same_bytes(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* At equal depth the later item lies on top, whatever the order of drawing: the first item has a flap beside the picture that brings its
+ * centre nearer, so that it is drawn last. */
+static void test_equal_depths(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material material = test_unlit(1, 0, 0);
+    material.base_color.w = 0.5f;
+    material.alpha_mode = FNL_ALPHA_BLEND;
+    static const vec3 positions[8] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0},
+                                      {-1, 2, 1},  {1, 2, 1},  {1, 3, 1}, {-1, 3, 1}};
+    static const uint32_t indices[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    struct scene_primitive flap = {.material = scene_add_material(scene, &material),
+                                   .vertex_count = 8,
+                                   .index_count = 12,
+                                   .indices = indices,
+                                   .positions = positions};
+    assert_int_equal(mesh_complete(&scene->arena, &flap), FNL_OK);
+    test_place(scene, scene_add_mesh(scene, "", &flap, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    material.base_color = (vec4){0, 1, 0, 0.5f};
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &material)), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t samples = 1; samples <= 4; samples += 3) {
+        if (!has_samples(samples)) continue;
+        fnl_frame frame = square_frame(FNL_TRANSPARENCY_SORTED);
+        frame.msaa = samples;
+        fnl_image sorted = shoot(renderer, &frame, NULL);
+        frame.transparency = FNL_TRANSPARENCY_LINKED;
+        fnl_image linked = shoot(renderer, &frame, NULL);
+        assert_pixel(&sorted, 20, 30, 0.5, 0.25, 0, 1e-6);
+        assert_pixel(&linked, 20, 30, 0.25, 0.5, 0, 1e-6);
+        free_picture(&sorted);
+        free_picture(&linked);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- weighted ---- */
 
 /* One pane per pixel, lit, from 20 cm to 10 km: the mean of one is that one. */
@@ -646,6 +683,7 @@ int main(void) {
         cmocka_unit_test(test_two_hundred_layers),
         cmocka_unit_test(test_small_pool),
         cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_equal_depths),
         cmocka_unit_test(test_weighted_single_layer),
         cmocka_unit_test(test_weighted_order),
         cmocka_unit_test(test_nothing_blended),
