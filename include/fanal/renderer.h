@@ -13,13 +13,17 @@ extern "C" {
 
 typedef struct fnl_renderer fnl_renderer;
 
-/** The order in which surfaces are shaded. All give the same picture. */
+/** The order in which surfaces are shaded. All give the same picture, but for those that say otherwise. */
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
     FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
+    /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */
+    FNL_SHADING_LIGHT_PREPASS,
+    /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
+    FNL_SHADING_LOW_RES,
     FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
 } fnl_shading;
@@ -87,6 +91,16 @@ typedef enum fnl_volume_shape {
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
 
+/** What the orders that keep light apart from materials sum up for a pixel. */
+typedef enum fnl_light_buffer {
+    FNL_LIGHT_BUFFER_AUTO = 0, /**< two; four where light has a lower resolution than materials */
+    FNL_LIGHT_BUFFER_RGBA,     /**< four channels: diffuse light, and the luminance of highlights. Reflectance does not rise at grazing angles,
+                                    and highlights take the hue of the diffuse light: an approximation */
+    FNL_LIGHT_BUFFER_TWO,      /**< six: diffuse light and highlights, with the reflectance of the surface already in both */
+    FNL_LIGHT_BUFFER_FOUR,     /**< twelve: what any material needs, without knowing its reflectance */
+    FNL_LIGHT_BUFFER_COUNT
+} fnl_light_buffer;
+
 /** Where the axis of the cone round a tile's normals comes from. */
 typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
@@ -126,7 +140,7 @@ typedef enum fnl_normal_encoding {
     FNL_NORMALS_COUNT
 } fnl_normal_encoding;
 
-/** Settings of the light lists; each names the lists that heed it. None changes the picture. */
+/** Settings of the light lists; each names the lists that heed it. None changes the picture, but for light_buffer and light_scale. */
 typedef struct fnl_list_options {
     bool
         frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
@@ -154,6 +168,8 @@ typedef struct fnl_list_options {
     fnl_raster_path raster_path;   /**< default auto. raster */
     fnl_raster_nodes raster_nodes; /**< default array. raster */
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
+    fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass and low-res */
+    uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading order low-res */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
@@ -249,6 +265,7 @@ FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
 FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
+FNL_API const char *fnl_light_buffer_name(fnl_light_buffer buffer);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 

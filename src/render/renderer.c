@@ -10,7 +10,8 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes", "auto"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
+                                        "light-prepass", "low-res", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -81,6 +82,12 @@ const char *fnl_antialiasing_name(fnl_antialiasing aa) {
     return NAME_OF(names, aa);
 }
 
+const char *fnl_light_buffer_name(fnl_light_buffer buffer) {
+    static const char *const names[] = {"auto", "rgba", "two", "four"};
+    _Static_assert(COUNT_OF(names) == FNL_LIGHT_BUFFER_COUNT, "each has a name");
+    return NAME_OF(names, buffer);
+}
+
 const char *fnl_gbuffer_name(fnl_gbuffer layout) {
     return (uint32_t)layout < FNL_GBUFFER_COUNT ? gbuffer_layouts[layout].name : NULL;
 }
@@ -137,6 +144,7 @@ fnl_list_options fnl_list_options_default(void) {
                               .fine_masks = 1,
                               .cluster_size = 64,
                               .slices = 32,
+                              .light_scale = 2,
                               .cluster_near = INFINITY,
                               .cluster_far = INFINITY};
 }

@@ -6,6 +6,7 @@
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
 #include "passes/shade/gbuffer_layouts.h"
+#include "passes/shade/light_prepass.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
 
@@ -167,6 +168,34 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
     return (f->frame->transparency == FNL_TRANSPARENCY_LINKED ? 2 : 1) * draws + f->frame->msaa;
 }
 
+/* ---- light apart from materials ---- */
+
+_Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR,
+               "the shaders' values are the options'");
+
+static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
+    fnl_light_buffer buffer = f->frame->list_options.light_buffer;
+    return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
+}
+
+static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
+    struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
+    struct gbuffer normals = light_surfaces_normals(&surfaces);
+    add_lists(f, f->depth, &normals);
+    struct light_sums sums =
+        light_sums_create(f->graph, input, buffer, scale, graph_image_info(f->graph, f->radiance).format);
+    light_sums_add(f->graph, input, &surfaces, &sums);
+    light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+}
+
+static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_TWO), 1);
+}
+
+static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
+}
+
 /* ---- the table ---- */
 
 static const struct order {
@@ -178,6 +207,8 @@ static const struct order {
     [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_PREPASS | SHADING_SAMPLES},
     [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS},
+    [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
+    [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
@@ -236,6 +267,7 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (draws_batches(f)) opaque = batches_draw_count(scene);
     if (draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
+    if (shading_is(f->frame->shading, SHADING_REDRAW)) opaque *= 2;
     if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

@@ -12,7 +12,9 @@ enum shading_trait {
     SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
     SHADING_POSITIONS = 16, /* looks lights up at positions rebuilt from depth, as lists made from depth do */
     SHADING_SAMPLES = 32,   /* pixels may have several samples */
-    SHADING_LAYOUTS = 64    /* heeds fnl_frame.gbuffer, normals and chroma */
+    SHADING_LAYOUTS = 64,   /* heeds fnl_frame.gbuffer, normals and chroma */
+    SHADING_REDRAW = 128,   /* draws the geometry a second time for its materials */
+    SHADING_APPROXIMATE = 256 /* gives a picture that is close to that of the others, not equal */
 };
 /** Whether an order (not auto) has all of these traits. */
 bool shading_is(fnl_shading shading, uint32_t traits);
