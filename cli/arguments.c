@@ -89,6 +89,7 @@ static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
 static const char *raster_path_name(int i) { return fnl_raster_path_name((fnl_raster_path)i); }
 static const char *raster_nodes_name(int i) { return fnl_raster_nodes_name((fnl_raster_nodes)i); }
 static const char *volume_shape_name(int i) { return fnl_volume_shape_name((fnl_volume_shape)i); }
+static const char *light_buffer_name(int i) { return fnl_light_buffer_name((fnl_light_buffer)i); }
 
 enum setting_kind { SETTING_INTEGER, SETTING_NUMBER, SETTING_SWITCH, SETTING_NAME };
 
@@ -130,6 +131,10 @@ static const struct setting {
      SETTING_NAME, 0, 0, raster_nodes_name},
     {"volume-shape", "solids or quads: what deferred-volumes draws for a light (solids)", FIELD(volume_shape), SETTING_NAME,
      0, 0, volume_shape_name},
+    {"light-buffer", "auto, rgba, two or four: sums of light that light-prepass and low-res keep (auto)", FIELD(light_buffer),
+     SETTING_NAME, 0, 0, light_buffer_name},
+    {"light-scale", "2 or 4: pixels along a side of what low-res lights once (2)", FIELD(light_scale), SETTING_INTEGER, 2, 4,
+     NULL},
 #undef FIELD
 };
 enum { SETTING_COUNT = sizeof settings / sizeof settings[0] };
@@ -144,6 +149,8 @@ static bool set(const struct setting *s, const char *value, fnl_list_options *ou
         if (!argument_integer(s->key, value, s->low, s->high, &integer)) return false;
         if (s->offset == offsetof(fnl_list_options, tile_size) && (integer & (integer - 1)))
             return argument_bad(s->key, value, "one of 8 16 32 64");
+        if (s->offset == offsetof(fnl_list_options, light_scale) && integer == 3)
+            return argument_bad(s->key, value, "2 or 4");
         *(uint32_t *)field = (uint32_t)integer;
         return true;
     case SETTING_NUMBER:

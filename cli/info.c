@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal info: what a scene consists of. */
+#include "info.h"
+
+#include "arguments.h"
 #include "commands.h"
 
 #include "fanal/scene.h"
@@ -16,12 +19,17 @@ enum { EXIT_GOOD = 0, EXIT_ERROR = 2 };
 
 static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
+         "       fanal info --gbuffers [--size WxH] [--samples N] [--fps N]\n"
          "\n"
          "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the extensions it uses and "
          "how\n"
          "each is treated, and what is wrong with it. SCENE is a .gltf or .glb file or builtin:NAME?key=value&...\n"
          "\n"
          "  --json            prints JSON\n"
+         "  --gbuffers        prints the layouts of the G-buffer instead: fields, bits, bytes, bandwidth\n"
+         "  --size WxH        at this size (1920x1080)\n"
+         "  --samples N       with so many samples a pixel: 1 to 64 (1)\n"
+         "  --fps N           at so many frames a second (30)\n"
          "  -h, --help        prints this text\n"
          "\n"
          "Exit status: 0 when the scene was loaded (with or without warnings), 2 on an error.\n"
@@ -309,13 +317,35 @@ static int print_json(const fnl_scene *scene, const char *source, const fnl_scen
 
 int command_info(int argc, char **argv) {
     static const struct option options[] = {
-        {"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
-    bool json = false;
+        {"json", no_argument, NULL, 'j'},          {"gbuffers", no_argument, NULL, 'g'},
+        {"size", required_argument, NULL, 's'},    {"samples", required_argument, NULL, 'n'},
+        {"fps", required_argument, NULL, 'f'},     {"help", no_argument, NULL, 'h'},
+        {NULL, 0, NULL, 0}};
+    bool json = false, gbuffers = false;
+    struct gbuffer_question question = {1920, 1080, 1, 30};
+    long long integer;
     optind = 0; /* a full restart: several commands may run in one process */
     for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         switch (option) {
         case 'j':
             json = true;
+            break;
+        case 'g':
+            gbuffers = true;
+            break;
+        case 's':
+            if (!argument_size("size", optarg, &question.width, &question.height)) return EXIT_ERROR;
+            break;
+        case 'n':
+            if (!argument_integer("samples", optarg, 1, 64, &integer)) return EXIT_ERROR;
+            question.samples = (uint32_t)integer;
+            break;
+        case 'f':
+            if (!argument_number("fps", optarg, &question.frames_per_second)) return EXIT_ERROR;
+            if (!(question.frames_per_second > 0)) {
+                argument_bad("fps", optarg, "a number above 0");
+                return EXIT_ERROR;
+            }
             break;
         case 'h':
             print_help();
@@ -324,6 +354,14 @@ int command_info(int argc, char **argv) {
             fputs("fanal: see 'fanal info --help'\n", stderr);
             return EXIT_ERROR;
         }
+    }
+    if (gbuffers) {
+        if (argc != optind) {
+            fputs("fanal: error: --gbuffers takes no scene; see 'fanal info --help'\n", stderr);
+            return EXIT_ERROR;
+        }
+        info_print_gbuffers(&question);
+        return EXIT_GOOD;
     }
     if (argc - optind != 1) {
         fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal info --help'\n", argc - optind);

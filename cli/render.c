@@ -33,7 +33,7 @@ static void print_help(void) {
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
-         "                             tile-normals backfaces layers, instead of the picture\n"
+         "                             tile-normals backfaces layers decals, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -43,10 +43,10 @@ static void print_help(void) {
          "  --light-scale X            their radius times X (1)\n"
          "  --range-roughness R        lights without a range reach as far as highlights of roughness R do (1)\n"
          "  --time SECONDS             pose of the animation (0)\n"
-         "  --animation NAME|INDEX     which animation (0)\n"
-         "\n"
-         "Method\n"
-         "  --shading KIND             forward forward-prepass deferred deferred-volumes visibility auto\n"
+         "  --animation NAME|INDEX     which animation (0)\n");
+    puts("Method\n"
+         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass low-res\n"
+         "                             visibility auto\n"
          "                             (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
          "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -54,13 +54,24 @@ static void print_help(void) {
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --light-lod PIXELS         lights of a smaller radius on the screen are drawn as points and light nothing (0: "
          "off)\n"
+         "  --gbuffer LAYOUT           of deferred orders: default siege killzone2 frostbite2 stalker clear-sky engel destiny;\n"
+         "                             'fanal info --gbuffers' tells what each holds (default)\n"
+         "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
+         "                             best-fit float (layout: as the layout has them)\n"
+         "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
+         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
+         "                             (compact)\n"
+         "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
+         "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
+         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists)\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
          "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
          "\n"
          "Run\n"
+         "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
          "  --stats FILE.json          writes the numbers\n"
          "  --plan                     prints the frame graph\n"
@@ -82,8 +93,12 @@ static void print_help(void) {
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
+static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
+static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
+static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
@@ -132,9 +147,16 @@ enum {
     O_LISTS,
     O_LIST_OPTION,
     O_MSAA,
+    O_MSAA_METHOD,
+    O_MSAA_GROUPS,
+    O_MSAA_TOLERANCE,
     O_AA,
+    O_GBUFFER,
+    O_NORMALS,
+    O_CHROMA,
     O_GBUFFER_PREPASS,
     O_TRANSPARENCY,
+    O_DECALS,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -142,6 +164,7 @@ enum {
     O_LIGHT_SCALE,
     O_RANGE_ROUGHNESS,
     O_LIGHT_LOD,
+    O_CHOOSE_SECONDS,
     O_EXPOSURE,
     O_TONEMAP,
     O_BACKGROUND,
@@ -200,13 +223,41 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
         o->frame.msaa = (uint32_t)integer;
         return true;
+    case O_MSAA_METHOD:
+        if (!argument_name("msaa-method", value, msaa_method_name, &index)) return false;
+        o->frame.msaa_method = (fnl_msaa_method)index;
+        return true;
+    case O_MSAA_GROUPS:
+        if (!argument_integer("msaa-groups", value, 2, 3, &integer)) return false;
+        o->frame.msaa_groups = (uint32_t)integer;
+        return true;
+    case O_MSAA_TOLERANCE:
+        if (!argument_number("msaa-tolerance", value, &number)) return false;
+        if (!(number >= 0 && number <= 1)) return argument_bad("msaa-tolerance", value, "a number from 0 to 1");
+        o->frame.msaa_tolerance = (float)number;
+        return true;
     case O_TRANSPARENCY:
         if (!argument_name("transparency", value, transparency_name, &index)) return false;
         o->frame.transparency = (fnl_transparency)index;
         return true;
+    case O_DECALS:
+        if (!argument_name("decals", value, decals_name, &index)) return false;
+        o->frame.decals = (fnl_decals)index;
+        return true;
     case O_AA:
         if (!argument_name("aa", value, antialiasing_name, &index)) return false;
         o->frame.aa = (fnl_antialiasing)index;
+        return true;
+    case O_GBUFFER:
+        if (!argument_name("gbuffer", value, gbuffer_name, &index)) return false;
+        o->frame.gbuffer = (fnl_gbuffer)index;
+        return true;
+    case O_NORMALS:
+        if (!argument_name("normals", value, normals_name, &index)) return false;
+        o->frame.normals = (fnl_normal_encoding)index;
+        return true;
+    case O_CHROMA:
+        o->frame.chroma = true;
         return true;
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
@@ -235,6 +286,11 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_number("light-lod", value, &number)) return false;
         if (!(number >= 0 && number <= 1e6)) return argument_bad("light-lod", value, "a number of pixels");
         o->frame.light_lod = (float)number;
+        return true;
+    case O_CHOOSE_SECONDS:
+        if (!argument_number("choose-seconds", value, &number)) return false;
+        if (!(number >= 0 && number <= 1e6)) return argument_bad("choose-seconds", value, "a number of seconds");
+        o->choose_seconds = number;
         return true;
     case O_RANGE_ROUGHNESS:
         if (!argument_number("range-roughness", value, &number)) return false;
@@ -304,9 +360,16 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lists", required_argument, NULL, O_LISTS},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"msaa", required_argument, NULL, O_MSAA},
+                                             {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
+                                             {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
+                                             {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
                                              {"aa", required_argument, NULL, O_AA},
+                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
+                                             {"normals", required_argument, NULL, O_NORMALS},
+                                             {"chroma", no_argument, NULL, O_CHROMA},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
+                                             {"decals", required_argument, NULL, O_DECALS},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
@@ -314,6 +377,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
                                              {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
                                              {"light-lod", required_argument, NULL, O_LIGHT_LOD},
+                                             {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},
                                              {"exposure", required_argument, NULL, O_EXPOSURE},
                                              {"tonemap", required_argument, NULL, O_TONEMAP},
                                              {"anisotropy", required_argument, NULL, O_ANISOTROPY},
@@ -345,7 +409,7 @@ static bool check_options(struct render_options *o) {
 }
 
 int command_render(int argc, char **argv) {
-    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1};
+    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1, .choose_seconds = 20};
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {

@@ -205,18 +205,25 @@ static double seconds_now(void) {
 
 /* Lets auto decide before anything is timed, but not for long; a single frame takes what is remembered or likely. */
 static bool settle_choice(const struct render_options *o, fnl_renderer *renderer, fnl_frame *frame) {
-    const double most_seconds = 20;
     double start = seconds_now();
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) return true;
     fnl_frame_stats stats = {.choosing = true};
     fnl_frame trial = *frame;
     trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
-    for (uint32_t i = 0; o->frame_count > 1 && stats.choosing && seconds_now() < start + most_seconds; i++) {
-        show_progress(o, "choosing", i, 60);
+    uint32_t count = 0;
+    for (; o->frame_count > 1 && stats.choosing && seconds_now() < start + o->choose_seconds; count++) {
+        show_progress(o, "choosing", count, 60);
         if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
             return false;
     }
     frame->pin_choice = true;
+    if (o->frame_count > 1) show_progress(o, "choosing", 60, 60);
+    if (o->frame_count > 1 && stats.choosing && !o->quiet)
+        fprintf(
+            stderr,
+            "fanal: warning: auto has not decided within %g s (%u frames, as long as their pipelines were made): it takes "
+            "the best that it knows. Run it again, now that there are pipelines, raise --choose-seconds, or name %s\n",
+            o->choose_seconds, count, frame->lists == FNL_LISTS_AUTO ? "--lists" : "--shading");
     return true;
 }
 

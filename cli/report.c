@@ -78,6 +78,12 @@ void report_print(const struct render_report *r) {
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
+    if (s->gbuffer_bytes) {
+        printf("  G-buffer %s: %.1f KiB, %.0f bytes a pixel", fnl_gbuffer_name(r->frame.gbuffer),
+               (double)s->gbuffer_bytes / 1024, (double)s->gbuffer_bytes / ((double)r->frame.width * r->frame.height));
+        if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
+        putchar('\n');
+    }
     printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
@@ -127,8 +133,17 @@ static void add_transparency(json_t *json, const struct render_report *r) {
                                   integer(s->blend_bytes), "overflow_pixels", integer(s->blend_overflow)));
 }
 
+static void add_gbuffer(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    json_object_set_new(json, "gbuffer",
+                        json_pack("{s:s,s:s,s:b,s:o,s:o}", "layout", fnl_gbuffer_name(r->frame.gbuffer), "normals",
+                                  fnl_normal_encoding_name(r->frame.normals), "chroma", r->frame.chroma, "bytes",
+                                  integer(s->gbuffer_bytes), "items_forward", integer(s->items_forward)));
+}
+
 bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
+    add_gbuffer(json, r);
     add_transparency(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&

@@ -33,18 +33,26 @@ brdf_view brdf_prepare(surface s, vec3 to_view) {
     return b;
 }
 
-// f(l, v) * cos; `to_light` is unit and points away from the surface. Exactly zero for light from behind.
-vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
-    precise float n_l = dot(s.normal, to_light);
-    if (!(n_l > 0.0)) return vec3(0.0); // NaN neither
+// What of a light depends on the directions and on the roughness alone: the cosine, the specular lobe without Fresnel, and (1 - v.h)^5.
+struct brdf_lobes {
+    float n_l;
+    float specular;
+    float m5;
+};
+
+// False for light from behind (NaN too); `to_light` is unit and points away from the surface.
+bool brdf_lobes_of(vec3 normal, brdf_view b, vec3 to_light, out brdf_lobes lobes) {
+    precise float n_l = dot(normal, to_light);
+    lobes = brdf_lobes(0.0, 0.0, 0.0);
+    if (!(n_l > 0.0)) return false;
     precise vec3 sum = to_light + b.to_view;
     precise vec3 half_vector = sum * inversesqrt(max(dot(sum, sum), 1e-20));
-    precise float n_h = dot(s.normal, half_vector);
+    precise float n_h = dot(normal, half_vector);
     precise float v_h = clamp(dot(b.to_view, half_vector), 0.0, 1.0);
 
     // Distribution alpha2 / (pi d^2), d = n_h^2 (alpha2 - 1) + 1, which loses all digits near n_h = 1; |n x h|^2 keeps them. Visibility
     // 1 / ((n_l + ...) (n_v + ...)).
-    precise vec3 n_x_h = cross(s.normal, half_vector);
+    precise vec3 n_x_h = cross(normal, half_vector);
     precise float d = b.alpha2 * n_h * n_h + dot(n_x_h, n_x_h);
     precise float shadowing = n_l + sqrt(b.alpha2 + (1.0 - b.alpha2) * n_l * n_l);
     precise float specular = n_h > 0.0 ? b.alpha2 / (d * d * shadowing * b.masking) : 0.0;
@@ -52,15 +60,23 @@ vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
     precise float m = 1.0 - v_h;
     precise float m2 = m * m;
     precise float m5 = m2 * m2 * m;
-    precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * m5;
+    lobes = brdf_lobes(n_l, specular, m5);
+    return true;
+}
+
+// f(l, v) * cos. Exactly zero for light from behind.
+vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
+    brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return vec3(0.0);
+    precise vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
     if (HAS_METAL == 0u) { // what the blend below gives for metalness 0
-        precise vec3 plain = (s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * specular) * n_l;
+        precise vec3 plain = (s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular) * lobes.n_l;
         return plain;
     }
-    precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * m5;
-    precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * specular;
-    precise vec3 metal = metal_fresnel * specular;
-    precise vec3 result = (dielectric + (metal - dielectric) * s.metallic) * n_l;
+    precise vec3 metal_fresnel = s.base_color + (1.0 - s.base_color) * lobes.m5;
+    precise vec3 dielectric = s.base_color * ((1.0 - max_component(fresnel)) * (1.0 / PI)) + fresnel * lobes.specular;
+    precise vec3 metal = metal_fresnel * lobes.specular;
+    precise vec3 result = (dielectric + (metal - dielectric) * s.metallic) * lobes.n_l;
     return result;
 }
 

@@ -13,6 +13,10 @@
 #define GPU_MATERIAL_BLEND 4u
 #define GPU_MATERIAL_DOUBLE_SIDED 8u
 
+/* Bits of the feature constant of shaders that draw the scene (gpu_graphics_params.features). */
+#define GPU_FEATURE_DECALS 1u      /* box and volume decals are looked up in a list */
+#define GPU_FEATURE_MESH_DECALS 2u /* some instance has decals of its own, in the space of its mesh */
+
 /* Vertex data apart from the position, which is a stream of its own (3 floats). */
 struct gpu_attributes {
     uint normal;    /* octahedral, 2 x 16-bit signed normalised */
@@ -40,6 +44,7 @@ struct gpu_material {
     float occlusion_strength;
     float alpha_cutoff;
     uint flags;
+    uint forward_layouts;   /* a bit for each G-buffer layout that cannot hold it */
     STRUCT(gpu_texture) textures[GPU_TEXTURE_COUNT];
 };
 
@@ -57,12 +62,14 @@ struct gpu_primitive {
     uint index_count;
     int vertex_offset;
     uint corners;      /* 3: triangles; 2: lines, 1: points, which have no back */
+    int bind_offset;   /* from a deformed vertex to the one that it was made from */
 };
 
 /* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */
 struct gpu_item {
     uint instance;
     uint primitive;
+    uint receivers;    /* 8 bits: decals that share one are on it */
 };
 
 /* A run of items of one primitive: one indirect draw. */

@@ -28,6 +28,7 @@ struct gpu_view {
     uint samples;        /* of a pixel */
     vec3 ambient_ground;
     float hdr_max;       /* largest value that the radiance target holds */
+    uvec2 decals;        /* address of a struct gpu_decal_set; read only where a shader's features say that there is one */
 };
 
 #endif

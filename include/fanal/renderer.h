@@ -13,13 +13,17 @@ extern "C" {
 
 typedef struct fnl_renderer fnl_renderer;
 
-/** The order in which surfaces are shaded. All give the same picture. */
+/** The order in which surfaces are shaded. All give the same picture, but for those that say otherwise. */
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
     FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
+    /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */
+    FNL_SHADING_LIGHT_PREPASS,
+    /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
+    FNL_SHADING_LOW_RES,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
     FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
@@ -88,6 +92,16 @@ typedef enum fnl_volume_shape {
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
 
+/** What the orders that keep light apart from materials sum up for a pixel. */
+typedef enum fnl_light_buffer {
+    FNL_LIGHT_BUFFER_AUTO = 0, /**< two; four where light has a lower resolution than materials */
+    FNL_LIGHT_BUFFER_RGBA,     /**< four channels: diffuse light, and the luminance of highlights. Reflectance does not rise at grazing angles,
+                                    and highlights take the hue of the diffuse light: an approximation */
+    FNL_LIGHT_BUFFER_TWO,      /**< six: diffuse light and highlights, with the reflectance of the surface already in both */
+    FNL_LIGHT_BUFFER_FOUR,     /**< twelve: what any material needs, without knowing its reflectance */
+    FNL_LIGHT_BUFFER_COUNT
+} fnl_light_buffer;
+
 /** Where the axis of the cone round a tile's normals comes from. */
 typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
@@ -96,7 +110,38 @@ typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_COUNT
 } fnl_backface_axis;
 
-/** Settings of the light lists; each names the lists that heed it. None changes the picture. */
+/**
+ * How the G-buffer is laid out: that of this renderer, and published ones (docs/techniques/gbuffer.md). All give the same picture within
+ * their quantisation: materials that a layout cannot hold are lit forward in the same frame.
+ */
+typedef enum fnl_gbuffer {
+    FNL_GBUFFER_DEFAULT = 0, /**< 16 bytes a pixel; holds every material */
+    FNL_GBUFFER_SIEGE,       /**< 16 bytes: Rainbow Six Siege, with motion and a material ID */
+    FNL_GBUFFER_KILLZONE2,   /**< 12 bytes: Killzone 2, dielectrics alone */
+    FNL_GBUFFER_FROSTBITE2,  /**< 12 bytes: Battlefield 3, with a material ID */
+    FNL_GBUFFER_STALKER,     /**< 20 bytes: S.T.A.L.K.E.R., with a position and a material ID */
+    FNL_GBUFFER_CLEAR_SKY,   /**< 12 bytes: S.T.A.L.K.E.R. Clear Sky, with a material ID */
+    FNL_GBUFFER_ENGEL,       /**< 12 bytes: Engel 2009, dielectrics alone */
+    FNL_GBUFFER_DESTINY,     /**< 8 bytes: Destiny, with a material ID; smoothness is in the normal's length */
+    FNL_GBUFFER_COUNT
+} fnl_gbuffer;
+
+/** How normals are stored in the G-buffer. Where each is good and how good: docs/techniques/gbuffer.md. */
+typedef enum fnl_normal_encoding {
+    FNL_NORMALS_LAYOUT = 0, /**< as the layout has them */
+    FNL_NORMALS_OCTAHEDRAL,
+    FNL_NORMALS_XYZ,           /**< three components */
+    FNL_NORMALS_XY,            /**< x and y in view space; wrong where a normal looks away along the axis of the view */
+    FNL_NORMALS_SPHERICAL,     /**< two angles, one of them as its cosine */
+    FNL_NORMALS_SPHERE_MAP,    /**< Lambert's azimuthal projection */
+    FNL_NORMALS_STEREOGRAPHIC, /**< in view space; wrong where a normal looks away by more than 30 degrees */
+    FNL_NORMALS_VIEW,          /**< x and y as the viewer of the very pixel sees them; wrong where a normal looks away from it */
+    FNL_NORMALS_BEST_FIT,      /**< three components of 8 bits, scaled to the length with the least error */
+    FNL_NORMALS_FLOAT,         /**< 16 bytes in a target of its own: what the others are compared with */
+    FNL_NORMALS_COUNT
+} fnl_normal_encoding;
+
+/** Settings of the light lists; each names the lists that heed it. None changes the picture, but for light_buffer and light_scale. */
 typedef struct fnl_list_options {
     bool
         frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
@@ -124,9 +169,25 @@ typedef struct fnl_list_options {
     fnl_raster_path raster_path;   /**< default auto. raster */
     fnl_raster_nodes raster_nodes; /**< default array. raster */
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
+    fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass and low-res */
+    uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading order low-res */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
+
+/**
+ * Which samples deferred shading lights where pixels have several (`msaa`). all .. compact give the same bits; docs/techniques/deferred-msaa.md
+ * compares them.
+ */
+typedef enum fnl_msaa_method {
+    FNL_MSAA_ALL = 0,  /**< every sample */
+    FNL_MSAA_TILES,    /**< every sample of 8 x 8 pixel tiles that have an edge, one of each pixel elsewhere */
+    FNL_MSAA_STENCIL,  /**< every sample of pixels that show an edge, in a pass of their own */
+    FNL_MSAA_COMPACT,  /**< every surface of a pixel once; those beyond the first from a list */
+    FNL_MSAA_COVERAGE, /**< one surface of each pixel; what else it shows takes the light of a neighbour: not exact */
+    FNL_MSAA_AGGREGATE, /**< like surfaces of a pixel are merged and shaded by their statistics: not exact */
+    FNL_MSAA_METHOD_COUNT
+} fnl_msaa_method;
 
 /** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
 typedef enum fnl_transparency {
@@ -142,6 +203,15 @@ typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
+
+/** How box and volume decals get onto surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
+typedef enum fnl_decals {
+    FNL_DECALS_LISTS = 0, /**< surfaces look them up in a list while they are drawn, blended ones too */
+    FNL_DECALS_GBUFFER,   /**< boxes are drawn over the finished G-buffer; blended surfaces, orders without a G-buffer and MSAA
+                               use lists all the same */
+    FNL_DECALS_OFF,       /**< none, of no kind but those that are baked */
+    FNL_DECALS_COUNT
+} fnl_decals;
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -170,6 +240,14 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_BACKFACES,    /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
     FNL_DEBUG_LAYERS, /**< heat map of the blended surfaces that a pixel shows, with a legend */
+    FNL_DEBUG_DECALS,      /**< heat map of the boxes and volumes of decals that hold a pixel's surface, with a legend */
+    FNL_DEBUG_GBUFFER_0, /**< fields of a render target of the G-buffer, as lighting reads them; a quarter of the picture each, if several */
+    FNL_DEBUG_GBUFFER_1,
+    FNL_DEBUG_GBUFFER_2,
+    FNL_DEBUG_GBUFFER_3,
+    FNL_DEBUG_GBUFFER_4,
+    FNL_DEBUG_MATERIAL_ID, /**< colours for the material IDs in the G-buffer */
+    FNL_DEBUG_LIT_FORWARD, /**< white where the layout cannot hold the material, which is therefore lit forward */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -182,10 +260,36 @@ FNL_API const char *fnl_slices_name(fnl_slices slices);
 FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
+FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
+FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
+FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
+FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
+FNL_API const char *fnl_light_buffer_name(fnl_light_buffer buffer);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
+
+/** A field of a G-buffer layout. Its bits lie in render target `target`; those that share bits with another have 0. */
+typedef struct fnl_gbuffer_field {
+    const char *name;
+    uint32_t target, bits;
+} fnl_gbuffer_field;
+
+typedef struct fnl_gbuffer_info {
+    uint32_t target_count;
+    uint32_t target_bits[5];  /**< a pixel */
+    uint32_t bits;            /**< sum of those: what this renderer stores beside depth (32), radiance (64) and, where needed, a mask (8) */
+    uint32_t published_bits;  /**< of the publication: with its depth, stencil and light accumulation */
+    uint32_t material_count;  /**< that its IDs tell apart; 0: no ID */
+    fnl_normal_encoding normals; /**< FNL_NORMALS_LAYOUT means this one */
+    uint32_t encodings;       /**< bit 1 << e: the encoding e goes with the layout */
+    uint32_t field_count;
+    const fnl_gbuffer_field *fields;
+} fnl_gbuffer_info;
+
+/** What a layout consists of. */
+FNL_API fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out);
 
 /** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
 FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
@@ -206,8 +310,21 @@ typedef struct fnl_frame {
     fnl_light_lists lists;  /**< default FNL_LISTS_AUTO */
     fnl_list_options list_options;
     uint32_t
-        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders only; default 1 */
+        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders and deferred; default 1 */
+    fnl_msaa_method msaa_method; /**< default compact. FNL_SHADING_DEFERRED */
+    uint32_t msaa_groups;        /**< surfaces of a pixel at most, 2 or 3; default 2. FNL_MSAA_AGGREGATE */
+    /**
+     * Samples of a pixel count as one surface up to this difference of colours, of parameters, and of normals as a chord, 0 .. 1; the surface
+     * is then shaded as the first of them. 0 (default): what is stored must be equal. FNL_SHADING_DEFERRED, but for FNL_MSAA_ALL.
+     */
+    float msaa_tolerance;
     fnl_transparency transparency; /**< default sorted */
+    fnl_decals decals;     /**< default lists */
+    /**
+     * FNL_DECALS_GBUFFER: pictures are filtered by how the surface itself lies, not by how positions differ from pixel to pixel, which at
+     * silhouettes draws a fringe. Default true; false shows the fault.
+     */
+    bool decal_mip_fix;
     fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
@@ -226,6 +343,9 @@ typedef struct fnl_frame {
      * light nothing; up to twice the size they fade. 0 (default): off.
      */
     float light_lod;
+    fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
+    fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
+    bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     bool gbuffer_prepass; /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
@@ -267,6 +387,8 @@ typedef struct fnl_frame_stats {
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */
     uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
+    uint64_t gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
+    uint64_t items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
     uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];
@@ -276,12 +398,21 @@ typedef struct fnl_frame_stats {
      */
     uint64_t blend_fragments, blend_bytes;
     uint32_t blend_longest, blend_overflow;
+    /** With FNL_SHADING_DEFERRED and MSAA. */
+    uint32_t msaa_pixels,   /**< pixels that show a surface in some sample */
+        msaa_edge_pixels;   /**< pixels whose samples show more than one thing, sky being one */
+    uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */
+        msaa_samples,       /**< samples that show a surface */
+        msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
+    uint32_t decals_total, decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
+    uint64_t decal_entries;                /**< of the list over them, or fragments of the G-buffer's way */
+    uint32_t decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
     double cpu_milliseconds; /**< recording and submitting */
     double gpu_milliseconds; /**< sum of all passes; 0 without timers */
     float ev;                /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
-    fnl_light_lists lists;
+    fnl_light_lists lists; /**< likewise; mesh where that stood in for batches or multipass, which have no MSAA and only so many passes */
     bool choosing;      /**< auto is still measuring candidates */
     const char *choice; /**< what auto chose by, or ""; owned by the renderer, valid until its next call */
     uint32_t pass_count;

@@ -78,15 +78,15 @@ uint world_cell_of(light_list_block l, vec3 position) {
     return (cell.z * size.y + cell.y) * size.x + cell.x;
 }
 
-uint cell_of(light_list_block l, light_point p) {
-    if (LIST_KIND == GPU_LIST_WORLD) return world_cell_of(l, p.position);
-    if (LIST_KIND == GPU_LIST_ITEMS) return p.item;
+uint cell_of_as(uint kind, light_list_block l, light_point p) {
+    if (kind == GPU_LIST_WORLD) return world_cell_of(l, p.position);
+    if (kind == GPU_LIST_ITEMS) return p.item;
     uvec2 tile = tile_of(l, p.pixel);
-    if (LIST_KIND == GPU_LIST_HALVES) {
+    if (kind == GPU_LIST_HALVES) {
         uint index = tile.y * l.list.tiles_x + tile.x;
         return p.view_depth < uintBitsToFloat(l.list.extra.at[index]) ? index : l.list.tiles_x * l.list.tiles_y + index;
     }
-    uint slice = LIST_KIND == GPU_LIST_CLUSTERS || LIST_KIND == GPU_LIST_LINKS ? slice_of(l, p.view_depth) : 0u;
+    uint slice = kind == GPU_LIST_CLUSTERS || kind == GPU_LIST_LINKS ? slice_of(l, p.view_depth) : 0u;
     return (slice * l.list.tiles_y + tile.y) * l.list.tiles_x + tile.x;
 }
 
@@ -102,60 +102,60 @@ uint links_next(light_list_block l, inout uint node) {
     return light;
 }
 
-light_cursor lights_begin(light_list_block l, light_point p) {
+light_cursor lights_begin_as(uint kind, light_list_block l, light_point p) {
     light_cursor c = cursor_over(0u, l.list.local_count, true);
-    if (LIST_KIND == GPU_LIST_ALL) return c;
-    if (LIST_KIND == GPU_LIST_ITEMS && p.item >= l.list.tiles_x) return c;
-    if (LIST_KIND == GPU_LIST_BINS) {
+    if (kind == GPU_LIST_ALL) return c;
+    if (kind == GPU_LIST_ITEMS && p.item >= l.list.tiles_x) return c;
+    if (kind == GPU_LIST_BINS) {
         uvec2 tile = tile_of(l, p.pixel);
         c.bins = bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth);
         return c;
     }
-    if (LIST_KIND == GPU_LIST_FINE) {
+    if (kind == GPU_LIST_FINE) {
         c.direct = !fine_begin(l, tile_of(l, p.pixel), p.pixel, p.position, c.fine);
         return c;
     }
-    if (LIST_KIND == GPU_LIST_LINKS) {
-        uint first = const_uint_array(l.list.cells).at[cell_of(l, p)];
+    if (kind == GPU_LIST_LINKS) {
+        uint first = const_uint_array(l.list.cells).at[cell_of_as(kind, l, p)];
         return first == GPU_NODE_ALL ? c : cursor_over(first, GPU_NODE_END, false);
     }
     uint index;
-    if (LIST_KIND == GPU_LIST_SPARSE) {
+    if (kind == GPU_LIST_SPARSE) {
         uint bucket = l.list.buckets > 1u ? normal_bucket(p.normal) : 0u;
         if (!sparse_find(l, sparse_key(l, tile_of(l, p.pixel), slice_of(l, p.view_depth), bucket), index)) return c;
     } else {
-        index = cell_of(l, p);
+        index = cell_of_as(kind, l, p);
     }
     gpu_cell cell = l.list.cells.at[index];
     if (cell.count == GPU_CELL_ALL) return c;
     c = cursor_over(cell.offset, cell.offset + cell.count, false);
-    if (LIST_KIND == GPU_LIST_RANGES) c.depth = depth_code(p.view_depth);
-    if (LIST_KIND == GPU_LIST_TREE) c.tree = tree_begin(cell, p.view_depth);
+    if (kind == GPU_LIST_RANGES) c.depth = depth_code(p.view_depth);
+    if (kind == GPU_LIST_TREE) c.tree = tree_begin(cell, p.view_depth);
     return c;
 }
 
 // Moves on; false at the end. `light` is an index into list.lights.
-bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
+bool lights_next_as(uint kind, light_list_block l, inout light_cursor c, out uint light) {
     light = 0u;
-    if (LIST_KIND == GPU_LIST_ITEMS && FIXED_LIGHTS != 0u) {
+    if (kind == GPU_LIST_ITEMS && FIXED_LIGHTS != 0u) {
         if (c.turn == FIXED_LIGHTS) return false;
         c.padding = c.next + c.turn >= c.end;
         light = l.list.directional_count + l.list.ids.at[min(c.next + c.turn, c.end - 1u)];
         c.turn++;
         return true;
     }
-    if (LIST_KIND == GPU_LIST_BINS || (LIST_KIND == GPU_LIST_FINE || LIST_KIND == GPU_LIST_TREE) && !c.direct) {
+    if (kind == GPU_LIST_BINS || (kind == GPU_LIST_FINE || kind == GPU_LIST_TREE) && !c.direct) {
         uint id;
-        bool found = LIST_KIND == GPU_LIST_BINS   ? bins_next(l, c.bins, id)
-                     : LIST_KIND == GPU_LIST_FINE ? fine_next(l, c.fine, id)
+        bool found = kind == GPU_LIST_BINS   ? bins_next(l, c.bins, id)
+                     : kind == GPU_LIST_FINE ? fine_next(l, c.fine, id)
                                                   : tree_next(l, c.tree, id);
         light = l.list.directional_count + id;
         return found;
     }
-    if (LIST_KIND == GPU_LIST_RANGES && !c.direct)
+    if (kind == GPU_LIST_RANGES && !c.direct)
         while (c.next < c.end && !depth_in_range(c.depth, l.list.extra.at[c.next])) c.next++;
     if (c.next >= c.end) return false;
-    if (LIST_KIND == GPU_LIST_LINKS && !c.direct) {
+    if (kind == GPU_LIST_LINKS && !c.direct) {
         light = l.list.directional_count + links_next(l, c.next);
         return true;
     }
@@ -164,6 +164,11 @@ bool lights_next(light_list_block l, inout light_cursor c, out uint light) {
     light = l.list.directional_count + id;
     return true;
 }
+
+// The list of the shader's kind. Those above take a kind that the caller knows, for other lists beside it.
+uint cell_of(light_list_block l, light_point p) { return cell_of_as(LIST_KIND, l, p); }
+light_cursor lights_begin(light_list_block l, light_point p) { return lights_begin_as(LIST_KIND, l, p); }
+bool lights_next(light_list_block l, inout light_cursor c, out uint light) { return lights_next_as(LIST_KIND, l, c, light); }
 
 #define FOR_EACH_LIGHT(list, cursor, light) for (uint light; lights_next(list, cursor, light);) if (!(cursor).padding)
 

@@ -22,6 +22,7 @@ enum {
     GPU_PUSH_BYTES = 128,
     GPU_MAX_COLORS = 8,
     GPU_MAX_CONSTANTS = 16,
+    GPU_FEATURES_ID = 31, /* specialisation constant of graphics pipelines beside the numbered ones */
     GPU_MAX_CHUNKS = 16, /* command buffers that may be recorded at once */
     GPU_MAX_INPUTS = 8,  /* attachments that a step of a scope reads */
     GPU_MAX_SCOPE_ATTACHMENTS = 16,
@@ -179,6 +180,7 @@ enum gpu_blend {
 
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
+    uint32_t features;                          /* specialisation constant GPU_FEATURES_ID of both stages */
     uint32_t constant_count;                    /* the same constants go to both stages */
     uint32_t constants[GPU_MAX_CONSTANTS];
     VkPrimitiveTopology topology;

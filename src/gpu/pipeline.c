@@ -69,12 +69,21 @@ static bool grow_table(gpu_device *device) {
 
 struct constants {
     VkSpecializationInfo info;
-    VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS];
+    VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS + 1];
+    uint32_t values[GPU_MAX_CONSTANTS + 1];
 };
 
-static void describe_constants(uint32_t count, const uint32_t *values, struct constants *out) {
-    for (uint32_t i = 0; i < count; i++) out->entries[i] = (VkSpecializationMapEntry){i, i * 4, 4};
-    out->info = (VkSpecializationInfo){count, out->entries, count * 4, values};
+/* Features of 0 are what shaders have by themselves. */
+static void describe_constants(uint32_t count, const uint32_t *values, uint32_t features, struct constants *out) {
+    for (uint32_t i = 0; i < count; i++) {
+        out->entries[i] = (VkSpecializationMapEntry){i, i * 4, 4};
+        out->values[i] = values[i];
+    }
+    if (features) {
+        out->entries[count] = (VkSpecializationMapEntry){GPU_FEATURES_ID, count * 4, 4};
+        out->values[count++] = features;
+    }
+    out->info = (VkSpecializationInfo){count, out->entries, count * 4, out->values};
 }
 
 static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, VkShaderModule *out) {
@@ -102,7 +111,7 @@ static fnl_result create_compute(gpu_device *device, const struct gpu_compute_pa
     VkShaderModule module;
     TRY(create_module(device, params->shader, &module));
     struct constants constants;
-    describe_constants(params->constant_count, params->constants, &constants);
+    describe_constants(params->constant_count, params->constants, 0, &constants);
     VkComputePipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, &constants),
@@ -212,7 +221,7 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
 static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out) {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
     struct constants constants;
-    describe_constants(params->constant_count, params->constants, &constants);
+    describe_constants(params->constant_count, params->constants, params->features, &constants);
     fnl_result result = create_module(device, params->vertex, &vertex);
     if (result == FNL_OK && params->fragment) result = create_module(device, params->fragment, &fragment);
     if (result == FNL_OK) {

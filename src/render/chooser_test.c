@@ -113,7 +113,7 @@ static void test_order_and_lists_together(void **state) {
     settle(&m, &at);
     assert_int_equal(c.choice.shading, FNL_SHADING_FORWARD_PREPASS);
     assert_int_equal(c.choice.lists, FNL_LISTS_CLUSTERED);
-    at.msaa = 4; /* deferred orders have none; lists that bound tiles by depth may be off by a hair */
+    at.msaa = 4; /* deferred orders light edges elsewhere; lists that bound tiles by depth may be off by a hair */
     m = machine_make(&c);
     m.orders[FNL_SHADING_DEFERRED] = 0;
     m.lists[FNL_LISTS_TILED] = 0;

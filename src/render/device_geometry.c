@@ -155,6 +155,7 @@ static fnl_result upload_deforming_nodes(struct upload *u, uint32_t first_vertex
                 struct gpu_deform out = {.source = u->first_vertex[index], .target = first_vertex};
                 TRY(upload_deform(u, node, &deform, p, &influences, &morphs, &out));
                 g.vertex_offset = (int32_t)first_vertex;
+                g.bind_offset = (int32_t)(out.source - first_vertex);
                 first_vertex += p->vertex_count;
                 /* Joints and weights may carry the vertices anywhere: what deforms is never culled. */
                 g.half_extent = (vec3){1e18f, 1e18f, 1e18f};

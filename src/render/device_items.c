@@ -60,11 +60,14 @@ struct group_key {
     uint32_t bucket, primitive, mirrored, count, first;
 };
 
-static uint32_t bucket_bits(const struct scene_material *m, enum scene_topology topology, bool mirrored) {
+enum { BUCKET_SORTED = 1 << 16, BUCKET_TOPOLOGY = 4, BUCKET_LAYOUTS = 6 };
+
+static uint32_t bucket_bits(const struct scene_material *m, uint32_t forward_layouts, enum scene_topology topology,
+                            bool mirrored) {
     bool blend = m->alpha_mode == FNL_ALPHA_BLEND, sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
     /* Blended triangles form one bucket at the end: they are drawn in one order over all states. */
-    if (sorted) return 1u << 16;
-    return (uint32_t)topology << 4 | (uint32_t)blend << 3 | (uint32_t)(m->alpha_mode == FNL_ALPHA_MASK) << 2 |
+    if (sorted) return BUCKET_SORTED;
+    return (blend ? 0 : forward_layouts) << BUCKET_LAYOUTS | (uint32_t)topology << BUCKET_TOPOLOGY | (uint32_t)blend << 3 | (uint32_t)(m->alpha_mode == FNL_ALPHA_MASK) << 2 |
            (uint32_t)m->double_sided << 1 | (uint32_t)(mirrored && !m->double_sided);
 }
 
@@ -106,7 +109,8 @@ static void walk_items(struct item_walk *w) {
                     continue;
                 }
                 struct group_key *group = &w->keys[w->groups[key]];
-                w->items[group->first + group->count++] = (struct gpu_item){w->d->node_instances.data[n] + k, primitive};
+                w->items[group->first + group->count++] =
+                    (struct gpu_item){w->d->node_instances.data[n] + k, primitive, (uint8_t)~node->refuses};
             }
         }
     }
@@ -133,7 +137,9 @@ static fnl_result upload_groups(struct item_walk *w) {
         struct group_key group = {.primitive = key / 2, .mirrored = key & 1, .count = keys[key].count};
         keys[key].count = 0;
         const struct scene_primitive *source = &scene->primitives.data[w->sources[key]];
-        group.bucket = bucket_bits(material_of(scene, source, &standard), source->topology, group.mirrored);
+        const struct scene_material *material = material_of(scene, source, &standard);
+        uint32_t id = source->material == SCENE_NONE ? scene->materials.count : source->material;
+        group.bucket = bucket_bits(material, device_material_forward_layouts(d, material, id), source->topology, group.mirrored);
         item_count += group.count;
         const struct gpu_primitive *primitive = &w->primitives[group.primitive];
         d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);
@@ -154,13 +160,14 @@ static fnl_result upload_groups(struct item_walk *w) {
         groups[i] = (struct gpu_group){.first_item = first, .item_count = key->count, .primitive = key->primitive};
         struct geometry_bucket *last = d->buckets.count ? &d->buckets.data[d->buckets.count - 1] : NULL;
         if (i == 0 || keys[i - 1].bucket != key->bucket) {
-            bool sorted = key->bucket == 1u << 16;
+            bool sorted = key->bucket == BUCKET_SORTED;
             struct geometry_bucket bucket = {.topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
-                                                                : vulkan_topology(key->bucket >> 4),
+                                                                : vulkan_topology(key->bucket >> BUCKET_TOPOLOGY & 3),
                                              .blend = sorted || key->bucket & 8,
                                              .mask = !sorted && key->bucket & 4,
                                              .double_sided = !sorted && key->bucket & 2,
                                              .mirrored = !sorted && key->bucket & 1,
+                                             .forward_layouts = sorted ? 0 : key->bucket >> BUCKET_LAYOUTS,
                                              .first_item = first,
                                              .first_group = i};
             if (!array_push(&d->host, &d->buckets, bucket)) {
@@ -172,7 +179,7 @@ static fnl_result upload_groups(struct item_walk *w) {
         }
         last->item_count += key->count;
         last->group_count++;
-        if (key->bucket == 1u << 16) d->blend_item_count += key->count;
+        if (key->bucket == BUCKET_SORTED) d->blend_item_count += key->count;
         first += key->count;
         key->count = 0;
     }

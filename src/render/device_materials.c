@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "passes/shade/gbuffer_layouts.h"
 #include "render/device_scene.h"
 
 static VkSamplerAddressMode address_mode(enum scene_wrap wrap) {
@@ -20,13 +21,41 @@ static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
     return gpu_sampler_index(d->device, &params);
 }
 
-static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m) {
-    float r = m->ior > 0 ? (m->ior - 1) / (m->ior + 1) : 1; /* an index of 0 means total reflection (KHR_materials_ior) */
+/* At normal incidence, before the strength; an index of 0 means total reflection (KHR_materials_ior). */
+static vec3 dielectric_f0(const struct scene_material *m) {
+    float r = m->ior > 0 ? (m->ior - 1) / (m->ior + 1) : 1;
+    return vec3_scale(m->specular_color, r * r);
+}
+
+static bool has_texture(const struct device_scene *d, const struct scene_material *m, enum scene_texture_slot slot) {
+    uint32_t image = m->textures[slot].image;
+    return image != SCENE_NONE && d->images.data[image].handle;
+}
+
+static struct gbuffer_material gbuffer_material(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
+    return (struct gbuffer_material){.id = id,
+                                     .metallic = m->metallic,
+                                     .dielectric_f0 = dielectric_f0(m),
+                                     .specular = m->specular,
+                                     .unlit = m->unlit,
+                                     .metallic_texture = has_texture(d, m, SCENE_TEXTURE_METALLIC_ROUGHNESS),
+                                     .specular_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR),
+                                     .specular_color_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR)};
+}
+
+uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
+    struct gbuffer_material material = gbuffer_material(d, m, id);
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)!gbuffer_holds((fnl_gbuffer)i, &material) << i;
+    return bits;
+}
+
+static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gpu_material g = {.base_color = m->base_color,
                              .emissive = m->emissive,
                              .metallic = m->metallic,
                              .roughness = m->roughness,
-                             .dielectric_f0 = vec3_scale(m->specular_color, r * r),
+                             .dielectric_f0 = dielectric_f0(m),
                              .specular = m->specular,
                              .normal_scale = m->normal_scale,
                              .occlusion_strength = m->occlusion_strength,
@@ -34,12 +63,13 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                              .flags = (m->unlit ? GPU_MATERIAL_UNLIT : 0) |
                                       (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
-                                      (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0)};
+                                      (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0),
+                             .forward_layouts = device_material_forward_layouts(d, m, id)};
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         const struct scene_texture *t = &m->textures[slot];
         struct gpu_texture *out = &g.textures[slot];
         out->image = GPU_TEXTURE_NONE;
-        if (t->image == SCENE_NONE || !d->images.data[t->image].handle) continue;
+        if (!has_texture(d, m, (enum scene_texture_slot)slot)) continue;
         bool color =
             slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
         const struct gpu_image *image = &d->images.data[t->image];
@@ -53,12 +83,21 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
 
 fnl_result device_materials_upload(struct device_scene *d) {
     uint32_t count = d->scene->materials.count + 1;
-    struct gpu_material *materials = host_allocate(&d->host, count * sizeof *materials);
-    if (!materials) return FNL_ERROR_MEMORY;
-    for (uint32_t i = 0; i + 1 < count; i++) materials[i] = device_material(d, &d->scene->materials.data[i]);
     struct scene_material standard = scene_material_default();
-    materials[count - 1] = device_material(d, &standard);
-    fnl_result result = device_upload_array(d, "materials", &d->materials, materials, count * sizeof *materials);
-    host_free(&d->host, materials, count * sizeof *materials);
+    struct gpu_material *materials = host_allocate(&d->host, count * sizeof *materials);
+    struct gpu_material_entry *entries = host_allocate(&d->host, count * sizeof *entries);
+    fnl_result result = materials && entries ? FNL_OK : FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < count && result == FNL_OK; i++) {
+        const struct scene_material *m = i + 1 < count ? &d->scene->materials.data[i] : &standard;
+        materials[i] = device_material(d, m, i);
+        struct gbuffer_material held = gbuffer_material(d, m, i);
+        entries[i] = gbuffer_entry(&held);
+    }
+    if (result == FNL_OK)
+        result = device_upload_array(d, "materials", &d->materials, materials, count * sizeof *materials);
+    if (result == FNL_OK)
+        result = device_upload_array(d, "material entries", &d->material_entries, entries, count * sizeof *entries);
+    if (materials) host_free(&d->host, materials, count * sizeof *materials);
+    if (entries) host_free(&d->host, entries, count * sizeof *entries);
     return result;
 }

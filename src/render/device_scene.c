@@ -7,7 +7,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .scene = scene,
                                .structure_version = UINT64_MAX,
                                .transform_version = UINT64_MAX,
-                               .light_version = UINT64_MAX};
+                               .light_version = UINT64_MAX,
+                               .decals = {.version = UINT64_MAX, .sent_version = UINT64_MAX}};
 }
 
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
@@ -18,7 +19,8 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
-                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs};
+                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs,
+                                    &d->material_entries};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
@@ -28,6 +30,7 @@ static void free_structure(struct device_scene *d) {
 
 void device_scene_finish(struct device_scene *d) {
     free_structure(d);
+    device_decals_finish(d);
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->faded_lights);
     array_free(&d->host, &d->bound_radii);
@@ -42,7 +45,9 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->plane_data);
 }
 
-void device_scene_forget(struct device_scene *d) { d->structure_version = d->light_version = UINT64_MAX; }
+void device_scene_forget(struct device_scene *d) {
+    d->structure_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
+}
 
 static bool node_mirrors(const struct scene_node *node) {
     return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
@@ -83,6 +88,7 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         d->structure_version = UINT64_MAX; /* until it is whole */
         TRY(prepare_structure(d));
     }
+    TRY(device_decals_prepare(d));
     /* The lights' buffer only grows; its contents are sent inside the frame. */
     uint64_t needed =
         device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
@@ -188,6 +194,7 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.address,
+                                            .material_entries = d->material_entries.address,
                                             .indices = &d->indices,
                                             .vertices = vertices,
                                             .buckets = d->buckets.data,

@@ -8,6 +8,7 @@
 
 #include "passes/geometry/geometry.h"
 #include "passes/geometry/skin.h"
+#include "decals_shared.h"
 #include "passes/lights/light_list.h"
 #include "scene/scene.h"
 #include "view_shared.h"
@@ -17,13 +18,35 @@ struct device_deform {
     uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight;
 };
 
+/** A picture of a decal: images of materials serve them not, as alpha is multiplied in before mips are made. */
+enum decal_picture_kind { DECAL_PICTURE_DATA, DECAL_PICTURE_COLOR, DECAL_PICTURE_PREMULTIPLIED };
+struct decal_picture {
+    uint32_t image; /* of the scene */
+    enum decal_picture_kind kind;
+    struct gpu_image gpu; /* handle 0: missing or broken */
+};
+
+/** The decals on the device (device_decals.c). */
+struct device_decals {
+    struct gpu_buffer decals, boxes;        /* struct gpu_decal, struct gpu_light; sent inside the frame */
+    struct gpu_buffer mesh_ranges, mesh_ids; /* of mesh decals: see struct gpu_decal_set */
+    ARRAY(struct gpu_decal) data; /* boxes and volumes, then those of meshes, then redraws; each in order */
+    ARRAY(struct gpu_light) box_data;
+    ARRAY(uint32_t) order; /* indices of scene decals, as in data */
+    ARRAY(struct decal_picture) pictures;
+    uint32_t count, mesh_count, redraw_count;
+    bool moves; /* some move with nodes */
+    uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
+    uint32_t sampler;
+};
+
 struct device_scene {
     gpu_device *device;
     fnl_host host;
     fnl_scene *scene;
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
-    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, items, groups, table, deforms,
+    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups, table, deforms,
         influences, morphs;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(struct geometry_bucket) buckets;
@@ -34,6 +57,7 @@ struct device_scene {
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
+    struct device_decals decals;
 
     struct gpu_buffer lights;
     ARRAY(struct gpu_light) light_data; /* the same on the CPU */
@@ -84,11 +108,23 @@ fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *vie
 /** Where the planes of hulls begin in a buffer of so many lights, bytes. */
 uint64_t device_lights_planes_offset(uint32_t light_count);
 
+/** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
+fnl_result device_decals_prepare(struct device_scene *d);
+void device_decals_finish(struct device_scene *d);
+/** The decals as one frame sees them; buffers of id 0 where there are none of the kind. */
+struct device_decals_frame {
+    graph_buffer decals, boxes, mesh_ranges, mesh_ids;
+};
+/** Sends what changed. */
+fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out);
+
 /** Decodes on all threads and uploads the images that materials use (device_images.c). */
 fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
 
 /** After the images; the last material is glTF's default, for primitives without one (device_materials.c). */
 fnl_result device_materials_upload(struct device_scene *d);
+/** A bit for each G-buffer layout that cannot hold a material; `id` is its index. */
+uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);
 
 /** Vertices, indices, primitives and what deforms, then everything below (device_geometry.c). */
 fnl_result device_geometry_upload(struct device_scene *d);

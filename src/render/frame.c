@@ -4,6 +4,8 @@
 #include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
+#include "passes/shade/gbuffer_view.h"
+#include "render/decals.h"
 #include "render/shading.h"
 
 static fnl_result add_view(struct frame_state *f) {
@@ -12,6 +14,7 @@ static fnl_result add_view(struct frame_state *f) {
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
     f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
+    TRY(decals_begin(f));
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
     if (!slice.data) return gpu_status(f->r->device);
     memcpy(slice.data, &f->view, sizeof f->view);
@@ -58,8 +61,12 @@ static void add_counters(struct frame_state *f) {
 
 /* ---- the picture ---- */
 
+static bool frame_shows_gbuffer(const fnl_frame *frame) {
+    return frame->debug >= FNL_DEBUG_GBUFFER_0 && frame->debug <= FNL_DEBUG_LIT_FORWARD;
+}
+
 static bool needs_aov(const fnl_frame *frame) {
-    return frame->debug != FNL_DEBUG_NONE ||
+    return (frame->debug != FNL_DEBUG_NONE && !frame_shows_gbuffer(frame)) ||
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
@@ -81,6 +88,14 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
         struct morphological_params shapes = {linear, swap};
         if (f->frame->aa == FNL_ANTIALIASING_MLAA) f->color = mlaa_add(f->graph, f->color, &shapes);
         if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
+    } else if (frame_shows_gbuffer(f->frame)) {
+        fnl_debug_view view = f->frame->debug;
+        if (view <= FNL_DEBUG_GBUFFER_4)
+            gbuffer_view_target_add(f->graph, &f->gbuffer, (uint32_t)(view - FNL_DEBUG_GBUFFER_0), f->color, swap);
+        else
+            gbuffer_view_field_add(f->graph, &f->gbuffer,
+                                   view == FNL_DEBUG_MATERIAL_ID ? GBUFFER_SEEN_MATERIAL : GBUFFER_SEEN_FORWARD, f->color,
+                                   swap);
     } else {
         struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
@@ -94,6 +109,7 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
         if (f->frame->debug == FNL_DEBUG_LAYERS)
             counts = (struct debug_counts){
                 layers_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height), 1};
+        if (f->frame->debug == FNL_DEBUG_DECALS) counts = (struct debug_counts){decals_count_add(f), 1};
         if (shading_shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
     }
@@ -165,7 +181,7 @@ struct count_copy {
     uint64_t from_offset, to_offset, size;
 };
 struct counts_data {
-    struct count_copy copies[8];
+    struct count_copy copies[16]; /* more than there are kinds of counts */
     uint32_t count;
 };
 
@@ -194,9 +210,18 @@ static void add_counts(struct frame_state *f) {
     if (f->class_counts.id)
         data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
                                                         sizeof f->r->stats.shading_blocks};
+    if (f->edge_counts.id)
+        data.copies[data.count++] = (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges),
+                                                        EDGES_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};
+    if (f->decals.list.totals.id)
+        data.copies[data.count++] = (struct count_copy){
+            f->decals.list.totals, counts, 0, offsetof(struct frame_counts, decals), sizeof(struct light_totals)};
+    if (f->decals.fragments.id)
+        data.copies[data.count++] =
+            (struct count_copy){f->decals.fragments, counts, 0, offsetof(struct frame_counts, decal_fragments), 8};
     if (f->linked.totals.id)
         data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
                                                         sizeof(struct linked_totals)};
@@ -225,11 +250,14 @@ static void note_stats(struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     fnl_frame_stats *s = &r->stats;
     *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count,
-                           .items = scene->item_count};
+                           .items = scene->item_count,
+                           .lists = f->drawn_lists};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = shading_draw_count(f);
+    s->gbuffer_bytes = shading_gbuffer_bytes(f);
+    s->decals_total = f->decals.set ? f->r->device_scene.decals.order.count : 0;
     s->blend_bytes = f->blend_bytes;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
@@ -240,10 +268,12 @@ static void note_stats(struct frame_state *f) {
 }
 
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
-    struct frame_state f = {.r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame};
+    struct frame_state f = {
+        .r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame, .drawn_lists = frame->lists};
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
     TRY(add_view(&f));
+    TRY(decals_add_list(&f));
     TRY(fade_lights(&f));
     f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
     add_counters(&f);

@@ -3,7 +3,18 @@
 #ifndef FNL_RENDER_FRAME_STATE_H
 #define FNL_RENDER_FRAME_STATE_H
 
+#include "decals_shared.h"
 #include "render/renderer_internal.h"
+
+/** Decals of the frame (decals.c). */
+struct frame_decals {
+    struct device_decals_frame buffers;
+    struct gpu_decal_set *set; /* NULL: there are none */
+    struct light_input input;
+    struct lights_in_view in_view;
+    struct light_list list;
+    graph_buffer fragments; /* of the G-buffer's way: how many, and pixels that did not fit */
+};
 
 struct frame_state {
     fnl_renderer *r;
@@ -14,9 +25,13 @@ struct frame_state {
     VkDeviceAddress view_address;
     struct geometry_draws draws;
     graph_image radiance, depth;
+    struct gbuffer gbuffer; /* depth id 0: none */
     struct light_input whole_lights;        /* before small ones were faded */
+    fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
+    graph_buffer surfaces, edge_counts; /* of deferred shading with MSAA (passes/shade/edges.h) */
+    struct frame_decals decals;
     struct aov_images aov;
     struct linked_lists linked; /* transparency */
     uint64_t blend_bytes;

@@ -36,6 +36,8 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, (uint32_t)o->raster_path < FNL_RASTER_COUNT);
     REQUIRE(host, (uint32_t)o->raster_nodes < FNL_RASTER_NODES_COUNT);
     REQUIRE(host, (uint32_t)o->volume_shape < FNL_VOLUME_SHAPE_COUNT);
+    REQUIRE(host, (uint32_t)o->light_buffer < FNL_LIGHT_BUFFER_COUNT);
+    REQUIRE(host, o->light_scale == 2 || o->light_scale == 4);
     REQUIRE(host, o->cluster_near > 0 && o->cluster_far > 0); /* no NaN */
     REQUIRE(host, isinf(o->cluster_near) || isinf(o->cluster_far) || o->cluster_near < o->cluster_far);
     return FNL_OK;
@@ -179,10 +181,10 @@ static void add_sparse(struct lists_context *c) {
         return;
     }
     struct lights_in_view visible =
-        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->normals.id));
+        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->gbuffer));
     struct sparse_params params = {.grid = cluster_params(c),
                                    .depth = c->depth,
-                                   .normals = c->frame->list_options.normal_cones ? c->normals : (graph_image){0},
+                                   .gbuffer = c->frame->list_options.normal_cones ? c->gbuffer : NULL,
                                    .blend = c->has_blend};
     struct sparse_lists lists = sparse_add(c->graph, c->device, c->input, &visible, &params);
     c->lights = lists.lights;
@@ -207,7 +209,7 @@ static void add_fine(struct lists_context *c) {
     params.pruning = options->fine_pruning;
     params.mask_size = options->fine_masks;
     params.packed = options->fine_packed;
-    params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS);
+    params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS) && c->frame->msaa == 1;
     params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
@@ -255,7 +257,7 @@ _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_
                "backface_axis has the values of fnl_backface_axis");
 
 static void add_backface(struct lists_context *c) {
-    if (!c->normals.id) { /* no normals are known before shading */
+    if (!c->gbuffer) { /* no normals are known before shading */
         add_tiled(c);
         return;
     }
@@ -265,7 +267,7 @@ static void add_backface(struct lists_context *c) {
     params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
     params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
     params.tally = c->frame->count_lights;
-    c->lights = backface_add(c->graph, c->device, c->input, &visible, c->depth, c->normals, &params);
+    c->lights = backface_add(c->graph, c->device, c->input, &visible, c->gbuffer, &params);
     add_blend_tiles(c, &visible, &params.tiles);
 }
 

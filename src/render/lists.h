@@ -11,6 +11,7 @@
 #include "passes/lights/tree.h"
 #include "passes/lights/raster.h"
 #include "passes/lights/sparse.h"
+#include "passes/shade/gbuffer.h"
 #include "passes/lights/world_grid.h"
 #include "render/device_scene.h"
 #include "view_shared.h"
@@ -42,7 +43,7 @@ struct lists_context {
     struct light_input *input;
     struct lists_state *state;
     graph_image depth;   /* of everything opaque; id 0: not known before shading */
-    graph_image normals; /* of the G-buffer; id 0: none */
+    const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
     uint32_t pool_capacity;
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "fanal/vulkan.h"
+#include "passes/shade/gbuffer_layouts.h"
 #include "render/shading.h"
 
 enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
@@ -9,7 +10,8 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes", "visibility", "auto"};
+    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
+                                        "light-prepass", "low-res", "visibility", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -56,16 +58,62 @@ const char *fnl_volume_shape_name(fnl_volume_shape shape) {
     return NAME_OF(names, shape);
 }
 
+const char *fnl_msaa_method_name(fnl_msaa_method method) {
+    static const char *const names[] = {"all", "tiles", "stencil", "compact", "coverage", "aggregate"};
+    _Static_assert(COUNT_OF(names) == FNL_MSAA_METHOD_COUNT, "each has a name");
+    return NAME_OF(names, method);
+}
+
 const char *fnl_transparency_name(fnl_transparency transparency) {
     static const char *const names[] = {"sorted", "weighted", "linked"};
     _Static_assert(COUNT_OF(names) == FNL_TRANSPARENCY_COUNT, "each has a name");
     return NAME_OF(names, transparency);
 }
 
+const char *fnl_decals_name(fnl_decals decals) {
+    static const char *const names[] = {"lists", "gbuffer", "off"};
+    _Static_assert(COUNT_OF(names) == FNL_DECALS_COUNT, "each has a name");
+    return NAME_OF(names, decals);
+}
+
 const char *fnl_antialiasing_name(fnl_antialiasing aa) {
     static const char *const names[] = {"none", "mlaa", "smaa"};
     _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
     return NAME_OF(names, aa);
+}
+
+const char *fnl_light_buffer_name(fnl_light_buffer buffer) {
+    static const char *const names[] = {"auto", "rgba", "two", "four"};
+    _Static_assert(COUNT_OF(names) == FNL_LIGHT_BUFFER_COUNT, "each has a name");
+    return NAME_OF(names, buffer);
+}
+
+const char *fnl_gbuffer_name(fnl_gbuffer layout) {
+    return (uint32_t)layout < FNL_GBUFFER_COUNT ? gbuffer_layouts[layout].name : NULL;
+}
+
+const char *fnl_normal_encoding_name(fnl_normal_encoding normals) {
+    static const char *const names[] = {"layout",     "octahedral",    "xyz",  "xy",       "spherical",
+                                        "sphere-map", "stereographic", "view", "best-fit", "float"};
+    _Static_assert(COUNT_OF(names) == FNL_NORMALS_COUNT, "each has a name");
+    return NAME_OF(names, normals);
+}
+
+fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out) {
+    if ((uint32_t)layout >= FNL_GBUFFER_COUNT || !out) return FNL_ERROR_INVALID;
+    const struct gbuffer_layout *l = &gbuffer_layouts[layout];
+    *out = (fnl_gbuffer_info){.target_count = l->target_count,
+                              .published_bits = l->published_bits,
+                              .material_count = l->id_count,
+                              .normals = l->own,
+                              .encodings = l->encodings | 1u << FNL_NORMALS_LAYOUT,
+                              .field_count = l->field_count,
+                              .fields = l->fields};
+    for (uint32_t i = 0; i < l->target_count; i++) {
+        out->target_bits[i] = gbuffer_format_bits(l->targets[i].format);
+        out->bits += out->target_bits[i];
+    }
+    return FNL_OK;
 }
 
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
@@ -77,7 +125,8 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
 const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
                                         "cells", "overdraw", "tile-normals", "backfaces", "overshading",
-                                        "layers"};
+                                        "layers", "decals",     "gbuffer-0",
+                                        "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -95,6 +144,7 @@ fnl_list_options fnl_list_options_default(void) {
                               .fine_masks = 1,
                               .cluster_size = 64,
                               .slices = 32,
+                              .light_scale = 2,
                               .cluster_near = INFINITY,
                               .cluster_far = INFINITY};
 }
@@ -107,6 +157,10 @@ fnl_frame fnl_frame_default(void) {
                        .lists = FNL_LISTS_AUTO,
                        .list_options = fnl_list_options_default(),
                        .msaa = 1,
+                       .msaa_method = FNL_MSAA_COMPACT,
+                       .msaa_groups = 2,
+                       .decals = FNL_DECALS_LISTS,
+                       .decal_mip_fix = true,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
                        .exposure = FNL_EXPOSURE_AUTO,
                        .outputs = FNL_OUTPUT_COLOR,
@@ -195,6 +249,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->device = device;
     r->scene = scene;
     r->pool_capacity = POOL_START;
+    r->decal_capacity = DECAL_POOL_START;
     device_scene_init(&r->device_scene, device, scene);
     lists_init(&r->lists, &r->host);
     load_choices(r);
@@ -245,6 +300,57 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
 }
 
+static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
+    REQUIRE(host, (uint32_t)frame->normals < FNL_NORMALS_COUNT);
+    bool plain = frame->gbuffer == FNL_GBUFFER_DEFAULT && frame->normals == FNL_NORMALS_LAYOUT && !frame->chroma;
+    bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
+    if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
+    if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS)) {
+        log_error(host, "%s shading has a G-buffer of its own", fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    fnl_gbuffer_info info;
+    TRY(fnl_gbuffer_query_info(frame->gbuffer, &info));
+    if (!(info.encodings >> frame->normals & 1)) {
+        log_error(host, "the normals of layout %s cannot hold encoding %s", fnl_gbuffer_name(frame->gbuffer),
+                  fnl_normal_encoding_name(frame->normals));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->chroma && frame->gbuffer != FNL_GBUFFER_DEFAULT) {
+        log_error(host, "layout %s has no base colour that chroma could make smaller", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->gbuffer != FNL_GBUFFER_DEFAULT && frame->msaa > 1) {
+        log_error(host, "layout %s has 1 sample a pixel", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
+/* Views of the G-buffer need one that holds what they show. */
+static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->debug < FNL_DEBUG_GBUFFER_0 || frame->debug > FNL_DEBUG_LIT_FORWARD) return FNL_OK;
+    const fnl_host *host = &r->host;
+    if (frame->shading == FNL_SHADING_AUTO || !shading_is(frame->shading, SHADING_LAYOUTS) || frame->msaa > 1) {
+        log_error(host, "the view %s shows the G-buffer of deferred shading with 1 sample", fnl_debug_view_name(frame->debug));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    fnl_gbuffer_info info;
+    TRY(fnl_gbuffer_query_info(frame->gbuffer, &info));
+    uint32_t index = (uint32_t)(frame->debug - FNL_DEBUG_GBUFFER_0);
+    if (index <= 4 && index >= info.target_count + (frame->normals == FNL_NORMALS_FLOAT)) {
+        log_error(host, "layout %s has no render target %u", fnl_gbuffer_name(frame->gbuffer), index);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->debug == FNL_DEBUG_MATERIAL_ID && info.material_count == 0) {
+        log_error(host, "layout %s has no material ID", fnl_gbuffer_name(frame->gbuffer));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
 static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
@@ -252,12 +358,18 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     TRY(lists_check(host, &frame->list_options));
+    TRY(check_gbuffer(r, frame));
+    REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
+    REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
+    REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
+    REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
+    TRY(check_gbuffer_view(r, frame));
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
     REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
@@ -267,8 +379,13 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_FORWARD) && frame->msaa > 1) {
-        log_error(host, "%s shading has no MSAA; use a forward order or 1 sample", fnl_shading_name(frame->shading));
+    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_SAMPLES) && frame->msaa > 1) {
+        log_error(host, "%s shading has no MSAA; use a forward order, deferred, or 1 sample",
+                  fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1 && frame->class_blocks) {
+        log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
     if (frame->shading == FNL_SHADING_VISIBILITY && !gpu_info(r->device)->primitive_ids) {
@@ -291,12 +408,23 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
 }
 
-/* Lists of blended fragments grow in the same way. */
+/* So does what holds decals: entries of their list, or fragments of the G-buffer's way. */
+static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) {
+    uint64_t needed = MAX(counts->decals.entries, counts->decal_fragments);
+    uint64_t limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
+    if (needed > r->decal_capacity)
+        r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)DECAL_POOL_START));
+}
+
+/* The lists of blended fragments start with one per pixel and grow in the same way. */
+static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
+    uint64_t limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
+    return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START), MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
+}
+
 static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) {
-    uint64_t needed = counts->blend.fragments, limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
-    if (counts->blend.overflow_pixels == 0) return;
-    limit = MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX);
-    r->blend_capacity = MAX(r->blend_capacity, (uint32_t)MIN(needed + needed / 4, limit));
+    uint64_t needed = counts->blend.fragments;
+    if (counts->blend.overflow_pixels > 0) r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
@@ -312,7 +440,9 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     if (r->slot_frames[slot]) {
         grow_pool(r, slot_counts(r, slot));
         grow_blend_pool(r, slot_counts(r, slot));
+        grow_decal_pool(r, slot_counts(r, slot));
     }
+    if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, (uint64_t)frame->width * frame->height);
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
     fnl_result result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
@@ -420,6 +550,10 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     const struct gpu_draw *draws = r->draws.mapped;
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
+        bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
+                       bucket->forward_layouts >> r->frame.gbuffer & 1;
+        for (uint32_t i = 0; i < bucket->group_count && forward; i++)
+            s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
         for (uint32_t i = 0; i < bucket->group_count; i++) {
             const struct gpu_draw *draw = &draws[bucket->first_group + i];
@@ -435,7 +569,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     const struct frame_counts *counts = slot_counts(r, r->frame_slot);
     grow_pool(r, counts);
     grow_blend_pool(r, counts);
+    grow_decal_pool(r, counts);
     *out = r->stats;
+    out->decals_in_view = counts->decals.in_view;
+    out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
+    out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
     out->lights_in_view = lights.in_view + r->device_scene.directional_count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
@@ -444,6 +582,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
                            counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
+    out->msaa_pixels = counts->edges[EDGES_PIXELS];
+    out->msaa_edge_pixels = counts->edges[EDGES_MIXED];
+    out->msaa_surfaces = counts->edges[EDGES_SURFACES];
+    out->msaa_samples = counts->edges[EDGES_SAMPLES];
+    out->msaa_shaded = counts->edges[EDGES_SHADED];
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;
@@ -466,7 +609,6 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     }
     bool is_auto = r->asked.shading == FNL_SHADING_AUTO || r->asked.lists == FNL_LISTS_AUTO;
     out->shading = r->frame.shading;
-    out->lists = r->frame.lists;
     out->choosing = is_auto && r->chooser.state == CHOOSER_MEASURING;
     out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;

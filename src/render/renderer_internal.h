@@ -5,6 +5,7 @@
 #include "fanal/renderer.h"
 #include "passes/debug/debug.h"
 #include "passes/transparency/transparency.h"
+#include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
 #include "render/device_scene.h"
 #include "render/lists.h"
@@ -13,14 +14,18 @@
 /** What the GPU writes for the CPU in each frame. */
 struct frame_counts {
     struct light_totals lights, blend_lights;
+    struct light_totals decals;
+    uint32_t decal_fragments, decal_overflow; /* of the G-buffer's way */
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
+    uint32_t edges[EDGES_COUNTS];
     struct linked_totals blend;
 };
 
+enum { DECAL_POOL_START = 1 << 17 };
 enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */
-enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency, or as many as pixels */
+enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 struct fnl_renderer {
     fnl_host host;
@@ -31,10 +36,12 @@ struct fnl_renderer {
     struct device_scene_frame scene_frame; /* of the frame being made */
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
+    bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
-    uint32_t blend_capacity;               /* fragments of linked transparency; 0: by the frame's size */
+    uint32_t blend_capacity;               /* fragments of linked transparency; 0: before the first frame */
+    uint32_t decal_capacity;               /* of what holds decals */
     bool weighted_half;                    /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits;              /* tests: ids at least so wide */
     bool poison;                           /* tests: transient buffers begin each frame full of rubbish */

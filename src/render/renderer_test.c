@@ -193,7 +193,7 @@ static void test_steady_state_allocates_nothing(void **state) {
             frame.timers = frame.count_lights = true;
             frame.record_threads = lists % 2 ? 0 : 1;
             frame.pin_choice = true;
-            if (lists == 1 && frame.shading < FNL_SHADING_DEFERRED) frame.msaa = 4;
+            if (lists == 1 && frame.shading <= FNL_SHADING_DEFERRED) frame.msaa = 4;
             long long before = 0;
             for (int i = 0; i < 9; i++) {
                 if (i == 6) before = test_device_memory.allocations;

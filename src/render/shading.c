@@ -4,6 +4,9 @@
 #include "passes/lights/sprites.h"
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
+#include "passes/shade/deferred_msaa.h"
+#include "passes/shade/gbuffer_layouts.h"
+#include "passes/shade/light_prepass.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
 #include "passes/visibility/visibility.h"
@@ -14,7 +17,7 @@ static bool has_blend(const struct frame_state *f) {
     return false;
 }
 
-static void add_lists(struct frame_state *f, graph_image depth, graph_image normals) {
+static void add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
     struct lists_context context = {.graph = f->graph,
                                     .device = f->r->device,
                                     .frame = f->frame,
@@ -25,7 +28,7 @@ static void add_lists(struct frame_state *f, graph_image depth, graph_image norm
                                     .input = &f->scene->lights,
                                     .state = &f->r->lists,
                                     .depth = depth,
-                                    .normals = normals,
+                                    .gbuffer = gbuffer,
                                     .has_blend = has_blend(f),
                                     .pool_capacity = f->r->pool_capacity};
     lists_add(&context);
@@ -45,9 +48,27 @@ static bool draws_per_light(const struct frame_state *f) {
            multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
 }
 
+/* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
+static void tell_of_mesh_lists(struct frame_state *f) {
+    bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
+    if (!own || f->lights.kind != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
+    f->drawn_lists = FNL_LISTS_MESH;
+    if (f->r->told_of_mesh_lists) return;
+    f->r->told_of_mesh_lists = true;
+    const char *name = fnl_light_lists_name(f->frame->lists);
+    if (f->frame->msaa > 1)
+        log_warning(&f->r->host, "%s lists have no MSAA: with %u samples per pixel objects are drawn with mesh lists", name,
+                    f->frame->msaa);
+    else
+        log_warning(&f->r->host,
+                    "%s lists: %u lights times %u groups of objects are too many passes, or this device cannot add 32-bit "
+                    "floats: objects are drawn with mesh lists",
+                    name, f->scene->lights.local_count, f->scene->geometry.group_count);
+}
+
 static void add_forward(struct frame_state *f, struct shade_input *input, bool prepass) {
     const struct light_input *lights = &f->scene->lights;
-    add_lists(f, prepass ? f->depth : (graph_image){0}, (graph_image){0}); /* a single pass knows no depth beforehand */
+    add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
     if (draws_batches(f))
         batches_add(f->graph, input, f->radiance, f->depth);
     else if (draws_per_light(f))
@@ -55,27 +76,54 @@ static void add_forward(struct frame_state *f, struct shade_input *input, bool p
                       f->depth);
     else
         forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
+    tell_of_mesh_lists(f);
 }
 
 /* ---- deferred ---- */
 
-static void add_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+_Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT == MSAA_COMPACT &&
+                   (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
+               "deferred_msaa_shared.h has the values of fnl_msaa_method");
+
+/* Lists see all samples of the depth, but no normals. */
+static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    add_lists(f, f->depth, gbuffer.normal);
+    add_lists(f, f->depth, NULL);
+    struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
+                                          .groups = f->frame->msaa_groups,
+                                          .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
+    f->gbuffer = gbuffer;
+    struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
+    f->surfaces = edges.surfaces;
+    f->edge_counts = edges.counts;
+}
+
+static void add_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    if (f->frame->msaa > 1) {
+        add_deferred_samples(f, input, prepass);
+        return;
+    }
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    add_lists(f, f->depth, &gbuffer);
     struct shade_classes classes = {0};
     if (f->frame->class_blocks) {
         classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
         f->class_counts = classes.counts;
     }
     deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+    hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    f->gbuffer = gbuffer;
 }
 
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
 static void add_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    if (has_blend(f)) {
-        add_lists(f, f->depth, (graph_image){0});
-        f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
+    struct light_list own = {0}; /* of what is lit forward */
+    bool has_lists = has_blend(f) || gbuffer.mask.id;
+    if (has_lists) {
+        add_lists(f, f->depth, gbuffer.mask.id ? &gbuffer : NULL);
+        own = f->lights;
+        if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
     } else {
         f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
     }
@@ -87,7 +135,12 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
     struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
                                     f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
     graph_buffer totals = volumes_add(f->graph, f->r->device, input, &volumes, &gbuffer, f->radiance);
-    if (!has_blend(f)) {
+    if (gbuffer.mask.id) {
+        input->lights = &own;
+        hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    }
+    f->gbuffer = gbuffer;
+    if (!has_lists) {
         f->lights.totals = f->blend_lights.totals = totals;
         f->lights.totals_known = false;
     }
@@ -98,7 +151,7 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
 static void add_visibility(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     struct visibility visibility = visibility_add(f->graph, input, f->r->visibility_bits, f->depth);
-    add_lists(f, f->depth, (graph_image){0});
+    add_lists(f, f->depth, NULL);
     visibility_shade_add(f->graph, input, &visibility, f->radiance);
 }
 
@@ -107,8 +160,7 @@ static void add_visibility(struct frame_state *f, struct shade_input *input, boo
 static void add_transparency(struct frame_state *f, const struct shade_input *input) {
     fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
-        uint32_t pixels = f->frame->width * f->frame->height;
-        struct linked_params params = {r->blend_capacity ? r->blend_capacity : MAX(pixels, (uint32_t)BLEND_POOL_START)};
+        struct linked_params params = {r->blend_capacity};
         f->linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
         f->blend_bytes = f->linked.byte_count;
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
@@ -126,6 +178,34 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
     return (f->frame->transparency == FNL_TRANSPARENCY_LINKED ? 2 : 1) * draws + f->frame->msaa;
 }
 
+/* ---- light apart from materials ---- */
+
+_Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR,
+               "the shaders' values are the options'");
+
+static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
+    fnl_light_buffer buffer = f->frame->list_options.light_buffer;
+    return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
+}
+
+static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
+    struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
+    struct gbuffer normals = light_surfaces_normals(&surfaces);
+    add_lists(f, f->depth, &normals);
+    struct light_sums sums =
+        light_sums_create(f->graph, input, buffer, scale, graph_image_info(f->graph, f->radiance).format);
+    light_sums_add(f->graph, input, &surfaces, &sums);
+    light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+}
+
+static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_TWO), 1);
+}
+
+static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
+}
+
 /* ---- the table ---- */
 
 static const struct order {
@@ -133,11 +213,14 @@ static const struct order {
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
     uint32_t traits;
 } orders[FNL_SHADING_COUNT] = {
-    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_ITEMS},
-    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS},
-    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS},
-    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS},
-    [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS},
+    [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_SAMPLES},
+    [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES},
+    [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
+    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS},
+    [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
+    [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
+    /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
+    [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS | SHADING_APPROXIMATE},
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
@@ -167,7 +250,10 @@ void shading_add(struct frame_state *f) {
                                       .width = f->frame->width,
                                       .height = f->frame->height,
                                       .counters = f->counters,
-                                      .background = {background.x, background.y, background.z}};
+                                      .background = {background.x, background.y, background.z},
+                                      .layout = f->frame->gbuffer,
+                                      .normals = f->frame->normals,
+                                      .chroma = f->frame->chroma};
     bool prepass = shading_has_prepass(f->frame);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
     struct shade_input opaque = input, blend = input;
@@ -180,11 +266,20 @@ void shading_add(struct frame_state *f) {
     }
 }
 
+uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
+    const struct gbuffer *g = &f->gbuffer;
+    if (!g->depth.id) return 0;
+    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0);
+    return bytes * f->frame->width * f->frame->height * f->frame->msaa;
+}
+
 uint32_t shading_draw_count(const struct frame_state *f) {
     const struct geometry_scene *scene = &f->scene->geometry;
     uint32_t opaque = geometry_draw_count(scene, GEOMETRY_OPAQUE), prepass = shading_has_prepass(f->frame) ? opaque : 0;
     if (draws_batches(f)) opaque = batches_draw_count(scene);
     if (draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
+    if (shading_is(f->frame->shading, SHADING_REDRAW)) opaque *= 2;
+    if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

@@ -10,8 +10,12 @@ enum shading_trait {
     SHADING_GBUFFER = 2,   /* shades what a G-buffer holds: lists may look at depth and normals */
     SHADING_PREPASS = 4,   /* draws depth first, always */
     SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
-    SHADING_ITEMS = 32,    /* knows the item that a pixel shows: lists of objects serve it */
-    SHADING_POSITIONS = 16 /* looks lights up at positions rebuilt from depth, as lists made from depth do */
+    SHADING_POSITIONS = 16, /* looks lights up at positions rebuilt from depth, as lists made from depth do */
+    SHADING_SAMPLES = 32,   /* pixels may have several samples */
+    SHADING_LAYOUTS = 64,   /* heeds fnl_frame.gbuffer, normals and chroma */
+    SHADING_REDRAW = 128,   /* draws the geometry a second time for its materials */
+    SHADING_APPROXIMATE = 256, /* gives a picture that is close to that of the others, not equal */
+    SHADING_ITEMS = 512       /* knows the item that a pixel shows: lists of objects serve it */
 };
 /** Whether an order (not auto) has all of these traits. */
 bool shading_is(fnl_shading shading, uint32_t traits);
@@ -25,6 +29,8 @@ VkFormat shading_format(const struct frame_state *f);
 
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);
+/** Bytes of the G-buffer's targets: what drawing it writes, and lighting reads once; depth and radiance are left out. */
+uint64_t shading_gbuffer_bytes(const struct frame_state *f);
 /** Draw calls of the frame so declared. */
 uint32_t shading_draw_count(const struct frame_state *f);
 

@@ -22,7 +22,7 @@ static const struct builtin_scene scenes[] = {
     {"onetile", {LIGHTS(1000), SEED}, builtin_make_onetile},
     {"nearplane", {LIGHTS(256), SEED}, builtin_make_nearplane},
     {"sky", {LIGHTS(256), SEED}, builtin_make_sky},
-    {"glass", {LIGHTS(256), SEED}, builtin_make_glass},
+    {"glass", {LIGHTS(256), SEED, {"crossing", 0, 1, 0}}, builtin_make_glass},
 };
 
 const struct builtin_scene *builtin_scene_at(uint32_t index) { return index < COUNT_OF(scenes) ? &scenes[index] : NULL; }

@@ -226,6 +226,24 @@ void builtin_make_sky(struct builtin *b, const uint64_t *values) {
     builtin_camera(b, "front", vec3_make(0, 0, 0), vec3_make(0, 0, -1), FOV);
 }
 
+/* Panes and balls of glass that reach into one another: no order of objects is right for them. */
+static void add_crossing_glass(struct builtin *b) {
+    static const vec3 tints[4] = {{0.95f, 0.25f, 0.2f}, {0.2f, 0.45f, 0.95f}, {0.3f, 0.9f, 0.4f}, {0.95f, 0.85f, 0.3f}};
+    for (int i = 0; i < 4; i++) {
+        struct mesh_builder m;
+        bool ball = i >= 2;
+        mesh_begin(&m, b);
+        mesh_material(&m, builtin_glass(b, arena_format(&b->scene->arena, "crossing %d", i), tints[i], ball ? 0.35f : 0.5f));
+        if (ball)
+            mesh_sphere(&m, vec3_make(0, 0, 0), 0.6f, 24);
+        else
+            mesh_box(&m, vec3_make(-1.1f, 0.1f, -0.01f), vec3_make(1.1f, 2.6f, 0.01f), FACE_FRONT);
+        mat4 place = ball ? builtin_at(3 + 0.8f * (float)(i - 2), 0.9f, -5.4f, 0, 1)
+                          : builtin_at(3.4f, 0, -6, i ? -0.7f : 0.6f, 1);
+        builtin_place(b, mesh_end(&m, "crossing"), place);
+    }
+}
+
 void builtin_make_glass(struct builtin *b, const uint64_t *values) {
     enum { PANES = 8 };
     b->random.state = values[1];
@@ -243,6 +261,7 @@ void builtin_make_glass(struct builtin *b, const uint64_t *values) {
         mesh_bevel_box(&m, vec3_make(-1.6f, 2.8f, -0.05f), vec3_make(1.6f, 2.9f, 0.05f), 0.01f);
         builtin_place(b, mesh_end(&m, "pane"), builtin_at(0.35f * (float)i - 1.2f, 0, -2.5f - (float)i, 0, 1));
     }
+    if (values[2]) add_crossing_glass(b);
     for (uint64_t i = 0; i < values[0]; i++) { /* half before the wall, a quarter between the panes, a quarter before them */
         vec3 low = {-7, 0.3f, -11.8f}, high = {7, 5, -10};
         if (i % 4 == 2) low = vec3_make(-3, 0.3f, -9.5f), high = vec3_make(3, 2.6f, -2.6f);

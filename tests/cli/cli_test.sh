@@ -63,6 +63,8 @@ cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the
 expect 0 'auto: (fastest of|likely the best)' render builtin:spheres $small --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"
 cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other bytes'
 expect 0 'auto: (remembered|likely)' render builtin:spheres $small -o "$work/b.png"
+expect 0 'auto has not decided within 0 s' render builtin:spheres --size 33x19 --lists auto --choose-seconds 0 --frames 2 -o "$work/c.png"
+expect 2 "choose-seconds: '-1' is not" render builtin:spheres --choose-seconds -1 -o "$work/c.png"
 expect 2 "list-option: 'tiles' is not" render builtin:spheres --list-option tiles=3 -o "$work/b.png"
 expect 2 "tile-size: '24' is not one of 8 16 32 64" render builtin:spheres --list-option tile-size=24 -o "$work/b.png"
 expect 2 'cluster-near must be less' render builtin:spheres --list-option cluster-near=9,cluster-far=3 -o "$work/b.png"
@@ -88,5 +90,13 @@ for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces'
     for other in "$work"/kept-*; do [ -e "$other" ] && cmp -s "$work/c.png" "$other" && fail "$option gives the same picture as ${other##*/}"; done
     mv "$work/c.png" "$work/kept-${option// /}"
 done
+
+# Ways to put blended surfaces together: each is another picture where glass reaches into glass, and linked counts fragments.
+expect 2 "transparency: 'x' is not one of sorted weighted linked" render builtin:glass --transparency x -o "$work/c.png"
+for kind in sorted weighted linked; do
+    expect 0 '' render "builtin:glass?crossing=1&lights=8" $small --transparency $kind -o "$work/glass-$kind.png" --quiet
+done
+expect 0 'blended fragments [0-9]+, at most [0-9]+ in a pixel' render "builtin:glass?lights=8" $small --transparency linked --debug layers -o "$work/c.png"
+for kind in weighted linked; do cmp -s "$work/glass-sorted.png" "$work/glass-$kind.png" && fail "$kind gives the same picture as sorted"; done
 [ $failures = 0 ] && echo 'all checks of the command passed'
 exit $((failures > 0))

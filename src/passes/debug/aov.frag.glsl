@@ -6,6 +6,7 @@
 #include "view.glsl"
 #include "lights/iterate.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "passes/geometry/geometry_shared.h"
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
@@ -17,9 +18,11 @@ layout(location = 2) out vec4 out_position; // world space position, item id + 1
 void main() {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.view, push.scene);
     vec4 base = material_base_color(materials, in_ids.x);
     if (material_cut(materials, in_ids.x, base.a)) discard;
-    out_albedo = vec4(base.rgb, s.roughness);
+    bool unlit = (materials.at[in_ids.x].flags & GPU_MATERIAL_UNLIT) != 0u; // then the surface is black
+    out_albedo = vec4(unlit ? base.rgb : s.base_color, s.roughness);
     out_normal = vec4(s.normal, view_depth_of(push.view, gl_FragCoord.z));
     out_position = vec4(s.position, float(in_ids.y + 1u));
 }

@@ -4,7 +4,7 @@
 #include "fanal/renderer.h"
 #include "shaders.h"
 
-_Static_assert((uint32_t)FNL_DEBUG_LAYERS == GPU_DEBUG_LAYERS && FNL_DEBUG_COUNT == FNL_DEBUG_LAYERS + 1,
+_Static_assert((uint32_t)FNL_DEBUG_DECALS == GPU_DEBUG_DECALS && FNL_DEBUG_GBUFFER_0 == FNL_DEBUG_DECALS + 1,
                "debug_shared.h has the values of fnl_debug_view");
 
 struct draw_data {

@@ -64,7 +64,7 @@ void main() {
     if (mode == GPU_DEBUG_OVERDRAW) color = heat(count_level(counted)) * float(counted != 0u);
     if (mode == GPU_DEBUG_OVERSHADING && counted != 0u)
         color = heat((log2(float(counted) / float(GPU_OVERSHADING_UNIT)) + 1.0) / 9.0); // as count_level() has whole numbers
-    if (mode == GPU_DEBUG_LAYERS) color = counted == 0u ? vec3(grey) * 0.5 : mix(vec3(grey), heat(count_level(counted)), 0.8);
+    if (mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) color = counted == 0u ? vec3(grey) * 0.5 : mix(vec3(grey), heat(count_level(counted)), 0.8);
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);
         light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);
@@ -100,7 +100,7 @@ void main() {
         }
     }
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_OVERDRAW || mode == GPU_DEBUG_BACKFACES || mode == GPU_DEBUG_OVERSHADING ||
-        mode == GPU_DEBUG_LAYERS) {
+        mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) {
         vec3 key;
         if (legend(pixel, key)) color = key;
     }

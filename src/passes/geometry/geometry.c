@@ -4,15 +4,16 @@
 #include "shaders.h"
 
 static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
-    return bucket->blend == (set == GEOMETRY_BLEND);
+    bool wanted = set < GEOMETRY_NOT_IN_FIRST || bucket->forward_layouts >> ((int)set - GEOMETRY_NOT_IN_FIRST) & 1;
+    return wanted && bucket->blend == (set == GEOMETRY_BLEND);
 }
 
 static bool bucket_is_sorted(const struct geometry_bucket *bucket) {
     return bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
-void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
-                  enum geometry_set set) {
+static void use_vertices(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                         enum geometry_set set) {
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->visible, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->draws, GRAPH_INDIRECT);
@@ -20,6 +21,17 @@ void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, c
         graph_use_buffer(pass, draws->blend_visible, GRAPH_READ_VERTEX);
         graph_use_buffer(pass, draws->blend_draws, GRAPH_INDIRECT);
     }
+}
+
+void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                  enum geometry_set set) {
+    use_vertices(pass, scene, draws, set);
+    geometry_use_features(pass, scene, GRAPH_READ_FRAGMENT);
+}
+
+void geometry_use_features(struct graph_pass *pass, const struct geometry_scene *scene, enum graph_use use) {
+    for (uint32_t i = 0; i < COUNT_OF(scene->feature_buffers); i++)
+        if (scene->feature_buffers[i].id) graph_use_buffer(pass, scene->feature_buffers[i], use);
 }
 
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
@@ -34,6 +46,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
     params.vertex = &shader_geometry_vert;
+    params.features |= scene->features;
     push->scene = scene->scene;
     push->visible = graph_address(context, draws->visible);
     for (uint32_t i = 0; i < scene->bucket_count; i++) {
@@ -93,7 +106,7 @@ void prepass_add(struct graph *graph, const struct geometry_scene *scene, const 
     struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_OPAQUE};
     struct graph_pass *pass =
         graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
-    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    use_vertices(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }
 
@@ -102,6 +115,6 @@ void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, co
     struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_BLEND};
     struct graph_pass *pass =
         graph_add_pass(graph, "blend depth", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
-    geometry_use(pass, scene, draws, GEOMETRY_BLEND);
+    use_vertices(pass, scene, draws, GEOMETRY_BLEND);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }

@@ -14,12 +14,14 @@
 struct geometry_bucket {
     VkPrimitiveTopology topology;
     bool mask, blend, double_sided, mirrored;
+    uint32_t forward_layouts; /* a bit for each G-buffer layout that cannot hold its materials (gbuffer_layouts.h) */
     uint32_t first_item, item_count, first_group, group_count;
 };
 
 /** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
 struct geometry_scene {
     VkDeviceAddress scene; /* struct gpu_scene */
+    VkDeviceAddress material_entries; /* of the G-buffer layouts with material IDs (gbuffer_shared.h) */
     const struct gpu_buffer *indices;
     graph_buffer
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
@@ -28,6 +30,8 @@ struct geometry_scene {
     float gradient_taps; /* constant GRADIENT_TAPS of shaders/material.glsl */
     uint32_t most_triangles; /* of one item; lines and points count too */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
+    uint32_t features; /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
+    graph_buffer feature_buffers[5]; /* what they read for it; id 0: none */
 };
 
 /** Result of culling: which items are drawn, as indirect draws. */
@@ -46,11 +50,17 @@ struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene 
 enum geometry_set {
     GEOMETRY_OPAQUE, /* opaque and cutout items */
     GEOMETRY_BLEND,  /* blended items, back to front */
+    GEOMETRY_NOT_IN_FIRST
 };
+/* Opaque and cutout items that a G-buffer layout (fnl_gbuffer) cannot hold. */
+#define GEOMETRY_NOT_IN(layout) ((enum geometry_set)(GEOMETRY_NOT_IN_FIRST + (int)(layout)))
 
 /** Declares the buffers that a drawing pass reads. */
 void geometry_use(struct graph_pass *pass, const struct geometry_scene *scene, const struct geometry_draws *draws,
                   enum geometry_set set);
+
+/** The part of it that shaders with decals read, for passes that shade without drawing. */
+void geometry_use_features(struct graph_pass *pass, const struct geometry_scene *scene, enum graph_use use);
 
 /**
  * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only.

@@ -18,6 +18,9 @@ layout(location = 3) centroid out vec4 out_uv; // uv0, uv1
 layout(location = 4) centroid out vec4 out_color;
 layout(location = 5) flat out uvec3 out_ids; // material, item, 1 when the instance mirrors
 layout(location = 6) flat out uint out_corner; // tells triangles of an item apart
+layout(location = 7) centroid out vec3 out_bind; // position before the mesh deforms, in its own space
+
+layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
 
 invariant gl_Position;
 
@@ -44,5 +47,8 @@ void main() {
     out_uv = vec4(a.uv0, a.uv1);
     out_color = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
     gpu_primitive primitive = push.scene.scene.primitives.at[item.primitive];
+    out_bind = vec3(0.0);
+    if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u)
+        out_bind = push.scene.scene.positions.at[gl_VertexIndex + primitive.bind_offset];
     out_ids = uvec3(primitive.material, item_index, uint(mirror < 0.0 && primitive.corners == 3u));
 }

@@ -19,7 +19,7 @@ struct own_data {
     struct light_input input;
     struct lights_in_view in_view;
     struct cells_build build;
-    graph_image depth, normals;
+    struct gbuffer gbuffer;
     graph_buffer bounds, sums, cones, picks, blocks, axes, marks, tally;
     struct gpu_backface *block; /* addresses are filled in while recording */
     VkDeviceAddress block_address;
@@ -48,8 +48,9 @@ static void execute_pyramid(const struct graph_context *context, const void *dat
         if (d->block) d->block->axes = graph_address(context, d->axes);
     } else {
         if (d->block) d->block->blocks = graph_address(context, d->blocks);
-        push.depth = graph_sampled(context, d->depth);
-        push.front = graph_sampled(context, d->normals); /* the only image besides depth that the push constants name */
+        if (d->block) d->block->gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
+        push.depth = graph_sampled(context, d->gbuffer.depth);
+        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
@@ -83,8 +84,9 @@ static void execute_step(const struct graph_context *context, const void *data) 
         push.visible_ids = graph_address(context, d->in_view.ids);
         push.bounds = graph_address(context, d->in_view.bounds);
         if (cells_use_reaches(push.flags)) push.reaches = graph_address(context, d->in_view.reaches);
-        push.depth = graph_sampled(context, d->depth);
-        if (d->block) d->block->normals = graph_sampled(context, d->normals);
+        push.depth = graph_sampled(context, d->gbuffer.depth);
+        if (d->block) d->block->gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
+        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
@@ -110,8 +112,7 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
     graph_use_buffer(pass, data.picks, GRAPH_READ_WRITE_COMPUTE);
     data.step = STEP_CULL;
     pass = graph_add_pass(graph, "backface cull", queue, execute_step, &data, sizeof data);
-    graph_use_image(pass, data.depth, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, data.normals, GRAPH_SAMPLE_COMPUTE);
+    gbuffer_use_normal(pass, &data.gbuffer, GRAPH_SAMPLE_COMPUTE);
     graph_use_buffer(pass, data.input.buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.picks, GRAPH_INDIRECT);
     graph_use_buffer(pass, data.picks, GRAPH_READ_COMPUTE);
@@ -126,14 +127,13 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
 }
 
 struct light_list backface_add(struct graph *graph, gpu_device *device, const struct light_input *input,
-                               const struct lights_in_view *in_view, graph_image depth, graph_image normals,
+                               const struct lights_in_view *in_view, const struct gbuffer *gbuffer,
                                const struct backface_params *params) {
     static const struct cells_names names = CELLS_NAMES("backface");
     struct own_data data = {.input = *input,
                             .in_view = *in_view,
-                            .build = tiled_build(graph, device, input, depth, &params->tiles),
-                            .depth = depth,
-                            .normals = normals};
+                            .build = tiled_build(graph, device, input, gbuffer->depth, &params->tiles),
+                            .gbuffer = *gbuffer};
     data.build.names = &names;
     const uint32_t tile_count = data.build.bounds_groups_x * data.build.bounds_groups_y;
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_backface));
@@ -162,8 +162,7 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
         data.axes = graph_create_buffer(graph, "backface axes", tile_count * sizeof(vec3));
         data.step = STEP_BLOCKS;
         pass = graph_add_pass(graph, "backface blocks", input->queue, execute_pyramid, &data, sizeof data);
-        graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
-        graph_use_image(pass, normals, GRAPH_SAMPLE_COMPUTE);
+        gbuffer_use_normal(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);
         graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
         data.step = STEP_AXES;
         pass = graph_add_pass(graph, "backface axes", input->queue, execute_pyramid, &data, sizeof data);

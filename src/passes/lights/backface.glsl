@@ -7,6 +7,7 @@
 #define BACKFACE_GLSL
 
 #include "passes/lights/cells.glsl"
+#include "gbuffer.glsl"
 
 layout(buffer_reference) buffer cone_array;
 layout(buffer_reference) buffer axis_array;

@@ -7,6 +7,7 @@
 #define FNL_PASSES_BACKFACE_H
 
 #include "passes/lights/light_list.h"
+#include "passes/shade/gbuffer.h"
 
 /** Where the axis of the cone round a tile's normals comes from. Any does: the angle is measured from it. */
 enum backface_axis {
@@ -25,11 +26,11 @@ struct backface_params {
 };
 struct backface_params backface_params_default(void);
 /**
- * Tiled lists without the lights behind all normals of a tile. `normals` holds octahedral normals in xy (RGBA16 UNORM), world space.
+ * Tiled lists without the lights behind all normals of a tile. Looks at the depth and normals of `gbuffer`.
  * Cost: that of tiled lists; per tile with lights behind four of its pixels a read of its normals and one more test per light.
  */
 struct light_list backface_add(struct graph *graph, gpu_device *device, const struct light_input *input,
-                               const struct lights_in_view *in_view, graph_image depth, graph_image normals,
+                               const struct lights_in_view *in_view, const struct gbuffer *gbuffer,
                                const struct backface_params *params);
 
 #endif

@@ -7,7 +7,6 @@
 #include "passes/lights/backface.glsl"
 
 layout(local_size_x = 64) in; // one thread a texel
-// push.front: the normals
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 void main() {
@@ -19,6 +18,6 @@ void main() {
     for (uint y = first.y; y < end.y; y++)
         for (uint x = first.x; x < end.x; x++)
             if (texelFetch(textures[push.depth], ivec2(x, y), 0).r > 0.0)
-                sum += octahedral_decode(texelFetch(textures[push.front], ivec2(x, y), 0).xy * 2.0 - 1.0);
+                sum += gbuffer_normal(BACKFACE.gbuffer, ivec2(x, y));
     BACKFACE.blocks.at[index] = sum;
 }

@@ -20,7 +20,7 @@ shared int sums[3];
 shared vec3 sample_positions[PROBES], sample_normals[PROBES];
 
 vec3 normal_at(uvec2 pixel) {
-    return octahedral_decode(texelFetch(textures[BACKFACE.normals], ivec2(pixel), 0).xy * 2.0 - 1.0);
+    return gbuffer_normal(BACKFACE.gbuffer, ivec2(pixel));
 }
 
 // The light with this number of those in view.

@@ -3,6 +3,7 @@
 #define FNL_PASSES_BACKFACE_SHARED_H
 
 #include "shared.h"
+#include "gbuffer_shared.h"
 
 /* Holds the normals of all surfaces in a tile. */
 struct gpu_cone {
@@ -22,6 +23,7 @@ struct gpu_cone {
 #define BACKFACE_AXIS_PYRAMID 2u
 
 struct gpu_backface {
+    STRUCT(gpu_gbuffer) gbuffer;   /* its depth and normals */
     ADDRESS(cone_array) cones;
     ADDRESS(uint_array) picks;     /* a dispatch: row, rows, 1; then the number of picked tiles, and these */
     ADDRESS(axis_array) blocks;    /* sums of the normals of 4 x 4 pixels, for BACKFACE_AXIS_PYRAMID */
@@ -29,7 +31,6 @@ struct gpu_backface {
     ADDRESS(uint_array) marks;     /* of each light in view: bit 0 behind a tile's surfaces, bit 1 not behind another's */
     ADDRESS(uint_array) tally;     /* [0]: lights behind the surfaces of every tile they touch */
     uint axis;                     /* BACKFACE_AXIS_… */
-    uint normals;                  /* bindless index of the G-buffer's normals */
     uint least;                    /* tiles with fewer lights, or a third as many behind four of their pixels, keep their lights */
     uint every_tile;               /* 1: cones are found even so */
     uint marking;

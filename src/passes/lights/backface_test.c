@@ -138,7 +138,13 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
     struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
     struct backface_params own = *p;
     own.tiles = *tiles;
-    struct light_list list = backface_add(graph, device, &input, &in_view, depth, normals, &own);
+    struct gbuffer gbuffer = {.depth = depth,
+                              .normal = normals,
+                              .targets = {{0}, normals},
+                              .target_count = 2,
+                              .form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL),
+                              .view = view.address};
+    struct light_list list = backface_add(graph, device, &input, &in_view, &gbuffer, &own);
     struct list_readback readback;
     list_readback_add(graph, &list, &readback);
     assert_int_equal(graph_compile(graph), FNL_OK);

@@ -62,21 +62,30 @@ static void execute_lights(const struct graph_context *context, const void *data
 }
 
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("lights");
+    static const struct in_view_names {
+        const char *mark, *gather, *sums, *ids, *bounds, *reaches;
+        struct prefix_sum_names sum;
+    } all_names[2] = {
+        {"lights mark", "lights gather", "light sums", "lights in view", "light bounds", "light reaches",
+         PREFIX_SUM_NAMES("lights")},
+        {"decals mark", "decals gather", "decal sums", "decals in view", "decal bounds", "decal reaches",
+         PREFIX_SUM_NAMES("decals")},
+    };
+    const struct in_view_names *names = &all_names[input->decals];
     uint64_t count = MAX(input->local_count, 1u);
     struct view_data data = {.input = *input, .shader = &shader_lights_mark_comp};
-    data.in_view.sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull);
-    data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
-    data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
+    data.in_view.sums = graph_create_buffer(graph, names->sums, (input->local_count + 1) * 4ull);
+    data.in_view.ids = graph_create_buffer(graph, names->ids, count * 4);
+    data.in_view.bounds = graph_create_buffer(graph, names->bounds, count * sizeof(struct gpu_bound));
     if (!input->spheres_only)
-        data.in_view.reaches = graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach));
+        data.in_view.reaches = graph_create_buffer(graph, names->reaches, count * sizeof(struct gpu_reach));
     light_list_header(device, input, &data.header);
-    struct graph_pass *pass = graph_add_pass(graph, "lights mark", input->queue, execute_lights, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, names->mark, input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, input->queue, data.in_view.sums, input->local_count + 1);
+    prefix_sum_add(graph, &names->sum, input->queue, data.in_view.sums, input->local_count + 1);
     data.shader = &shader_lights_gather_comp;
-    pass = graph_add_pass(graph, "lights gather", input->queue, execute_lights, &data, sizeof data);
+    pass = graph_add_pass(graph, names->gather, input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);

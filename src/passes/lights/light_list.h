@@ -20,6 +20,7 @@ struct light_input {
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
+    bool decals;            /* a second list of the frame, over decals: its passes have names of their own */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };

@@ -17,7 +17,9 @@ enum sparse_step {
 struct sparse_data {
     VkDeviceAddress view, header_address;
     struct gpu_light_list *header;
-    graph_image depth, normals;
+    graph_image depth;
+    struct gbuffer gbuffer; /* form and normal, where has_normals */
+    bool has_normals;
     graph_buffer table, keys, extents, bounds, facings;
     uint32_t width, height, samples, key_count, buckets, cell_limit;
     enum sparse_step step;
@@ -48,8 +50,11 @@ static void execute_step(const struct graph_context *context, const void *data) 
                                    .key_count = d->key_count,
                                    .buckets = d->buckets,
                                    .cell_limit = d->cell_limit,
-                                   .depth = by_pixel ? graph_sampled(context, d->depth) : GPU_NO_DEPTH,
-                                   .normals = by_pixel && d->normals.id ? graph_sampled(context, d->normals) : GPU_NO_DEPTH};
+                                   .gbuffer.depth = by_pixel ? graph_sampled(context, d->depth) : GPU_NO_DEPTH};
+    if (by_pixel && d->has_normals) {
+        push.gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
+        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
+    }
     if (d->step == STEP_BOUNDS) {
         push.bounds = graph_address(context, d->bounds);
         push.facings = address_or_zero(context, d->facings);
@@ -70,7 +75,7 @@ static struct graph_pass *add_step(struct graph *graph, const char *name, enum g
     graph_use_buffer(pass, data->table, step == STEP_MARK ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
     if (step <= STEP_FACE) {
         graph_use_image(pass, data->depth, GRAPH_SAMPLE_COMPUTE);
-        if (data->normals.id) graph_use_image(pass, data->normals, GRAPH_SAMPLE_COMPUTE);
+        if (data->has_normals) gbuffer_use_normal(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
     }
     return pass;
 }
@@ -82,12 +87,13 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     struct sparse_lists lists = {0};
     struct sparse_data data = {.view = input->view,
                                .depth = params->depth,
-                               .normals = params->normals,
+                               .has_normals = params->gbuffer != NULL,
                                .width = input->width,
                                .height = input->height,
                                .samples = MAX(graph_image_info(graph, params->depth).samples, 1u),
-                               .buckets = params->normals.id ? BUCKETS : 1,
+                               .buckets = params->gbuffer ? BUCKETS : 1,
                                .key_count = 1};
+    if (params->gbuffer) data.gbuffer = *params->gbuffer;
     data.header = light_list_header(device, input, &data.header_address);
     if (data.header) {
         clustered_grid(data.header, input->width, input->height, &params->grid);
@@ -105,7 +111,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     data.extents =
         graph_create_buffer(graph, "sparse extents", (uint64_t)data.cell_limit * SPARSE_EXTENTS(data.buckets) * 4);
     data.bounds = graph_create_buffer(graph, "sparse bounds", data.cell_limit * sizeof(struct gpu_cell_bounds));
-    if (data.normals.id)
+    if (data.has_normals)
         data.facings = graph_create_buffer(graph, "sparse facings", data.cell_limit * sizeof(struct gpu_facing));
 
     struct graph_pass *pass = graph_add_pass(graph, "sparse clear", input->queue, execute_clear, &data, sizeof data);

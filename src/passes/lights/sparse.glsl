@@ -3,17 +3,18 @@
 #ifndef SPARSE_PIXELS_GLSL
 #define SPARSE_PIXELS_GLSL
 
+#include "gbuffer.glsl"
+
 // Depths and normals this near to a border occupy both sides, so that rounding cannot lead a surface to a cell that is not there. With
 // more samples the shaded point lies somewhere between them, or a little beyond.
 const float SPARSE_DEPTH_SLACK = SAMPLES > 1u ? 2e-2 : 1e-4;
 const float SPARSE_NORMAL_SLACK = 1e-4;
 
 float sparse_depth(ivec2 pixel, uint s) {
-    return SAMPLES > 1u ? texelFetch(textures_multisampled[push.depth], pixel, int(s)).r : texelFetch(textures[push.depth], pixel, 0).r;
+    return SAMPLES > 1u ? texelFetch(textures_multisampled[push.gbuffer.depth], pixel, int(s)).r : texelFetch(textures[push.gbuffer.depth], pixel, 0).r;
 }
 
-// As gbuffer_unpack().
-vec3 sparse_normal(ivec2 pixel) { return octahedral_decode(texelFetch(textures[push.normals], pixel, 0).xy * 2.0 - 1.0); }
+vec3 sparse_normal(ivec2 pixel) { return gbuffer_normal(push.gbuffer, pixel); }
 
 // The buckets of a pixel, up to four of them.
 uint sparse_buckets(vec3 n, out uint found[4]) {

@@ -9,12 +9,12 @@
 #define FNL_PASSES_SPARSE_H
 
 #include "passes/lights/bvh.h"
+#include "passes/shade/gbuffer.h"
 
 struct sparse_params {
     struct clustered_params grid;
     graph_image depth; /* of everything that looks lights up; single- or multisampled */
-    graph_image
-        normals; /* octahedral in xy, 0 .. 1, as the G-buffer holds them: lights behind the surfaces are left out; or id 0 */
+    const struct gbuffer *gbuffer; /* single-sampled: by its normals lights behind the surfaces are left out; or NULL */
     bool blend;  /* a dense list for blended surfaces, too */
 };
 

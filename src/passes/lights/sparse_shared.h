@@ -3,6 +3,7 @@
 #define FNL_PASSES_SPARSE_SHARED_H
 
 #include "shared.h"
+#include "gbuffer_shared.h"
 #include "passes/lights/bvh_shared.h"
 
 #define SPARSE_MARK 0u    /* steps over the pixels */
@@ -23,8 +24,7 @@ struct gpu_sparse_push {
     uint key_count;
     uint buckets;
     uint cell_limit;
-    uint depth;                    /* bindless indices */
-    uint normals;                  /* … or GPU_NO_DEPTH */
+    STRUCT(gpu_gbuffer) gbuffer;   /* its depth; and with buckets its normals */
 };
 
 #endif

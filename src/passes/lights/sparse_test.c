@@ -75,7 +75,13 @@ static struct sparse_copy build(const struct scene_data *s) {
     graph_begin(graph);
     struct sparse_params p = {.grid = s->grid,
                               .depth = import_image(graph, &s->view, VK_FORMAT_R32_SFLOAT, s->depth, 4, &images[0])};
-    if (s->normals) p.normals = import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
+    struct gbuffer gbuffer = {
+        .depth = p.depth, .target_count = 2, .form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL)};
+    if (s->normals) {
+        gbuffer.normal = gbuffer.targets[1] =
+            import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
+        p.gbuffer = &gbuffer;
+    }
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct gpu_slice view = gpu_frame_allocate(device, sizeof s->view);
     assert_non_null(view.data);

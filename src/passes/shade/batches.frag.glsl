@@ -9,6 +9,7 @@ layout(location = 0) out vec4 out_radiance;
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (!is_shown(materials)) discard;
     vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, uvec2(gl_FragCoord.xy),
                                   view_depth_at(s.position), in_ids.y);

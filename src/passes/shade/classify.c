@@ -25,6 +25,7 @@ static void execute_classify(const struct graph_context *context, const void *da
                                      .block_size = d->out.block_size,
                                      .blocks_x = DIVIDE_UP(d->width, d->out.block_size),
                                      .block_count = d->out.block_count};
+    if (!d->fills) gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     if (d->fills) {
         push.blocks = graph_address(context, d->out.blocks);

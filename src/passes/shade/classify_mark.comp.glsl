@@ -25,7 +25,7 @@ void main() {
     if (all(lessThan(pixel, push.view.view.size))) {
         uint bits = 0u;
         float depth = gbuffer_depth(push.gbuffer, ivec2(pixel));
-        if (depth > 0.0) {
+        if (depth > 0.0 && !gbuffer_is_forward(push.gbuffer, ivec2(pixel))) {
             float view_depth = view_depth_of(push.view, depth);
             vec3 position = gbuffer_position(push.view, ivec2(pixel), view_depth);
             surface s = gbuffer_surface(push.gbuffer, ivec2(pixel), position, vec3(0.0));

@@ -17,6 +17,7 @@ static void execute_deferred(const struct graph_context *context, const void *da
     const struct deferred_data *d = data;
     struct gpu_compute_params params = {
         .shader = &shader_deferred_comp, .constant_count = 6, .constants = {d->kind, d->counters.id != 0, 1, 1, 0, 0}};
+    gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     struct gpu_deferred_push push = {.view = d->view,
                                      .lights = d->lights,
                                      .counters = d->counters.id ? graph_address(context, d->counters) : 0,

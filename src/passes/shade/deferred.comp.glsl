@@ -32,7 +32,7 @@ void main() {
     if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     float depth = gbuffer_depth(push.gbuffer, pixel);
-    if (IS_FULL == 0u && depth <= 0.0) return; // sky keeps the background
+    if (IS_FULL == 0u && (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel))) return; // sky keeps the background
     float view_depth = view_depth_of(push.view, depth);
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.view, pixel, view_depth), emissive);

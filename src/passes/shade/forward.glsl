@@ -2,6 +2,7 @@
 // Forward shading, opaque and transparent: what all entry points that shade as they draw share.
 #include "common.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "shade.glsl"
 #include "passes/geometry/geometry_shared.h"
 
@@ -10,6 +11,7 @@
 vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.view, push.scene);
     if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane, and beside
     // the pixel.

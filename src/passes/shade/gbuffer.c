@@ -1,57 +1,87 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/gbuffer.h"
 
+#include "passes/shade/gbuffer_layouts.h"
+#include "passes/shade/hybrid_shared.h"
 #include "shaders.h"
+
+#define MASK_FORMAT VK_FORMAT_R8_UNORM
 
 struct gbuffer_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
-    VkDeviceAddress view;
+    VkDeviceAddress view, entries;
+    uint32_t form;
     struct gpu_graphics_params state;
 };
 
 static void execute_gbuffer(const struct graph_context *context, const void *data) {
     const struct gbuffer_data *d = data;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL,
-                  (struct gpu_geometry_push){.view = d->view});
+    struct gpu_gbuffer_push push = {.geometry = {.view = d->view}, .entries = d->entries, .form = d->form};
+    geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
 }
 
-static const struct {
-    const char *name;
-    VkFormat format;
-} targets[] = {{"gbuffer color", VK_FORMAT_R8G8B8A8_SRGB},
-               {"gbuffer normal", VK_FORMAT_R16G16B16A16_UNORM},
-               {"gbuffer dielectric", VK_FORMAT_R8G8B8A8_UNORM}};
+/* Whether some material of the scene is lit forward with this layout. */
+static bool needs_mask(const struct geometry_scene *scene, fnl_gbuffer layout) {
+    for (uint32_t i = 0; i < scene->bucket_count; i++)
+        if (!scene->buckets[i].blend && scene->buckets[i].forward_layouts >> layout & 1) return true;
+    return false;
+}
+
+static void create_targets(struct graph *graph, const struct shade_input *input, uint32_t samples, struct gbuffer *gbuffer) {
+    const struct gbuffer_layout *layout = &gbuffer_layouts[input->layout];
+    struct graph_image_params params = {.width = input->width, .height = input->height, .samples = samples};
+    gbuffer->target_count = layout->target_count;
+    for (uint32_t i = 0; i < layout->target_count; i++) {
+        params.name = layout->targets[i].name;
+        params.format = i == layout->color_target && input->chroma ? VK_FORMAT_R8G8_UNORM : layout->targets[i].format;
+        gbuffer->targets[i] = graph_create_image(graph, &params);
+    }
+    gbuffer->normal = gbuffer->targets[layout->normal_target];
+    if (input->normals == FNL_NORMALS_FLOAT) {
+        params.name = "gbuffer float normal";
+        params.format = VK_FORMAT_R32G32B32A32_SFLOAT;
+        gbuffer->normal = gbuffer->targets[gbuffer->target_count++] = graph_create_image(graph, &params);
+    }
+    if (!needs_mask(input->scene, input->layout)) return;
+    params.name = "gbuffer mask";
+    params.format = MASK_FORMAT;
+    gbuffer->mask = graph_create_image(graph, &params);
+    gbuffer->form |= GBUFFER_FORM_MASK;
+}
 
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth) {
-    struct gbuffer gbuffer = {.depth = depth, .target_count = COUNT_OF(targets)};
+    struct gbuffer gbuffer = {.depth = depth,
+                              .view = input->view,
+                              .entries = input->scene->material_entries,
+                              .form = gbuffer_form_of(input->layout, input->normals, input->chroma)};
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
-    for (uint32_t i = 0; i < gbuffer.target_count; i++)
-        gbuffer.targets[i] = graph_create_image(graph, &(struct graph_image_params){.name = targets[i].name,
-                                                                                    .format = targets[i].format,
-                                                                                    .width = input->width,
-                                                                                    .height = input->height,
-                                                                                    .samples = samples});
-    gbuffer.normal = gbuffer.targets[1];
-    struct gbuffer_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
+    create_targets(graph, input, samples, &gbuffer);
+    struct gbuffer_data data = {
+        .scene = input->scene, .draws = *input->draws, .view = input->view, .entries = gbuffer.entries, .form = gbuffer.form};
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_gbuffer_frag,
-                                     .color_count = 1 + gbuffer.target_count,
                                      .color_formats = {graph_image_info(graph, radiance).format},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = !prepass,
                                      .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
                                      .samples = samples};
-    for (uint32_t i = 0; i < gbuffer.target_count; i++) data.state.color_formats[1 + i] = targets[i].format;
-    struct graph_pass *pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
+    gbuffer_specialise(&gbuffer, data.state.constants, &data.state.constant_count);
+    graph_image images[GBUFFER_TARGETS + 1];
+    uint32_t count = 0;
+    for (; count < gbuffer.target_count; count++) images[count] = gbuffer.targets[count];
+    if (gbuffer.mask.id) images[count++] = gbuffer.mask;
+    data.state.color_count = 1 + count;
+    struct graph_pass *pass;
+    for (uint32_t i = 0; i < count; i++) data.state.color_formats[1 + i] = graph_image_info(graph, images[i]).format;
+    pass = graph_add_pass(graph, "gbuffer", GRAPH_QUEUE_GRAPHICS, execute_gbuffer, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
                 (float[4]){input->background[0], input->background[1], input->background[2], 1});
     static const float zero[4];
-    for (uint32_t i = 0; i < gbuffer.target_count; i++)
-        graph_color(pass, gbuffer.targets[i], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    for (uint32_t i = 0; i < count; i++) graph_color(pass, images[i], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
     if (prepass)
         graph_depth_read_only(pass, depth);
     else
@@ -62,10 +92,33 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
 void gbuffer_use(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use) {
     graph_use_image(pass, gbuffer->depth, use);
     for (uint32_t i = 0; i < gbuffer->target_count; i++) graph_use_image(pass, gbuffer->targets[i], use);
+    if (gbuffer->mask.id) graph_use_image(pass, gbuffer->mask, use);
+}
+
+void gbuffer_use_normal(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use) {
+    graph_use_image(pass, gbuffer->depth, use);
+    graph_use_image(pass, gbuffer->normal, use);
+}
+
+struct gpu_gbuffer gbuffer_normal_handles(const struct graph_context *context, const struct gbuffer *gbuffer) {
+    struct gpu_gbuffer handles = {.view = gbuffer->view,
+                                  .entries = gbuffer->entries,
+                                  .depth = graph_sampled(context, gbuffer->depth),
+                                  .form = gbuffer->form};
+    for (uint32_t i = 0; i < gbuffer->target_count; i++)
+        if (gbuffer->targets[i].id == gbuffer->normal.id) handles.targets[i] = graph_sampled(context, gbuffer->normal);
+    return handles;
 }
 
 struct gpu_gbuffer gbuffer_handles(const struct graph_context *context, const struct gbuffer *gbuffer) {
-    struct gpu_gbuffer handles = {.depth = graph_sampled(context, gbuffer->depth)};
+    struct gpu_gbuffer handles = gbuffer_normal_handles(context, gbuffer);
     for (uint32_t i = 0; i < gbuffer->target_count; i++) handles.targets[i] = graph_sampled(context, gbuffer->targets[i]);
+    if (gbuffer->mask.id) handles.mask = graph_sampled(context, gbuffer->mask);
     return handles;
+}
+
+void gbuffer_specialise(const struct gbuffer *gbuffer, uint32_t constants[GPU_MAX_CONSTANTS], uint32_t *count) {
+    for (uint32_t i = *count; i < GBUFFER_CONSTANT; i++) constants[i] = i == 2 || i == 3; /* HAS_LIGHTS, HAS_METAL */
+    constants[GBUFFER_CONSTANT] = gbuffer->form;
+    *count = MAX(*count, GBUFFER_CONSTANT + 1);
 }

@@ -6,23 +6,40 @@
 #include "view.glsl"
 #include "lights/iterate.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "gbuffer.glsl"
-#include "passes/geometry/geometry_shared.h"
+#include "passes/shade/hybrid_shared.h"
 
-layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };
 
 layout(location = 0) out vec4 out_radiance;
-layout(location = 1) out vec4 out_0;
+layout(location = 1) out vec4 out_0; // the targets, then the mask if there is one
 layout(location = 2) out vec4 out_1;
 layout(location = 3) out vec4 out_2;
+layout(location = 4) out vec4 out_3;
+layout(location = 5) out vec4 out_4;
+layout(location = 6) out vec4 out_5;
 
 void main() {
-    material_array materials = push.scene.scene.materials;
+    material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_gbuffer(s, push.geometry.view, push.geometry.scene);
     if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
-    gbuffer g = gbuffer_pack(s);
-    out_radiance = vec4(min(s.emissive, vec3(push.view.view.hdr_max)), 1.0);
+    uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
+    bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;
+    uint id = is_forward ? 0u : in_ids.x;
+    gpu_material_entry entry;
+    if (gbuffer_has_id(form)) entry = push.entries.at[id];
+    // As readers see it: from depth, at the pixel's middle.
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 position = gbuffer_position(push.geometry.view, pixel, view_depth_of(push.geometry.view, gl_FragCoord.z));
+    gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(push.geometry.view, position), id, entry, vec3(0.0), pixel);
+    vec4 mask = vec4(is_forward ? 1.0 : 0.0);
+    out_radiance = vec4(min(s.emissive, vec3(push.geometry.view.view.hdr_max)), 1.0);
     out_0 = g.targets[0];
     out_1 = g.targets[1];
-    out_2 = g.targets[2];
+    out_2 = count == 2u ? mask : g.targets[2];
+    out_3 = count == 3u ? mask : g.targets[3];
+    out_4 = count == 4u ? mask : g.targets[4];
+    out_5 = mask;
 }

@@ -11,18 +11,34 @@ struct gbuffer {
     graph_image targets[GBUFFER_TARGETS]; /* id 0 from target_count on */
     uint32_t target_count;
     graph_image normal; /* the one of the targets that gbuffer_normal() of shaders/gbuffer.glsl reads */
+    graph_image mask;   /* R8: 1 where hybrid_add() is to light the pixel; id 0: nowhere */
+    uint32_t form;      /* how it is packed (gbuffer_shared.h) */
+    VkDeviceAddress view, entries;
 };
 
 /**
- * Draws the opaque set: 16 bytes a pixel beside depth and radiance, which takes the emission (layout in shaders/gbuffer.glsl).
- * Has the samples of `depth`. With `prepass` the depth is complete and the pass tests for equality (ES-4e): no hidden surface reads its textures; geometry
- * is drawn twice.
+ * Draws the opaque set into the targets of input->layout (gbuffer_layouts.h), and the emission into radiance. Has the samples of `depth`.
+ * With `prepass` the depth is complete and the pass tests for equality (ES-4e): no hidden surface reads its textures; geometry is drawn
+ * twice. Materials that the layout cannot hold are marked in the mask: lighting skips them, hybrid_add() draws them.
  */
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth);
 /** Declares that a pass samples all of it. */
 void gbuffer_use(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use);
-/** Inside such a pass: what its shaders need. */
+/** Declares that a pass samples what gbuffer_normal() reads. */
+void gbuffer_use_normal(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use);
+/** Inside such passes: what their shaders need. */
 struct gpu_gbuffer gbuffer_handles(const struct graph_context *context, const struct gbuffer *gbuffer);
+struct gpu_gbuffer gbuffer_normal_handles(const struct graph_context *context, const struct gbuffer *gbuffer);
+/** Makes a pipeline for this way of packing alone; without it shaders ask the handles. Sets the constant GBUFFER_CONSTANT of `constants`, and
+ *  those from *count up to it to what shaders have by themselves. */
+void gbuffer_specialise(const struct gbuffer *gbuffer, uint32_t constants[GPU_MAX_CONSTANTS], uint32_t *count);
+
+/**
+ * Lights what the mask marks, forward, where it is nearest: geometry of those materials is drawn once more, at equal depth, with the lists of
+ * input->lights, and replaces what the radiance target holds there. Position and normal are those of the G-buffer, so that lists made from it
+ * hold; the rest comes from the material. Adds nothing where there is no mask.
+ */
+void hybrid_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer, graph_image radiance);
 
 #endif

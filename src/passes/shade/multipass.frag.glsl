@@ -11,6 +11,7 @@ layout(location = 0) out vec4 out_radiance;
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.geometry.view, push.geometry.scene);
     if (!is_shown(materials)) discard;
     view_block v = push.geometry.view;
     light_list_block lights = push.geometry.lights;

@@ -3,6 +3,7 @@
 // draw in an order of their own, a pass before has noted which triangle of which item each pixel shows.
 #include "common.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "shade.glsl"
 #include "passes/shade/regroup_shared.h"
 

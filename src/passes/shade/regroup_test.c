@@ -107,6 +107,42 @@ static void test_scenes_ES_2_MP_17_MP_18(void **state) {
     }
 }
 
+/* With MSAA, or too many lights times groups, lists of objects stand in: pictures stay right, and statistics and log say so. */
+static void test_mesh_lists_stand_in(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:glass?lights=20", 0);
+    for (uint32_t k = 0; k < 2; k++) {
+        fnl_light_lists lists = k ? FNL_LISTS_MULTIPASS : FNL_LISTS_BATCHES;
+        struct shot one = shoot(&stage, lists);
+        assert_int_equal(one.stats.lists, lists);
+        assert_false(stage.renderer->told_of_mesh_lists);
+        stage.frame.msaa = 4;
+        struct shot several = shoot(&stage, lists), mesh = shoot(&stage, FNL_LISTS_MESH);
+        assert_int_equal(several.stats.lists, FNL_LISTS_MESH);
+        assert_true(stage.renderer->told_of_mesh_lists);
+        assert_int_equal(count_differing(&several.radiance, &mesh.radiance), 0);
+        stage.frame.msaa = 1;
+        stage.renderer->told_of_mesh_lists = false;
+        shot_free(&one);
+        shot_free(&several);
+        shot_free(&mesh);
+    }
+    fnl_scatter_params many = fnl_scatter_params_default();
+    many.count = (1 << 18) / stage.renderer->device_scene.group_count + 1;
+    many.radius_scale = 0.01f;
+    assert_int_equal(fnl_scene_scatter_light_shapes(stage.scene, &many), FNL_OK);
+    stage.frame.width = 33;
+    stage.frame.height = 17;
+    struct shot passes = shoot(&stage, FNL_LISTS_MULTIPASS), batches = shoot(&stage, FNL_LISTS_BATCHES);
+    assert_int_equal(passes.stats.lists, FNL_LISTS_MESH);
+    assert_int_equal(batches.stats.lists, FNL_LISTS_BATCHES);
+    assert_true(stage.renderer->told_of_mesh_lists);
+    assert_int_equal(count_differing(&passes.radiance, &batches.radiance), 0);
+    shot_free(&passes);
+    shot_free(&batches);
+    stage_close(&stage);
+}
+
 /* Pairs that find no place: groups are drawn whole, the pool grows. */
 static void test_overflow_CL_10_MP_18(void **state) {
     UNUSED(state);
@@ -130,6 +166,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_padded_loops_MP_17, harness_check),
         cmocka_unit_test_teardown(test_pass_per_light_ES_2_MP_18, harness_check),
         cmocka_unit_test_teardown(test_scenes_ES_2_MP_17_MP_18, harness_check),
+        cmocka_unit_test_teardown(test_mesh_lists_stand_in, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10_MP_18, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

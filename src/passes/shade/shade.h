@@ -3,6 +3,7 @@
 #ifndef FNL_PASSES_SHADE_H
 #define FNL_PASSES_SHADE_H
 
+#include "fanal/renderer.h"
 #include "passes/geometry/geometry.h"
 #include "passes/lights/light_list.h"
 
@@ -14,6 +15,9 @@ struct shade_input {
     uint32_t width, height;
     graph_buffer counters; /* one uint per pixel, added to by each shaded fragment; id 0: not counted */
     float background[3];
+    fnl_gbuffer layout; /* of the G-buffer, in orders that have one: see fnl_frame */
+    fnl_normal_encoding normals;
+    bool chroma;
 };
 
 /**

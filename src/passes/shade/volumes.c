@@ -101,6 +101,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                         .depth_compare =
                                             d->quads ? VK_COMPARE_OP_GREATER_OR_EQUAL : VK_COMPARE_OP_LESS_OR_EQUAL,
                                         .samples = 1};
+    gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
     struct gpu_volume_push push = {.view = d->view,
                                    .list = d->list,
                                    .ids = graph_address(context, d->ids),

@@ -19,7 +19,7 @@ const float MOST = 1e30;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = gbuffer_depth(push.gbuffer, pixel);
-    if (depth <= 0.0) discard; // sky
+    if (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel)) discard; // sky, and what is lit forward
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     float view_depth = view_depth_of(push.view, depth);

@@ -7,9 +7,7 @@
 
 enum { COLOR_BYTES = 16, KEY_BYTES = sizeof(struct gpu_blend_key), EXTENT_BYTES = sizeof(struct gpu_blend_extent) };
 
-uint32_t linked_bytes(uint32_t samples) {
-    return COLOR_BYTES + KEY_BYTES + (samples > 1 ? EXTENT_BYTES : 0) + 4 * samples;
-}
+uint32_t linked_bytes(uint32_t samples) { return COLOR_BYTES + KEY_BYTES + (samples > 1 ? EXTENT_BYTES : 0) + 4 * samples; }
 
 /* ---- counting ---- */
 
@@ -88,8 +86,8 @@ static uint32_t pixel_count(const struct linked *l) { return l->width * l->heigh
 static void execute_totals(const struct graph_context *context, const void *data) {
     const struct linked *l = data;
     struct gpu_compute_params params = {.shader = &shader_linked_totals_comp};
-    struct gpu_linked_totals_push push = {graph_address(context, l->sums), graph_address(context, l->totals),
-                                          pixel_count(l), l->capacity};
+    struct gpu_linked_totals_push push = {graph_address(context, l->sums), graph_address(context, l->totals), pixel_count(l),
+                                          l->capacity};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(pixel_count(l), 256u));
@@ -219,8 +217,7 @@ struct linked_lists linked_add(struct graph *graph, const struct shade_input *in
     graph_use_buffer(pass, l.totals, GRAPH_READ_WRITE_COMPUTE);
     add_fill(graph, input, &l, radiance, depth);
     add_composite(graph, &l, radiance, depth);
-    return (struct linked_lists){l.totals,
-                                 capacity * linked_bytes(l.samples) + sums_bytes + pixel_count(&l) * 4ull};
+    return (struct linked_lists){l.totals, capacity * linked_bytes(l.samples) + sums_bytes + pixel_count(&l) * 4ull};
 }
 
 /* ---- the debug view ---- */

@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Sorts the fragments of a pixel by their depth at one sample and blends them, the farthest first: premultiplied colour, and coverage for the
-// blending with what is opaque.
+// Sorts the fragments of a pixel by their depth at one sample and blends them, the farthest first: premultiplied colour, and coverage for
+// the blending with what is opaque.
 #include "common.glsl"
 #include "passes/transparency/linked.glsl"
 
@@ -68,12 +68,10 @@ void heap_sort(uint first, uint count) {
 }
 
 void main() {
-    uvec2 pixel = uvec2(gl_FragCoord.xy);
-    if (pixel.x >= push.width || pixel.y >= push.height) discard; // helpers
+    uvec2 pixel = min(uvec2(gl_FragCoord.xy), uvec2(push.width, push.height) - 1u); // helpers lie beside the picture too
     uint index = pixel.y * push.width + pixel.x;
     uint first = push.sums.at[index], end = push.sums.at[index + 1u];
-    if (end > push.capacity || end == first) discard;
-    uint written = min(push.written.at[index], end - first);
+    uint written = gl_HelperInvocation || end > push.capacity ? 0u : min(push.written.at[index], end - first);
     float opaque = 0.0;
     // What lies in the opaque surface itself is hidden, as it is for the depth test; depths by slopes have lost their last bits.
     if (push.samples > 1u) opaque = texelFetch(textures_multisampled[push.depth], ivec2(pixel), int(push.sample_index)).x * (1.0 + 1e-6);
@@ -82,7 +80,6 @@ void main() {
         bool covers = push.samples == 1u || ((push.extents.at[i].mask >> push.sample_index & 1u) != 0u && depth_of(i) > opaque);
         if (covers) push.order.at[start + count++] = i;
     }
-    if (count == 0u) discard;
     if (count <= FEW)
         insertion_sort(start, count);
     else
@@ -94,6 +91,7 @@ void main() {
         radiance = color.rgb + radiance * (1.0 - color.a);
         open *= 1.0 - color.a;
     }
+    if (count == 0u) discard;
     out_color = vec4(radiance, 1.0 - open);
     gl_SampleMask[0] = int(1u << push.sample_index);
 }

@@ -16,7 +16,7 @@ void main() {
     float depth = gl_FragCoord.z, view_depth;
     vec2 slope = vec2(dFdxFine(depth), dFdyFine(depth)); // all of the square is still there
     vec4 color = forward_shade(push.geometry, view_depth);
-    uvec2 pixel = uvec2(gl_FragCoord.xy);
+    uvec2 pixel = min(uvec2(gl_FragCoord.xy), push.geometry.view.view.size - 1u); // helpers lie beside the picture too
     uint index = pixel.y * push.geometry.view.view.size.x + pixel.x;
     uint end = push.sums.at[index + 1u];
     out_radiance = color;

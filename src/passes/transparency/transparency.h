@@ -10,12 +10,11 @@
 
 /**
  * Weighted blended order-independent transparency (McGuire and Bavoil 2013, "Weighted Blended Order-Independent Transparency", JCGT 2(2)):
- * one pass adds up weighted colours and multiplies what is left open, a second one puts their mean over the picture. Exact where one
- * surface covers a sample; else the order is a guess by depth. Two surfaces in either order give the same bits; with more, sums
- * differ in their rounding. Cost: one shading per fragment, WEIGHTED_BYTES per sample.
+ * one pass adds up weighted colours, and the logarithms of what stays open; a second one puts the mean of the colours over the picture.
+ * Exact where one surface covers a sample; else the order is a guess by distance. Two surfaces in either order give the same bits; with
+ * more, sums differ in their rounding. Cost: one shading per fragment, weighted_bytes() per sample.
  */
-void weighted_add(struct graph *graph, const struct shade_input *input, bool half, graph_image radiance,
-                  graph_image depth);
+void weighted_add(struct graph *graph, const struct shade_input *input, bool half, graph_image radiance, graph_image depth);
 /** `half`: of 16-bit sums, which devices get that cannot blend 32-bit ones. They tell distances apart between 0.35 and 22 m only. */
 bool weighted_needs_half(const gpu_device *device);
 uint32_t weighted_bytes(bool half);

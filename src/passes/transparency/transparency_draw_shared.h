@@ -9,8 +9,9 @@
 /* Lists of fragments: those of pixel p are sums[p] .. sums[p] + written[p] - 1. */
 struct gpu_linked_push {
     STRUCT(gpu_geometry_push) geometry;
-    ADDRESS(const_uint_array) sums;  /* pixels + 1: fragments counted in all pixels before; pixels that end beyond `capacity` have no list */
-    ADDRESS(uint_array) written;     /* one per pixel */
+    ADDRESS(const_uint_array)
+    sums; /* pixels + 1: fragments counted in all pixels before; pixels that end beyond `capacity` have no list */
+    ADDRESS(uint_array) written;       /* one per pixel */
     ADDRESS(blend_color_array) colors; /* vec4: radiance times coverage; coverage */
     ADDRESS(blend_key_array) keys;
     ADDRESS(blend_extent_array) extents; /* with MSAA */
@@ -20,7 +21,7 @@ struct gpu_linked_push {
 
 struct gpu_weighted_push {
     STRUCT(gpu_geometry_push) geometry;
-    uint half_sums;  /* 1: the targets hold 16-bit numbers */
+    uint half_sums; /* 1: the targets hold 16-bit numbers */
 };
 
 #endif

@@ -5,7 +5,7 @@
 #include "shaders.h"
 
 struct formats {
-    VkFormat sum, clear;
+    VkFormat sum, density;
 };
 
 static struct formats formats_of(bool half) {
@@ -16,7 +16,7 @@ static struct formats formats_of(bool half) {
 bool weighted_needs_half(const gpu_device *device) {
     struct formats full = formats_of(false);
     return !gpu_format_supports(device, full.sum, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT) ||
-           !gpu_format_supports(device, full.clear, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT);
+           !gpu_format_supports(device, full.density, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT);
 }
 
 uint32_t weighted_bytes(bool half) { return half ? 8 + 2 : 16 + 4; }
@@ -40,7 +40,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
 }
 
 struct composite_data {
-    graph_image sum, clear;
+    graph_image sum, density;
     VkFormat format;
     uint32_t samples;
 };
@@ -56,7 +56,7 @@ static void execute_composite(const struct graph_context *context, const void *d
                                         .samples = d->samples};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
     for (uint32_t i = 0; i < d->samples; i++) {
-        struct gpu_weighted_composite_push push = {graph_sampled(context, d->sum), graph_sampled(context, d->clear),
+        struct gpu_weighted_composite_push push = {graph_sampled(context, d->sum), graph_sampled(context, d->density),
                                                    d->samples, i};
         gpu_push(context->commands, &push, sizeof push);
         gpu_draw(context->commands, 3, 1, 0, 0);
@@ -70,9 +70,9 @@ void weighted_add(struct graph *graph, const struct shade_input *input, bool hal
     params.name = "weighted sum";
     params.format = formats.sum;
     graph_image sum = graph_create_image(graph, &params);
-    params.name = "weighted clear";
-    params.format = formats.clear;
-    graph_image clear = graph_create_image(graph, &params);
+    params.name = "weighted density";
+    params.format = formats.density;
+    graph_image density = graph_create_image(graph, &params);
 
     struct draw_data draw = {.scene = input->scene,
                              .draws = *input->draws,
@@ -80,13 +80,12 @@ void weighted_add(struct graph *graph, const struct shade_input *input, bool hal
                              .lights = input->lights->header,
                              .counters = input->counters,
                              .half = half};
-    /* Alpha blending of no colour with coverage leaves what is behind times what stays open. */
     draw.state = (struct gpu_graphics_params){.fragment = &shader_weighted_frag,
                                               .constant_count = 2,
                                               .constants = {input->lights->kind, input->counters.id != 0},
                                               .color_count = 2,
-                                              .color_formats = {formats.sum, formats.clear},
-                                              .blends = {GPU_BLEND_ADD, GPU_BLEND_ALPHA},
+                                              .color_formats = {formats.sum, formats.density},
+                                              .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
                                               .depth_test = true,
                                               .depth_compare = VK_COMPARE_OP_GREATER,
@@ -97,12 +96,13 @@ void weighted_add(struct graph *graph, const struct shade_input *input, bool hal
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
-    graph_color(pass, clear, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){1, 1, 1, 1});
+    graph_color(pass, density, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
     graph_depth_read_only(pass, depth);
 
-    struct composite_data composite = {sum, clear, target.format, samples};
-    pass = graph_add_pass(graph, "weighted composite", GRAPH_QUEUE_GRAPHICS, execute_composite, &composite, sizeof composite);
+    struct composite_data composite = {sum, density, target.format, samples};
+    pass =
+        graph_add_pass(graph, "weighted composite", GRAPH_QUEUE_GRAPHICS, execute_composite, &composite, sizeof composite);
     graph_use_image(pass, sum, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, clear, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, density, GRAPH_SAMPLE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
 }

@@ -9,8 +9,9 @@
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_weighted_push push; };
 
-layout(location = 0) out vec4 out_sum;   // added up
-layout(location = 1) out vec4 out_clear; // red is multiplied by 1 - alpha
+// Both are added up, so no device has to blend its targets in different ways.
+layout(location = 0) out vec4 out_sum;
+layout(location = 1) out vec4 out_density; // red: minus the logarithm of what is left open
 
 // A power of the distance: two surfaces share a pixel by the ratio of their distances alone, at 10 cm as at 10 km. The square is nearest
 // to the truth over stacks of 2 to 8 surfaces of alpha 0.1 to 0.6 (docs/techniques/transparency.md). 16-bit sums hold a part of the range.
@@ -25,5 +26,5 @@ void main() {
     vec4 color = forward_shade(push.geometry, view_depth);
     float most = push.half_sums == 1u ? HALF_MAX / 64.0 : 1e26; // many of these still add up to a number
     out_sum = vec4(min(color.rgb, vec3(most)), color.a) * weight(view_depth);
-    out_clear = vec4(0.0, 0.0, 0.0, color.a);
+    out_density = vec4(-log(max(1.0 - color.a, 1e-7)));
 }

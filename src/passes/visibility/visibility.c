@@ -79,8 +79,9 @@ struct shade_data {
 
 static void execute_shade(const struct graph_context *context, const void *data) {
     const struct shade_data *d = data;
-    struct gpu_compute_params params = {
-        .shader = &shader_visibility_shade_comp, .constant_count = 9, .constants = {d->kind, d->counters.id != 0, 1, 1}};
+    struct gpu_compute_params params = {.shader = &shader_visibility_shade_comp,
+                                        .constant_count = 10,
+                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [9] = d->scene->features}};
     memcpy(&params.constants[8], &d->scene->gradient_taps, sizeof(float));
     struct gpu_visibility_push push = {.view = d->view,
                                        .scene = d->scene->scene,
@@ -113,6 +114,7 @@ void visibility_shade_add(struct graph *graph, const struct shade_input *input, 
     struct graph_pass *pass =
         graph_add_pass(graph, "visibility shade", GRAPH_QUEUE_GRAPHICS, execute_shade, &data, sizeof data);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
+    geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
     if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, radiance, GRAPH_WRITE_COMPUTE);

@@ -6,6 +6,7 @@
 #include "common.glsl"
 #include "shade.glsl"
 #include "material.glsl"
+#include "decals_raster.glsl"
 #include "passes/visibility/triangle.glsl"
 #include "passes/visibility/visibility_shared.h"
 
@@ -22,6 +23,9 @@ void interpolate(triangle t, vec2 pixel) {
     vec3 first = triangle_weights(t, push.view, corner);
     vec3 wx = triangle_weights(t, push.view, corner + vec2(1.0, 0.0)) - first;
     vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
+    in_position_dx = t.positions[0] * wx.x + t.positions[1] * wx.y + t.positions[2] * wx.z;
+    in_position_dy = t.positions[0] * wy.x + t.positions[1] * wy.y + t.positions[2] * wy.z;
+    in_bind = in_bind_dx = in_bind_dy = vec3(0.0);
     in_position = t.positions[0] * w.x + t.positions[1] * w.y + t.positions[2] * w.z;
     in_normal = vec3(0.0);
     in_tangent = in_uv = in_color = in_uv_dx = in_uv_dy = vec4(0.0);
@@ -35,6 +39,12 @@ void interpolate(triangle t, vec2 pixel) {
         in_uv += uv * w[i];
         in_uv_dx += uv * wx[i];
         in_uv_dy += uv * wy[i];
+        if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) {
+            vec3 bind = push.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
+            in_bind += bind * w[i];
+            in_bind_dx += bind * wx[i];
+            in_bind_dy += bind * wy[i];
+        }
         in_color += vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y)) * w[i];
     }
     in_ids = uvec3(t.primitive.material, t.item_index, uint(mirror < 0.0 && t.primitive.corners == 3u));
@@ -55,6 +65,8 @@ void main() {
         interpolate(t, vec2(pixel) + 0.5);
         material_array materials = push.scene.scene.materials;
         surface s = material_surface(materials, in_ids.x);
+        in_pixel = uvec2(pixel);
+        decals_on_surface(s, push.view, push.scene);
         float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
         radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
     }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Decals on what is drawn: for fragment shaders of the scene, right after material_surface().
+#ifndef DECALS_RASTER_GLSL
+#define DECALS_RASTER_GLSL
+
+#include "decals.glsl"
+#include "scene.glsl"
+
+// in_bind: the position before the mesh deforms, in its own space. With MATERIAL_GRADIENTS (material.glsl) the shader fills it, what
+// follows it, and in_pixel.
+#ifdef MATERIAL_GRADIENTS
+layout(constant_id = 9) const uint FEATURES = 0u; // GPU_FEATURE_…
+vec3 in_bind;
+vec3 in_position_dx, in_position_dy, in_bind_dx, in_bind_dy; // per pixel to the right and down
+uvec2 in_pixel;
+#else
+layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(location = 7) centroid in vec3 in_bind;
+#define in_position_dx dFdx(in_position)
+#define in_position_dy dFdy(in_position)
+#define in_bind_dx dFdx(in_bind)
+#define in_bind_dy dFdy(in_bind)
+#define in_pixel uvec2(gl_FragCoord.xy)
+#endif
+
+decal_point decal_raster_point(view_block v, gpu_item item, vec3 dx, vec3 dy) {
+    decal_point p;
+    p.position = in_position;
+    p.dx = dx;
+    p.dy = dy;
+    float length2 = dot(in_normal, in_normal);
+    p.facing = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
+    if (dot(p.facing, to_viewer(v, in_position)) < 0.0) p.facing = -p.facing;
+    p.receivers = item.receivers;
+    return p;
+}
+
+// Decals of the instance's own: in the space before deformation, with directions from how the picture lies on the surface.
+void decals_of_mesh(inout surface s, decal_block d, gpu_item item, decal_point p, vec3 bind_dx, vec3 bind_dy) {
+    uint next = d.set.mesh_ranges.at[item.instance], end = d.set.mesh_ranges.at[item.instance + 1u];
+    decal_array decals = d.set.decals;
+    vec3 across = cross(p.dx, p.dy);
+    vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(across, p.facing) < 0.0 ? -1.0 : 1.0);
+    float bind_length2 = dot(bind_normal, bind_normal);
+    for (; next < end; next++) {
+        uint index = d.set.mesh_ids.at[next];
+        vec3 q = decal_cube(decals, index, in_bind);
+        if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) continue;
+        decal_place place;
+        place.q = q;
+        place.dx = decal_cube_direction(decals, index, bind_dx);
+        place.dy = decal_cube_direction(decals, index, bind_dy);
+        float area = place.dx.x * place.dy.y - place.dy.x * place.dx.y;
+        float turn = area < 0.0 ? -1.0 : 1.0;
+        place.side = (p.dx * place.dy.y - p.dy * place.dx.y) * turn;
+        place.up = (p.dy * place.dx.x - p.dx * place.dy.x) * turn;
+        place.cosine = bind_length2 > 1e-36 ? dot(bind_normal, decals.at[index].facing) * inversesqrt(bind_length2) : 1.0;
+        decal_apply(s, decals, index, d.set.sampler_index, place, p.facing);
+    }
+}
+
+// Call where control flow is uniform: derivatives are taken here.
+void decals_on(inout surface s, view_block v, scene_block scene, bool to_gbuffer) {
+    if (FEATURES == 0u) return;
+    vec3 dx = in_position_dx, dy = in_position_dy, bind_dx = vec3(0.0), bind_dy = vec3(0.0);
+    if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) {
+        bind_dx = in_bind_dx;
+        bind_dy = in_bind_dy;
+    }
+    decal_block d = decals_of(v);
+    gpu_item item = scene.scene.items.at[in_ids.y];
+    decal_point p = decal_raster_point(v, item, dx, dy);
+    if (p.receivers == 0u) return;
+    if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) decals_of_mesh(s, d, item, p, bind_dx, bind_dy);
+    if ((FEATURES & GPU_FEATURE_DECALS) == 0u || to_gbuffer && d.set.in_gbuffer == 1u) return;
+    vec3 view_position = (v.view.world_to_view * vec4(in_position, 1.0)).xyz;
+    uvec2 pixel = v.view.samples > 1u ? pixel_of(v, view_position) : in_pixel;
+    decals_apply(s, d, pixel, -view_position.z, p);
+}
+
+void decals_on_surface(inout surface s, view_block v, scene_block scene) { decals_on(s, v, scene, false); }
+
+// What goes into a G-buffer, where another pass may apply boxes and volumes.
+void decals_on_gbuffer(inout surface s, view_block v, scene_block scene) { decals_on(s, v, scene, true); }
+
+#endif

@@ -1,0 +1,96 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Deferred shading of several samples a pixel (deferred_msaa.h). Samples of one surface are lit at the surface's point, so that it does not
+// matter which of them a method shades.
+#include "shade.glsl"
+#include "passes/shade/deferred_msaa.glsl"
+
+layout(constant_id = 12) const uint STEP = MSAA_STEP_FIRST;
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform push_block { gpu_deferred_msaa_push push; };
+
+shared uint tile_is_edge;
+
+// One surface for many: means of what its samples hold. Where their normals differ the highlight widens: the spread of normals of mean
+// length r is that of a von Mises-Fisher lobe of kappa = r (3 - r^2) / (1 - r^2) (Banerjee et al. 2005), whose slopes vary by about 1 / kappa;
+// twice that is added to the squared roughness of the microfacets (Hill and Baker 2012, "Rock-Solid Shading").
+surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
+    surface mean = gbuffer_surface(push.gbuffer, pixel, findLSB(samples), position, vec3(0.0));
+    vec3 first_normal = mean.normal, normal = vec3(0.0);
+    vec4 color = vec4(0.0), f0 = vec4(0.0), others = vec4(0.0);
+    vec3 emissive = vec3(0.0);
+    float part = 1.0 / float(bitCount(samples));
+    for (uint i = 0u; i < SAMPLES; i++) {
+        if ((samples >> i & 1u) == 0u) continue;
+        surface s = gbuffer_surface(push.gbuffer, pixel, int(i), position, texelFetch(textures_multisampled[push.radiance], pixel, int(i)).rgb);
+        normal += s.normal * part;
+        color += vec4(s.base_color, s.metallic) * part;
+        f0 += vec4(s.dielectric_f0, s.dielectric_f90) * part;
+        float alpha = alpha_of(s.roughness);
+        others += vec4(alpha * alpha, s.occlusion, 0.0, 0.0) * part;
+        emissive += s.emissive * part;
+    }
+    float r2 = min(dot(normal, normal), 1.0), r = sqrt(r2);
+    // Below that length only rounding differs.
+    if (r2 < 0.99999) others.x += 2.0 * (1.0 - r2) / max(r * (3.0 - r2), 1e-4);
+    mean.normal = r > 1e-3 ? normal / r : first_normal;
+    mean.base_color = color.rgb;
+    mean.metallic = color.a;
+    mean.dielectric_f0 = f0.rgb;
+    mean.dielectric_f90 = f0.a;
+    mean.roughness = r2 < 0.99999 ? min(sqrt(sqrt(others.x)), 1.0) : mean.roughness;
+    mean.occlusion = others.y;
+    mean.emissive = emissive;
+    return mean;
+}
+
+void shade_samples(ivec2 pixel, uint samples, uint result) {
+    float view_depth;
+    vec3 point = surface_point(push.view, push.gbuffer, pixel, samples, view_depth);
+    vec3 position = (push.view.view.view_to_world * vec4(point, 1.0)).xyz;
+    int first = findLSB(samples);
+    surface s = METHOD == MSAA_AGGREGATE
+                    ? mean_surface(pixel, samples, position)
+                    : gbuffer_surface(push.gbuffer, pixel, first, position, texelFetch(textures_multisampled[push.radiance], pixel, first).rgb);
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    store_result(push.results, result, min(radiance, vec3(push.view.view.hdr_max)));
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
+}
+
+void shade_sample(ivec2 pixel, uint word, uint at, uint result) {
+    uint surface_index = surface_of(word, at);
+    if (surface_index != SURFACE_NONE) shade_samples(pixel, surface_samples(word, surface_index), result);
+}
+
+void main() {
+    uvec2 size = push.view.view.size;
+    uint pixels = size.x * size.y;
+    if ((METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE) && STEP == MSAA_STEP_REST) {
+        uint slot = LINEAR_GROUP * 64u + gl_LocalInvocationIndex;
+        if (slot >= push.sums.at[pixels]) return;
+        uint entry = push.entries.at[slot], index = entry & 0xfffffffu;
+        ivec2 at = ivec2(index % size.x, index / size.x);
+        shade_samples(at, surface_samples(push.surfaces.at[index], entry >> 28), pixels + slot);
+        return;
+    }
+    uvec2 pixel = gl_GlobalInvocationID.xy;
+    bool inside = all(lessThan(pixel, size));
+    uint index = pixel.y * size.x + pixel.x, word = inside ? push.surfaces.at[index] : 0xffffffffu;
+    if (METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE || METHOD == MSAA_COVERAGE) {
+        uint which = METHOD == MSAA_COVERAGE ? widest_surface(word) : 0u, samples = surface_samples(word, which);
+        if (inside && samples != 0u) shade_samples(ivec2(pixel), samples, index);
+        return;
+    }
+    bool edge = inside && surface_is_edge(word);
+    uint at = METHOD == MSAA_ALL ? gl_WorkGroupID.z : METHOD == MSAA_STENCIL && STEP == MSAA_STEP_REST ? gl_WorkGroupID.z + 1u : 0u;
+    if (inside && (STEP == MSAA_STEP_FIRST || edge)) shade_sample(ivec2(pixel), word, at, at * pixels + index);
+    if (METHOD != MSAA_TILES) return;
+    if (gl_LocalInvocationIndex == 0u) tile_is_edge = 0u;
+    barrier();
+    if (edge) tile_is_edge = 1u;
+    barrier();
+    if (tile_is_edge == 0u || !inside) return;
+    for (uint i = 1u; i < SAMPLES; i++) shade_sample(ivec2(pixel), word, i, i * pixels + index);
+}

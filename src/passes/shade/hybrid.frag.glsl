@@ -1,0 +1,30 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Lights what the G-buffer's mask marks from its material, where it is nearest. Hidden fragments are not shaded, and so not counted.
+#include "common.glsl"
+#include "material.glsl"
+#include "decals_raster.glsl"
+#include "shade.glsl"
+#include "gbuffer.glsl"
+#include "passes/shade/hybrid_shared.h"
+
+layout(early_fragment_tests) in;
+layout(push_constant, scalar) uniform push_block { gpu_hybrid_push push; };
+
+layout(location = 0) out vec4 out_radiance;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    material_array materials = push.geometry.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.geometry.view, push.geometry.scene);
+    // A surface at the same depth, drawn later, may have taken the pixel.
+    if (!gbuffer_is_forward(push.gbuffer, pixel)) discard;
+    // A list may have been made from what the G-buffer says; it then holds for that alone.
+    float view_depth = view_depth_of(push.geometry.view, gbuffer_depth(push.gbuffer, pixel));
+    s.position = gbuffer_position(push.geometry.view, pixel, view_depth);
+    s.normal = gbuffer_normal(push.gbuffer, pixel);
+    vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
+    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.hdr_max)), 1.0);
+}

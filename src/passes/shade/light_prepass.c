@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shade/light_prepass.h"
+
+#include "passes/shade/gbuffer_layouts.h"
+#include "shaders.h"
+
+/* ---- surfaces ---- */
+
+struct surfaces_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+    struct gpu_graphics_params state;
+};
+
+static void execute_surfaces(const struct graph_context *context, const void *data) {
+    const struct surfaces_data *d = data;
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL,
+                  (struct gpu_geometry_push){.view = d->view});
+}
+
+static graph_image create_image(struct graph *graph, const struct shade_input *input, const char *name, VkFormat format) {
+    return graph_create_image(
+        graph, &(struct graph_image_params){.name = name, .format = format, .width = input->width, .height = input->height});
+}
+
+struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade_input *input, bool prepass, uint32_t buffer,
+                                         graph_image depth) {
+    bool reflects = buffer == LIGHT_BUFFER_TWO;
+    struct light_surfaces surfaces = {.depth = depth};
+    surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM);
+    if (reflects) surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM);
+    struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
+    data.state =
+        (struct gpu_graphics_params){.fragment = &shader_light_prepass_surfaces_frag,
+                                     .color_count = reflects ? 2 : 1,
+                                     .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
+                                     .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                     .depth_test = true,
+                                     .depth_write = !prepass,
+                                     .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                     .samples = 1};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "light surfaces", GRAPH_QUEUE_GRAPHICS, execute_surfaces, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    static const float zero[4];
+    graph_color(pass, surfaces.normal, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    if (reflects) graph_color(pass, surfaces.reflectance, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    if (prepass)
+        graph_depth_read_only(pass, depth);
+    else
+        graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    return surfaces;
+}
+
+void light_surfaces_use(struct graph_pass *pass, const struct light_surfaces *surfaces, enum graph_use use) {
+    graph_use_image(pass, surfaces->depth, use);
+    graph_use_image(pass, surfaces->normal, use);
+    if (surfaces->reflectance.id) graph_use_image(pass, surfaces->reflectance, use);
+}
+
+struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *context, const struct light_surfaces *surfaces) {
+    return (struct gpu_light_surfaces){
+        .depth = graph_sampled(context, surfaces->depth),
+        .normal = graph_sampled(context, surfaces->normal),
+        .reflectance = surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0};
+}
+
+struct gbuffer light_surfaces_normals(const struct light_surfaces *surfaces) {
+    /* Of the default layout's targets the second has the normals; nobody reads the first. */
+    return (struct gbuffer){.depth = surfaces->depth,
+                            .targets = {surfaces->normal, surfaces->normal},
+                            .target_count = 2,
+                            .normal = surfaces->normal,
+                            .form = gbuffer_form_of(FNL_GBUFFER_DEFAULT, FNL_NORMALS_LAYOUT, false)};
+}
+
+/* ---- sums ---- */
+
+struct light_sums light_sums_create(struct graph *graph, const struct shade_input *input, uint32_t buffer, uint32_t scale,
+                                    VkFormat format) {
+    static const char *const names[LIGHT_BUFFER_TARGETS] = {"light sums", "light sums 1", "light sums 2", "light sums 3"};
+    struct light_sums sums = {.buffer = buffer,
+                              .scale = scale,
+                              .width = DIVIDE_UP(input->width, scale),
+                              .height = DIVIDE_UP(input->height, scale),
+                              .target_count = buffer == LIGHT_BUFFER_RGBA  ? 1
+                                              : buffer == LIGHT_BUFFER_TWO ? 2
+                                                                           : 4};
+    struct graph_image_params params = {.format = format, .width = sums.width, .height = sums.height};
+    for (uint32_t i = 0; i < sums.target_count; i++) {
+        params.name = names[i];
+        sums.targets[i] = graph_create_image(graph, &params);
+    }
+    if (scale == 1) return sums;
+    params.name = "light samples";
+    params.format = VK_FORMAT_R32_UINT;
+    sums.samples = graph_create_image(graph, &params);
+    return sums;
+}
+
+struct sums_data {
+    struct light_surfaces surfaces;
+    struct light_sums sums;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    uint32_t kind;
+};
+
+static void execute_sums(const struct graph_context *context, const void *data) {
+    const struct sums_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_light_prepass_lights_comp,
+                                        .constant_count = 14,
+                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [13] = d->sums.buffer}};
+    struct gpu_light_prepass_push push = {.view = d->view,
+                                          .lights = d->lights,
+                                          .counters = d->counters.id ? graph_address(context, d->counters) : 0,
+                                          .surfaces = light_surfaces_handles(context, &d->surfaces),
+                                          .scale = d->sums.scale,
+                                          .samples = d->sums.samples.id ? graph_storage(context, d->sums.samples) : 0,
+                                          .width = d->sums.width,
+                                          .height = d->sums.height};
+    for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_storage(context, d->sums.targets[i]);
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->sums.width, 8u), DIVIDE_UP(d->sums.height, 8u), 1);
+}
+
+void light_sums_add(struct graph *graph, const struct shade_input *input, const struct light_surfaces *surfaces,
+                    const struct light_sums *sums) {
+    struct sums_data data = {.surfaces = *surfaces,
+                             .sums = *sums,
+                             .view = input->view,
+                             .lights = input->lights->header,
+                             .counters = input->counters,
+                             .kind = input->lights->kind};
+    struct graph_pass *pass = graph_add_pass(graph, "light sums", GRAPH_QUEUE_GRAPHICS, execute_sums, &data, sizeof data);
+    light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_COMPUTE);
+    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_WRITE_COMPUTE);
+    if (sums->samples.id) graph_use_image(pass, sums->samples, GRAPH_WRITE_COMPUTE);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
+}
+
+/* ---- materials ---- */
+
+struct material_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    struct light_surfaces surfaces;
+    struct light_sums sums;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+};
+
+static void execute_materials(const struct graph_context *context, const void *data) {
+    const struct material_data *d = data;
+    bool filters = d->sums.scale > 1;
+    struct gpu_light_material_push push = {
+        .geometry = {.view = d->view,
+                     .lights = d->lights,
+                     .counters = d->counters.id ? graph_address(context, d->counters) : 0},
+        .samples = filters ? graph_sampled(context, d->sums.samples) : 0,
+        .scale = d->sums.scale};
+    if (filters) push.surfaces = light_surfaces_handles(context, &d->surfaces);
+    for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_sampled(context, d->sums.targets[i]);
+    geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
+}
+
+void light_material_add(struct graph *graph, const struct shade_input *input, const struct light_surfaces *surfaces,
+                        const struct light_sums *sums, graph_image radiance) {
+    bool filters = sums->scale > 1;
+    struct material_data data = {.scene = input->scene,
+                                 .draws = *input->draws,
+                                 .surfaces = *surfaces,
+                                 .sums = *sums,
+                                 .view = input->view,
+                                 .lights = input->lights->header,
+                                 .counters = filters ? input->counters : (graph_buffer){0}};
+    data.state = (struct gpu_graphics_params){
+        .fragment = &shader_light_prepass_material_frag,
+        .constant_count = 15,
+        .constants = {input->lights->kind, data.counters.id != 0, 1, 1, [13] = sums->buffer, [14] = sums->scale},
+        .color_count = 1,
+        .color_formats = {graph_image_info(graph, radiance).format},
+        .depth_format = GEOMETRY_DEPTH_FORMAT,
+        .depth_test = true,
+        .depth_compare = VK_COMPARE_OP_EQUAL,
+        .samples = 1};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "light materials", GRAPH_QUEUE_GRAPHICS, execute_materials, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_SAMPLE_FRAGMENT);
+    if (filters) {
+        light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
+        light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+        graph_use_image(pass, sums->samples, GRAPH_SAMPLE_FRAGMENT);
+        if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_FRAGMENT);
+    }
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                (float[4]){input->background[0], input->background[1], input->background[2], 1});
+    graph_depth_read_only(pass, surfaces->depth);
+}

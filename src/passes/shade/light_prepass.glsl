@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// Sums of light that know nothing of the material, or next to nothing, and what a material makes of them. The BRDF of brdf.glsl is a sum of
+// products: with m = (1 - v.h)^5 the dielectric's diffuse part takes (1 - F0) - (F90 - F0) m of its albedo, F0 and F90 being those of the
+// channel that reflects most, and either lobe reflects F0 + (F90 - F0) m. So four sums over the lights, of E cos / pi, E cos m / pi,
+// E cos lobe and E cos lobe m, are all that any material needs.
+#ifndef LIGHT_PREPASS_GLSL
+#define LIGHT_PREPASS_GLSL
+
+#include "shade.glsl"
+#include "scene.glsl"
+#include "passes/shade/light_prepass_shared.h"
+
+layout(constant_id = 13) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO;
+
+// LIGHT_BUFFER_FOUR: the four sums. TWO: at[0] diffuse light less what is reflected, at[1] reflected light. RGBA: at[0] diffuse light, with the
+// luminance of the specular lobe in its alpha.
+struct light_sums {
+    vec4 at[LIGHT_BUFFER_TARGETS];
+};
+
+// What stands for a pixel in the light passes.
+struct light_surface {
+    vec3 position;
+    vec3 normal;
+    float roughness;
+    float greatest_f0, dielectric_f90; // LIGHT_BUFFER_TWO, as the next
+    vec3 f0;                           // of both lobes together
+    float f90;
+};
+
+light_sums light_sums_none() {
+    light_sums sums;
+    for (uint i = 0u; i < LIGHT_BUFFER_TARGETS; i++) sums.at[i] = vec4(0.0);
+    return sums;
+}
+
+// Adds one light; `light` is its illuminance at right angles to the ray.
+void light_sums_add(inout light_sums sums, light_surface s, brdf_view b, vec3 to_light, vec3 light) {
+    brdf_lobes lobes;
+    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return;
+    precise vec3 diffuse = light * (lobes.n_l * (1.0 / PI)), specular = light * (lobes.n_l * lobes.specular);
+    if (LIGHT_BUFFER == LIGHT_BUFFER_RGBA) {
+        precise vec4 sum = sums.at[0] + vec4(diffuse, luminance(specular));
+        sums.at[0] = sum;
+    } else if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
+        precise float reflected = s.greatest_f0 + (s.dielectric_f90 - s.greatest_f0) * lobes.m5;
+        precise vec3 kept = sums.at[0].rgb + diffuse * (1.0 - reflected);
+        precise vec3 mirrored = sums.at[1].rgb + specular * (s.f0 + (vec3(s.f90) - s.f0) * lobes.m5);
+        sums.at[0].rgb = kept;
+        sums.at[1].rgb = mirrored;
+    } else {
+        precise vec3 a = sums.at[0].rgb + diffuse, c = sums.at[2].rgb + specular;
+        precise vec3 b5 = sums.at[1].rgb + diffuse * lobes.m5, d5 = sums.at[3].rgb + specular * lobes.m5;
+        sums.at[0].rgb = a;
+        sums.at[1].rgb = b5;
+        sums.at[2].rgb = c;
+        sums.at[3].rgb = d5;
+    }
+}
+
+// All lights of a point, by the frame's lists.
+light_sums light_sums_of(light_surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth) {
+    surface shape;
+    shape.normal = s.normal;
+    shape.roughness = s.roughness;
+    brdf_view b = brdf_prepare(shape, to_viewer(v, s.position));
+    light_sums sums = light_sums_none();
+    uint directional_count = lights.list.directional_count;
+    for (uint i = 0u; i < directional_count; i++)
+        light_sums_add(sums, s, b, -lights.list.lights.at[i].direction, lights.list.lights.at[i].color);
+    light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
+    uint visited = 0u, useful = 0u;
+    FOR_EACH_LIGHT(lights, cursor, light) {
+        vec3 to_light;
+        vec3 illuminance = illuminate(lights, light, s.position, to_light);
+        if (COUNT_LIGHTS == 1u) visited++;
+        if (illuminance != vec3(0.0)) {
+            light_sums_add(sums, s, b, to_light, illuminance);
+            if (COUNT_LIGHTS == 1u) useful++;
+        }
+    }
+    if (COUNT_LIGHTS == 1u) {
+        atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
+        atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
+    }
+    return sums;
+}
+
+// What a material makes of it. RGBA knows neither the half vectors nor the colours of highlights: reflectance is that of normal incidence, and
+// highlights take the hue of the diffuse light. Right for reflectances without Fresnel's rise (F90 = F0) under white lights.
+vec3 light_sums_reflect(surface s, light_sums sums) {
+    float greatest = max_component(s.dielectric_f0);
+    vec3 albedo = s.base_color * (1.0 - s.metallic);
+    vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    if (LIGHT_BUFFER == LIGHT_BUFFER_RGBA) {
+        vec3 diffuse = sums.at[0].rgb;
+        vec3 hue = diffuse / max(luminance(diffuse), 1e-20);
+        return albedo * (1.0 - greatest) * diffuse + f0 * hue * sums.at[0].a;
+    }
+    if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) return albedo * sums.at[0].rgb + sums.at[1].rgb;
+    vec3 rise = mix(vec3(s.dielectric_f90), vec3(1.0), s.metallic) - f0;
+    vec3 diffuse = sums.at[0].rgb * (1.0 - greatest) - sums.at[1].rgb * (s.dielectric_f90 - greatest);
+    return albedo * max(diffuse, vec3(0.0)) + max(f0 * sums.at[2].rgb + rise * sums.at[3].rgb, vec3(0.0));
+}
+
+/* ---- the surfaces of the first pass ---- */
+
+vec4 light_surface_pack(surface s, out vec4 reflectance) {
+    float packed = round(sqrt(max_component(s.dielectric_f0)) * 255.0) * 256.0 + round(s.dielectric_f90 * 255.0);
+    reflectance = vec4(sqrt(mix(s.dielectric_f0, s.base_color, s.metallic)), mix(s.dielectric_f90, 1.0, s.metallic));
+    return vec4(octahedral_encode(s.normal) * 0.5 + 0.5, s.roughness, packed / 65535.0);
+}
+
+light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, vec3 position) {
+    light_surface s;
+    vec4 normal = texelFetch(textures[from.normal], pixel, 0);
+    s.position = position;
+    s.normal = octahedral_decode(normal.xy * 2.0 - 1.0);
+    s.roughness = normal.z;
+    s.greatest_f0 = s.dielectric_f90 = s.f90 = 0.0;
+    s.f0 = vec3(0.0);
+    if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
+        vec4 reflectance = texelFetch(textures[from.reflectance], pixel, 0);
+        uint packed = uint(round(normal.w * 65535.0));
+        float root = float(packed >> 8) / 255.0;
+        s.greatest_f0 = root * root;
+        s.dielectric_f90 = float(packed & 255u) / 255.0;
+        s.f0 = reflectance.rgb * reflectance.rgb;
+        s.f90 = reflectance.a;
+    }
+    return s;
+}
+
+#endif

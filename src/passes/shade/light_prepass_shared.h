@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/** Light kept apart from materials: the buffers that hold it, and the passes that fill and read them. */
+#ifndef FNL_PASSES_LIGHT_PREPASS_SHARED_H
+#define FNL_PASSES_LIGHT_PREPASS_SHARED_H
+
+#include "passes/geometry/geometry_shared.h"
+
+/* How sums of light are kept; the values of fnl_light_buffer. */
+#define LIGHT_BUFFER_RGBA 1u /* diffuse RGB, luminance of the specular lobe */
+#define LIGHT_BUFFER_TWO 2u  /* diffuse, specular; reflectance is folded in */
+#define LIGHT_BUFFER_FOUR 3u /* diffuse and specular lobe, each as it is and times (1 - v.h)^5 */
+#define LIGHT_BUFFER_TARGETS 4u
+
+/* Bindless indices of what the first pass over the geometry drew. */
+struct gpu_light_surfaces {
+    uint depth;
+    uint normal;      /* RGBA16 UNORM: octahedral normal, roughness, two bytes: root of the greatest dielectric F0, dielectric F90 */
+    uint reflectance; /* RGBA8 UNORM: root of F0, F90; with LIGHT_BUFFER_TWO alone */
+};
+
+struct gpu_light_prepass_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;
+    STRUCT(gpu_light_surfaces) surfaces;
+    uint targets[LIGHT_BUFFER_TARGETS]; /* storage */
+    uint scale;                         /* pixels of the screen along a side of a texel of the targets: 1, 2 or 4 */
+    uint samples;                       /* storage: which of its pixels a texel stands for, where scale is not 1 */
+    uint width;                         /* texels of the targets */
+    uint height;
+};
+
+struct gpu_light_material_push {
+    STRUCT(gpu_geometry_push) geometry;
+    STRUCT(gpu_light_surfaces) surfaces;
+    uint targets[LIGHT_BUFFER_TARGETS]; /* bindless, as the next */
+    uint samples;
+    uint scale;
+};
+
+#endif

@@ -1,0 +1,21 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// The first pass over the geometry: what the lights need to know of it.
+#include "common.glsl"
+#include "material.glsl"
+#include "decals_raster.glsl"
+#include "passes/shade/light_prepass.glsl"
+
+layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+
+layout(location = 0) out vec4 out_normal;
+layout(location = 1) out vec4 out_reflectance; // where there is such a target
+
+void main() {
+    material_array materials = push.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    decals_on_surface(s, push.view, push.scene);
+    out_normal = light_surface_pack(s, out_reflectance);
+}

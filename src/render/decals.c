@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/decals.h"
+
+#include "passes/decals/decals.h"
+#include "render/shading.h"
+
+static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene.decals; }
+static bool is_on(const struct frame_state *f) {
+    return f->frame->decals != FNL_DECALS_OFF && decals_of(f)->order.count > 0;
+}
+
+bool decals_in_gbuffer(const struct frame_state *f) {
+    return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER &&
+           shading_is(f->frame->shading, SHADING_GBUFFER) && f->frame->msaa == 1;
+}
+
+fnl_result decals_begin(struct frame_state *f) {
+    if (!is_on(f)) return FNL_OK;
+    TRY(device_decals_add(&f->r->device_scene, f->graph, &f->decals.buffers));
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
+    if (!slice.data) return gpu_status(f->r->device);
+    f->decals.set = slice.data;
+    f->view.decals = (uvec2){(uint32_t)slice.address, (uint32_t)(slice.address >> 32)};
+    return FNL_OK;
+}
+
+/* As for the clusters of lights: slices reach as far as the scene does. */
+static struct clustered_params cluster_params(const struct frame_state *f) {
+    struct clustered_params params = clustered_params_default();
+    struct box bounds = f->r->device_scene.bounds;
+    float far = 1;
+    if (!box_is_empty(&bounds))
+        for (int i = 0; i < 8; i++) {
+            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
+                           i & 4 ? bounds.high.z : bounds.low.z};
+            far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
+        }
+    params.far = fminf(far, 1e6f);
+    params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
+    params.tile_size = 32;
+    params.cone_tests = false;
+    params.pool_capacity = f->r->decal_capacity;
+    return params;
+}
+
+static bool needs_list(const struct frame_state *f) {
+    if (decals_of(f)->count == 0) return false;
+    /* Materials that a layout cannot hold are lit forward. */
+    if (f->frame->gbuffer != FNL_GBUFFER_DEFAULT) return true;
+    if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
+    for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
+        if (f->scene->geometry.buckets[i].blend) return true;
+    return false;
+}
+
+fnl_result decals_add_list(struct frame_state *f) {
+    if (!is_on(f)) return FNL_OK;
+    const struct device_decals *all = decals_of(f);
+    struct geometry_scene *geometry = &f->scene->geometry;
+    struct frame_decals *d = &f->decals;
+    struct light_input input = {.buffer = d->buffers.boxes,
+                                .lights = all->boxes.address,
+                                .local_count = all->count,
+                                .view = f->view_address,
+                                .width = f->frame->width,
+                                .height = f->frame->height,
+                                .spheres_only = true,
+                                .queue = GRAPH_QUEUE_ASYNC,
+                                .decals = true};
+    d->input = input;
+    if (all->count) d->in_view = lights_in_view_add(f->graph, f->r->device, &input);
+    *d->set = (struct gpu_decal_set){.decals = all->decals.address,
+                                     .mesh_ranges = all->mesh_ranges.address,
+                                     .mesh_ids = all->mesh_ids.address,
+                                     .count = all->count,
+                                     .sampler_index = all->sampler,
+                                     .in_gbuffer = decals_in_gbuffer(f),
+                                     .mip_fix = f->frame->decal_mip_fix};
+    geometry->features |= all->mesh_count ? GPU_FEATURE_MESH_DECALS : 0;
+    const graph_buffer uses[] = {d->buffers.decals, d->buffers.mesh_ranges, d->buffers.mesh_ids};
+    memcpy(geometry->feature_buffers, uses, sizeof uses);
+    if (!needs_list(f)) return FNL_OK;
+    struct clustered_params params = cluster_params(f);
+    d->list = clustered_add(f->graph, f->r->device, &input, &d->in_view, &params);
+    d->set->list = d->list.header;
+    geometry->features |= GPU_FEATURE_DECALS;
+    geometry->feature_buffers[3] = d->list.cells;
+    geometry->feature_buffers[4] = d->list.ids;
+    return FNL_OK;
+}
+
+graph_buffer decals_count_add(struct frame_state *f) {
+    if (!f->decals.list.header) return (graph_buffer){0};
+    struct decals_count_input input = {.list = &f->decals.list,
+                                       .decals = f->decals.buffers.decals,
+                                       .position = f->aov.position,
+                                       .normal = f->aov.normal,
+                                       .view = f->view_address,
+                                       .width = f->frame->width,
+                                       .height = f->frame->height};
+    return decals_count_pass_add(f->graph, &input);
+}

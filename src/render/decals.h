@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/** Decals in a frame: which way they take, and their list. */
+#ifndef FNL_RENDER_DECALS_H
+#define FNL_RENDER_DECALS_H
+
+#include "render/frame_state.h"
+
+/** Sends changed decals and makes the place of their set known to the view; before the view is sent. */
+fnl_result decals_begin(struct frame_state *f);
+/** The list over their boxes, and what the shaders of the scene do for them. After the view was sent, before anything is drawn. */
+fnl_result decals_add_list(struct frame_state *f);
+/** Whether a later pass applies boxes and volumes to the G-buffer. */
+bool decals_in_gbuffer(const struct frame_state *f);
+
+/** How many boxes and volumes hold what each pixel shows: a uint a pixel, for the debug view. */
+graph_buffer decals_count_add(struct frame_state *f);
+
+#endif
