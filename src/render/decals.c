@@ -2,6 +2,7 @@
 #include "render/decals.h"
 
 #include "passes/decals/decals.h"
+#include "passes/decals/decals_gbuffer.h"
 #include "render/shading.h"
 
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene.decals; }
@@ -20,6 +21,7 @@ fnl_result decals_begin(struct frame_state *f) {
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
     if (!slice.data) return gpu_status(f->r->device);
     f->decals.set = slice.data;
+    f->decals.set_address = slice.address;
     f->view.decals = (uvec2){(uint32_t)slice.address, (uint32_t)(slice.address >> 32)};
     return FNL_OK;
 }
@@ -99,4 +101,16 @@ graph_buffer decals_count_add(struct frame_state *f) {
                                        .width = f->frame->width,
                                        .height = f->frame->height};
     return decals_count_pass_add(f->graph, &input);
+}
+
+void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *input, const struct gbuffer *gbuffer) {
+    if (!decals_in_gbuffer(f)) return;
+    struct decals_gbuffer_input decals = {.boxes = f->decals.input,
+                                          .in_view = f->decals.in_view,
+                                          .decals = f->decals.buffers.decals,
+                                          .set = f->decals.set_address,
+                                          .emits = decals_of(f)->emits,
+                                          .mip_fix = f->frame->decal_mip_fix,
+                                          .pool_capacity = f->r->decal_capacity};
+    f->decals.fragments = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
 }

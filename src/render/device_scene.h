@@ -36,6 +36,7 @@ struct device_decals {
     ARRAY(struct decal_picture) pictures;
     uint32_t count, mesh_count, redraw_count;
     bool moves; /* some move with nodes */
+    bool emits; /* some box or volume changes emission */
     uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
     uint32_t sampler;
 };

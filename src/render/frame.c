@@ -221,7 +221,7 @@ static void add_counts(struct frame_state *f) {
             f->decals.list.totals, counts, 0, offsetof(struct frame_counts, decals), sizeof(struct light_totals)};
     if (f->decals.fragments.id)
         data.copies[data.count++] =
-            (struct count_copy){f->decals.fragments, counts, 0, offsetof(struct frame_counts, decal_fragments), 8};
+            (struct count_copy){f->decals.fragments, counts, 0, offsetof(struct frame_counts, decal_fragments), 12};
     if (f->linked.totals.id)
         data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
                                                         sizeof(struct linked_totals)};

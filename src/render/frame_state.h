@@ -10,10 +10,11 @@
 struct frame_decals {
     struct device_decals_frame buffers;
     struct gpu_decal_set *set; /* NULL: there are none */
+    VkDeviceAddress set_address;
     struct light_input input;
     struct lights_in_view in_view;
     struct light_list list;
-    graph_buffer fragments; /* of the G-buffer's way: how many, and pixels that did not fit */
+    graph_buffer fragments; /* of the G-buffer's way: struct decals_gbuffer_totals */
 };
 
 struct frame_state {

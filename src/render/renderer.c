@@ -571,7 +571,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     grow_blend_pool(r, counts);
     grow_decal_pool(r, counts);
     *out = r->stats;
-    out->decals_in_view = counts->decals.in_view;
+    out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
     out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;

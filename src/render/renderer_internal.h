@@ -15,7 +15,7 @@
 struct frame_counts {
     struct light_totals lights, blend_lights;
     struct light_totals decals;
-    uint32_t decal_fragments, decal_overflow; /* of the G-buffer's way */
+    uint32_t decal_fragments, decal_overflow, gbuffer_decals; /* of the G-buffer's way: struct decals_gbuffer_totals */
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */

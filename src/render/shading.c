@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/shading.h"
+#include "render/decals.h"
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/classify.h"
@@ -104,6 +105,7 @@ static void add_deferred(struct frame_state *f, struct shade_input *input, bool 
         return;
     }
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    decals_on_gbuffer_add(f, input, &gbuffer);
     add_lists(f, f->depth, &gbuffer);
     struct shade_classes classes = {0};
     if (f->frame->class_blocks) {
@@ -118,6 +120,7 @@ static void add_deferred(struct frame_state *f, struct shade_input *input, bool 
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
 static void add_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    decals_on_gbuffer_add(f, input, &gbuffer);
     struct light_list own = {0}; /* of what is lit forward */
     bool has_lists = has_blend(f) || gbuffer.mask.id;
     if (has_lists) {

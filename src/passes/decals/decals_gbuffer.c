@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/decals/decals_gbuffer.h"
+
+#include "passes/decals/decals_pass_shared.h"
+#include "passes/geometry/prefix_sum.h"
+#include "shaders.h"
+
+#define RECEIVERS_FORMAT VK_FORMAT_R32G32_UINT
+enum { BOX_INDICES = 36 };
+
+/* ---- receivers ---- */
+
+struct receivers_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+};
+
+static void execute_receivers(const struct graph_context *context, const void *data) {
+    const struct receivers_data *d = data;
+    struct gpu_graphics_params state = {.fragment = &shader_decals_receivers_frag,
+                                        .color_count = 1,
+                                        .color_formats = {RECEIVERS_FORMAT},
+                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_compare = VK_COMPARE_OP_EQUAL,
+                                        .samples = 1};
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, NULL, (struct gpu_geometry_push){.view = d->view});
+}
+
+static graph_image add_receivers(struct graph *graph, const struct shade_input *input, graph_image depth) {
+    graph_image image = graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = "decal receivers", .format = RECEIVERS_FORMAT, .width = input->width, .height = input->height});
+    struct receivers_data data = {input->scene, *input->draws, input->view};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "decals receivers", GRAPH_QUEUE_GRAPHICS, execute_receivers, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0});
+    graph_depth_read_only(pass, depth);
+    return image;
+}
+
+/* ---- which pixels ---- */
+
+struct box_data {
+    struct light_input boxes;
+    struct lights_in_view in_view;
+    struct gpu_slice commands; /* an indirect draw without instances, then indices */
+    graph_buffer draw, sums, cursors, fragments, totals, decals;
+    graph_image depth, receivers;
+    VkDeviceAddress set;
+    uint32_t pixel_count, capacity;
+    bool fills;
+};
+
+static void execute_begin(const struct graph_context *context, const void *data) {
+    const struct box_data *d = data;
+    if (!d->commands.data) return; /* the device carries a sticky error */
+    const struct gpu_buffer *draw = graph_get_buffer(context, d->draw);
+    gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset, draw, 0, sizeof(struct gpu_draw));
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->sums), 0, (d->pixel_count + 1) * 4ull, 0);
+}
+
+/* The number of boxes in view goes where the draw expects it. */
+static void execute_instances(const struct graph_context *context, const void *data) {
+    const struct box_data *d = data;
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull,
+                    graph_get_buffer(context, d->draw), offsetof(struct gpu_draw, instance_count), 4);
+}
+
+static void execute_boxes(const struct graph_context *context, const void *data) {
+    const struct box_data *d = data;
+    if (!d->commands.data) return;
+    /* Back faces, so that the viewer may be inside, and only those that are not in front of the surface. Depth is reversed. */
+    struct gpu_graphics_params state = {.vertex = &shader_decals_box_vert,
+                                        .fragment = &shader_decals_box_frag,
+                                        .constant_count = 2,
+                                        .constants = {GPU_LIST_ALL, d->fills},
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                        .cull = VK_CULL_MODE_FRONT_BIT,
+                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_clamp = true,
+                                        .depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL,
+                                        .samples = 1};
+    struct gpu_decals_box_push push = {.view = d->boxes.view,
+                                       .set = d->set,
+                                       .ids = graph_address(context, d->in_view.ids),
+                                       .counts = graph_address(context, d->fills ? d->cursors : d->sums),
+                                       .fragments = d->fills ? graph_address(context, d->fragments) : 0,
+                                       .depth = graph_sampled(context, d->depth),
+                                       .receivers = graph_sampled(context, d->receivers),
+                                       .capacity = d->capacity};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_bind_indices(context->commands, d->commands.buffer, d->commands.offset + sizeof(struct gpu_draw));
+    gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, d->draw), 0, 1);
+}
+
+static void execute_cursors(const struct graph_context *context, const void *data) {
+    const struct box_data *d = data;
+    const struct gpu_buffer *sums = graph_get_buffer(context, d->sums), *totals = graph_get_buffer(context, d->totals);
+    gpu_copy_buffer(context->commands, sums, 0, graph_get_buffer(context, d->cursors), 0, d->pixel_count * 4ull);
+    gpu_copy_buffer(context->commands, sums, d->pixel_count * 4ull, totals,
+                    offsetof(struct decals_gbuffer_totals, fragments), 4);
+    gpu_fill_buffer(context->commands, totals, offsetof(struct decals_gbuffer_totals, overflow_pixels), 4, 0);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull, totals,
+                    offsetof(struct decals_gbuffer_totals, in_view), 4);
+    /* Fragments are written where they are counted; the graph sees them begin here. */
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->fragments), 0, 4, 0);
+}
+
+static void add_boxes(struct graph *graph, const char *name, struct box_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_boxes, data, sizeof *data);
+    graph_use_buffer(pass, data->draw, GRAPH_INDIRECT);
+    graph_use_buffer(pass, data->in_view.ids, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, data->decals, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, data->fills ? data->cursors : data->sums, GRAPH_READ_WRITE_FRAGMENT);
+    if (data->fills) graph_use_buffer(pass, data->fragments, GRAPH_READ_WRITE_FRAGMENT);
+    graph_use_image(pass, data->receivers, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, data->depth, GRAPH_SAMPLE_FRAGMENT);
+    graph_depth_read_only(pass, data->depth);
+}
+
+/* Faces seen from outside are counter-clockwise; corner i is at (i & 1, i >> 1 & 1, i >> 2). */
+static const uint32_t box_indices[BOX_INDICES] = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                                  2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+
+static void add_fragments(struct graph *graph, gpu_device *device, struct box_data *data) {
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("decal pixels");
+    data->commands = gpu_frame_allocate(device, sizeof(struct gpu_draw) + sizeof box_indices);
+    if (data->commands.data) {
+        *(struct gpu_draw *)data->commands.data = (struct gpu_draw){.index_count = BOX_INDICES};
+        memcpy((char *)data->commands.data + sizeof(struct gpu_draw), box_indices, sizeof box_indices);
+    }
+    data->draw = graph_create_buffer(graph, "decal draw", sizeof(struct gpu_draw));
+    data->sums = graph_create_buffer(graph, "decal pixel sums", (data->pixel_count + 1) * 4ull);
+    data->cursors = graph_create_buffer(graph, "decal pixel cursors", data->pixel_count * 4ull);
+    data->fragments = graph_create_buffer(graph, "decal fragments", data->capacity * 4ull);
+    data->totals = graph_create_buffer(graph, "decal totals", sizeof(struct decals_gbuffer_totals));
+    struct graph_pass *pass = graph_add_pass(graph, "decals begin", GRAPH_QUEUE_GRAPHICS, execute_begin, data, sizeof *data);
+    graph_use_buffer(pass, data->draw, GRAPH_COPY_TO);
+    graph_use_buffer(pass, data->sums, GRAPH_COPY_TO);
+    pass = graph_add_pass(graph, "decals instances", GRAPH_QUEUE_GRAPHICS, execute_instances, data, sizeof *data);
+    graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, data->draw, GRAPH_COPY_TO);
+    add_boxes(graph, "decals count", data);
+    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->sums, data->pixel_count + 1);
+    pass = graph_add_pass(graph, "decals cursors", GRAPH_QUEUE_GRAPHICS, execute_cursors, data, sizeof *data);
+    graph_use_buffer(pass, data->sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, data->cursors, GRAPH_COPY_TO);
+    graph_use_buffer(pass, data->totals, GRAPH_COPY_TO);
+    graph_use_buffer(pass, data->fragments, GRAPH_COPY_TO);
+    data->fills = true;
+    add_boxes(graph, "decals fill", data);
+}
+
+/* ---- what becomes of them ---- */
+
+struct copies_data {
+    graph_image from[GBUFFER_TARGETS + 1], to[GBUFFER_TARGETS + 1];
+    uint32_t count;
+};
+
+static void execute_copies(const struct graph_context *context, const void *data) {
+    const struct copies_data *d = data;
+    for (uint32_t i = 0; i < d->count; i++)
+        gpu_copy_image(context->commands, graph_get_image(context, d->from[i]), graph_get_image(context, d->to[i]));
+}
+
+static graph_image add_copy(struct graph *graph, struct copies_data *copies, graph_image from) {
+    static const char *const names[GBUFFER_TARGETS + 1] = {"gbuffer copy 0", "gbuffer copy 1", "gbuffer copy 2",
+                                                           "gbuffer copy 3", "gbuffer copy 4", "gbuffer copy 5"};
+    struct graph_image_params params = graph_image_info(graph, from);
+    params.name = names[copies->count];
+    graph_image to = graph_create_image(graph, &params);
+    copies->from[copies->count] = from;
+    copies->to[copies->count++] = to;
+    return to;
+}
+
+struct merge_data {
+    struct gbuffer copy;
+    graph_image receivers, radiance;
+    graph_buffer sums, fragments, totals;
+    VkDeviceAddress set;
+    uint32_t capacity;
+    bool mip_fix;
+    struct gpu_graphics_params state;
+};
+
+static void execute_merge(const struct graph_context *context, const void *data) {
+    const struct merge_data *d = data;
+    struct gpu_decals_merge_push push = {.gbuffer = gbuffer_handles(context, &d->copy),
+                                         .set = d->set,
+                                         .sums = graph_address(context, d->sums),
+                                         .fragments = graph_address(context, d->fragments),
+                                         .totals = graph_address(context, d->totals),
+                                         .receivers = graph_sampled(context, d->receivers),
+                                         .radiance = d->radiance.id ? graph_sampled(context, d->radiance) : 0,
+                                         .capacity = d->capacity,
+                                         .mip_fix = d->mip_fix};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &d->state));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, 1, 0, 0);
+}
+
+static void add_merge(struct graph *graph, const struct decals_gbuffer_input *decals, const struct box_data *boxes,
+                      const struct gbuffer *gbuffer, graph_image radiance) {
+    struct copies_data copies = {.count = 0};
+    struct merge_data merge = {.copy = *gbuffer,
+                               .receivers = boxes->receivers,
+                               .sums = boxes->sums,
+                               .fragments = boxes->fragments,
+                               .totals = boxes->totals,
+                               .set = decals->set,
+                               .capacity = decals->pool_capacity,
+                               .mip_fix = decals->mip_fix};
+    for (uint32_t i = 0; i < gbuffer->target_count; i++)
+        merge.copy.targets[i] = add_copy(graph, &copies, gbuffer->targets[i]);
+    merge.copy.mask = (graph_image){0}; /* what is lit forward is marked all the same */
+    if (decals->emits) merge.radiance = add_copy(graph, &copies, radiance);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "decals copy", GRAPH_QUEUE_GRAPHICS, execute_copies, &copies, sizeof copies);
+    for (uint32_t i = 0; i < copies.count; i++) {
+        graph_use_image(pass, copies.from[i], GRAPH_COPY_FROM);
+        graph_use_image(pass, copies.to[i], GRAPH_COPY_TO);
+    }
+    merge.state = (struct gpu_graphics_params){.vertex = &shader_decals_merge_vert,
+                                               .fragment = &shader_decals_merge_frag,
+                                               .constant_count = 2,
+                                               .constants = {GPU_LIST_ALL, decals->emits},
+                                               .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                               .cull = VK_CULL_MODE_NONE,
+                                               .samples = 1};
+    graph_image targets[GBUFFER_TARGETS + 1];
+    if (decals->emits) targets[merge.state.color_count++] = radiance;
+    for (uint32_t i = 0; i < gbuffer->target_count; i++) targets[merge.state.color_count++] = gbuffer->targets[i];
+    for (uint32_t i = 0; i < merge.state.color_count; i++)
+        merge.state.color_formats[i] = graph_image_info(graph, targets[i]).format;
+    gbuffer_specialise(&merge.copy, merge.state.constants, &merge.state.constant_count);
+    pass = graph_add_pass(graph, "decals merge", GRAPH_QUEUE_GRAPHICS, execute_merge, &merge, sizeof merge);
+    gbuffer_use(pass, &merge.copy, GRAPH_SAMPLE_FRAGMENT);
+    if (merge.radiance.id) graph_use_image(pass, merge.radiance, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, merge.receivers, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_buffer(pass, boxes->decals, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, merge.sums, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, merge.fragments, GRAPH_READ_WRITE_FRAGMENT);
+    graph_use_buffer(pass, merge.totals, GRAPH_READ_WRITE_FRAGMENT);
+    for (uint32_t i = 0; i < merge.state.color_count; i++)
+        graph_color(pass, targets[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+}
+
+graph_buffer decals_gbuffer_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                const struct decals_gbuffer_input *decals, const struct gbuffer *gbuffer,
+                                graph_image radiance) {
+    struct box_data boxes = {.boxes = decals->boxes,
+                             .in_view = decals->in_view,
+                             .decals = decals->decals,
+                             .depth = gbuffer->depth,
+                             .set = decals->set,
+                             .pixel_count = input->width * input->height,
+                             .capacity = decals->pool_capacity};
+    boxes.receivers = add_receivers(graph, input, gbuffer->depth);
+    add_fragments(graph, device, &boxes);
+    add_merge(graph, decals, &boxes, gbuffer, radiance);
+    return boxes.totals;
+}

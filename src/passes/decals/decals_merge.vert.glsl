@@ -1,0 +1,4 @@
+#version 460
+// SPDX-License-Identifier: MIT
+// A triangle over the whole screen.
+void main() { gl_Position = vec4(vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0, 0.0, 1.0); }
