@@ -22,9 +22,10 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
     return !f->scene->moved && s->light_version == f->r->scene->light_version &&
+           s->decal_version == f->r->scene->decal_version &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
-           a->transparency == b->transparency && a->light_lod == b->light_lod;
+           a->transparency == b->transparency && a->decals == b->decals && a->light_lod == b->light_lod;
 }
 
 void temporal_begin(struct frame_state *f) {
@@ -77,6 +78,7 @@ void temporal_end(struct frame_state *f) {
                                              .view = f->temporal.view,
                                              .uploads = f->r->device_scene.upload_count,
                                              .light_version = f->r->scene->light_version,
+                                             .decal_version = f->r->scene->decal_version,
                                              .background = f->r->scene->background,
                                              .frame = *f->frame,
                                              .index = f->temporal.index};

@@ -9,9 +9,9 @@
 struct frame_state;
 
 struct temporal_state {
-    bool valid;                      /* the last frame was rendered */
-    struct gpu_view view;            /* its view, without jitter */
-    uint64_t uploads, light_version; /* of the scene then */
+    bool valid;                                     /* the last frame was rendered */
+    struct gpu_view view;                           /* its view, without jitter */
+    uint64_t uploads, light_version, decal_version; /* of the scene then */
     vec3 background;
     fnl_frame frame;
     uint32_t index; /* of its jitter */
