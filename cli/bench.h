@@ -75,6 +75,15 @@ enum bench_end { BENCH_DONE, BENCH_INTERRUPTED, BENCH_FAILED, BENCH_REFUSED };
 /** Measures what `data` does not hold yet and saves data after each case. */
 enum bench_end bench_measure(const struct bench_settings *settings, const struct bench_plan *plan, struct bench_data *data);
 
+/** The device that the settings name; `host` may be NULL. */
+bool bench_create_device(const struct bench_settings *settings, const fnl_host *host, fnl_device **out);
+
+/* ---- antialiasing (bench_aa.c) ---- */
+
+/** Measures antialiasing into root.antialiasing; width 0: 640 x 360. False with a message. */
+bool bench_aa_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
+void bench_aa_print(const struct bench_data *data);
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
@@ -124,6 +133,8 @@ struct bench_suite;
 /** By name; NULL when there is none. bench_suite_name(0), (1) … until NULL gives the names. */
 const struct bench_suite *bench_suite_find(const char *name);
 const char *bench_suite_name(int index);
+/** Whether it is the one of antialiasing, which bench_aa_measure measures. */
+bool bench_suite_is_aa(const struct bench_suite *suite);
 /** Adds the cases of a suite; width 0: the size of the source. False when memory ran out. */
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);
 /** Sets root.suite to the table of what was found. */

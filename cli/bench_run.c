@@ -581,11 +581,11 @@ static bool begin_data(struct bench_run *run) {
     return good;
 }
 
-static bool create_device(struct bench_run *run) {
+bool bench_create_device(const struct bench_settings *settings, const fnl_host *host, fnl_device **out) {
     fnl_device_params params = fnl_device_params_default();
-    const char *name = run->settings->device;
-    params.host = run->host;
-    params.validate = run->settings->validate;
+    const char *name = settings->device;
+    if (host) params.host = *host;
+    params.validate = settings->validate;
     if (name) {
         char *end;
         long index = strtol(name, &end, 10);
@@ -594,7 +594,12 @@ static bool create_device(struct bench_run *run) {
         else
             params.name = name;
     }
-    return fnl_device_create(&params, &run->device) == FNL_OK && fnl_device_query_info(run->device, &run->info) == FNL_OK;
+    return fnl_device_create(&params, out) == FNL_OK;
+}
+
+static bool create_device(struct bench_run *run) {
+    return bench_create_device(run->settings, &run->host, &run->device) &&
+           fnl_device_query_info(run->device, &run->info) == FNL_OK;
 }
 
 enum bench_end bench_measure(const struct bench_settings *settings, const struct bench_plan *plan, struct bench_data *data) {

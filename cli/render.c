@@ -33,7 +33,7 @@ static void print_help(void) {
          "  --ambient R,G,B            light from all around, cd/m^2 (a scene without any light gets some, and a sun)\n"
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
-         "                             tile-normals backfaces layers decals, instead of the picture\n"
+         "                             tile-normals backfaces layers motion decals, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -68,9 +68,12 @@ static void print_help(void) {
          "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
          "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists)\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
-         "  --aa KIND                  antialiasing of edges: none mlaa smaa (none)\n"
+         "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
+         "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
          "\n"
          "Run\n"
+         "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures, in which the\n"
+         "                             animation goes on by so much from each to the next (1/30)\n"
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
          "  --frames N                 renders N frames and reports medians (1)\n"
          "  --stats FILE.json          writes the numbers\n"
@@ -154,6 +157,8 @@ enum {
     O_GBUFFER,
     O_NORMALS,
     O_CHROMA,
+    O_SUPERSAMPLE,
+    O_FRAME_TIME,
     O_GBUFFER_PREPASS,
     O_TRANSPARENCY,
     O_DECALS,
@@ -259,6 +264,13 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_CHROMA:
         o->frame.chroma = true;
         return true;
+    case O_SUPERSAMPLE:
+        if (!argument_integer("supersample", value, 1, 4096, &integer)) return false;
+        o->supersample = (uint32_t)integer;
+        return true;
+    case O_FRAME_TIME:
+        if (!argument_number("frame-time", value, &o->frame_time)) return false;
+        return (o->has_frame_time = o->frame_time >= 0) || argument_bad("frame-time", value, "a number of seconds");
     case O_GBUFFER_PREPASS:
         o->frame.gbuffer_prepass = true;
         return true;
@@ -324,6 +336,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_FRAMES:
         if (!argument_integer("frames", value, 1, 1000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;
+        o->has_frames = true;
         return true;
     case O_DEVICE:
         o->device = value;
@@ -367,6 +380,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer", required_argument, NULL, O_GBUFFER},
                                              {"normals", required_argument, NULL, O_NORMALS},
                                              {"chroma", no_argument, NULL, O_CHROMA},
+                                             {"supersample", required_argument, NULL, O_SUPERSAMPLE},
+                                             {"frame-time", required_argument, NULL, O_FRAME_TIME},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
@@ -404,12 +419,23 @@ static bool check_options(struct render_options *o) {
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
+    bool sequence = false;
+    for (int i = 0; i < o->output_count; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    for (int i = 0; i < o->output_count && sequence; i++)
+        if (!render_is_sequence(o->outputs[i])) problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
+    if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
+    if (sequence && o->stats) problem = "--stats is not for sequences";
+    if (o->has_frame_time && !sequence) problem = "--frame-time is for sequences: -o NAME-%04d.png";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);
     return !problem;
 }
 
 int command_render(int argc, char **argv) {
-    struct render_options o = {.frame = fnl_frame_default(), .scatter = fnl_scatter_params_default(), .frame_count = 1, .choose_seconds = 20};
+    struct render_options o = {.frame = fnl_frame_default(),
+                               .scatter = fnl_scatter_params_default(),
+                               .frame_count = 1,
+                               .frame_time = 1 / 30.0,
+                               .choose_seconds = 20};
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {

@@ -30,10 +30,15 @@ struct render_options {
     bool has_range_roughness;
     float range_roughness;
     double time;
+    bool has_frames, has_frame_time;
+    uint32_t supersample; /* frames whose mean is taken; 0 or 1: none */
+    double frame_time;    /* seconds between the pictures of a sequence */
 };
 
 /** Whether a path ends in this extension (without dot), in any case. */
 bool render_has_extension(const char *path, const char *extension);
+/** Whether a path stands for the pictures of a sequence: one %d, with or without a width, and no other %. */
+bool render_is_sequence(const char *path);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 

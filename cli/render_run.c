@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "supersample.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -162,12 +164,15 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
     return fnl_exr_save(host, path, o->frame.width, o->frame.height, channels, count) == FNL_OK;
 }
 
-static bool save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer) {
+static bool save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
+                         const struct supersample *mean) {
     struct pictures p = {0};
     uint32_t outputs = wanted_outputs(o);
     bool good = true;
     for (int i = 0; i < 5 && good; i++)
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
+    for (int i = 0; i < 2 && good && mean->count; i++)
+        if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
     int written = 0;
     for (; written < o->output_count && good; written++) {
         const char *path = o->outputs[written];
@@ -235,6 +240,8 @@ static bool settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, 
     return true;
 }
 
+enum { TAA_FRAMES = 16 }; /* that a picture is collected from, unless --frames says so */
+
 /* One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is saved. */
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
                        struct render_report *report) {
@@ -244,7 +251,8 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     report->gpu_times = calloc(o->frame_count, sizeof(double));
     if (!report->cpu_times || !report->gpu_times) return false;
     bool counts = o->stats || !o->quiet;
-    uint32_t warm_up = counts, total = o->frame_count + warm_up + counts;
+    uint32_t collected = frame.aa == FNL_ANTIALIASING_TAA && !o->has_frames ? TAA_FRAMES - 1 : 0;
+    uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts;
     fnl_frame timed = frame;
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
@@ -264,6 +272,49 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     if (!settle_transparency(renderer, &frame, &report->stats)) return false;
     show_progress(o, "done", total, total);
     return true;
+}
+
+/* ---- sequences ---- */
+
+bool render_is_sequence(const char *path) {
+    const char *percent = strchr(path, '%');
+    if (!percent || strchr(percent + 1, '%')) return false;
+    size_t digits = strspn(percent + 1, "0123456789");
+    return digits <= 2 && percent[1 + digits] == 'd';
+}
+
+/* The path of picture `index`: written by hand, as the format is the user's. */
+static void sequence_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
+    const char *percent = strchr(pattern, '%');
+    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
+    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
+}
+
+/* Renders and saves each picture; the animation goes on from one to the next, and so does what is collected from frame to frame. */
+static bool run_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
+                         fnl_frame frame) {
+    char paths[RENDER_MAX_OUTPUTS][4096];
+    uint32_t animation;
+    struct render_options single = *o;
+    fnl_frame_stats stats = {.choosing = true};
+    frame.pin_choice = true;
+    bool good = find_animation(scene, o->animation, &animation);
+    for (uint32_t i = 0; i < o->frame_count && good; i++) {
+        struct supersample mean = {0};
+        show_progress(o, "rendering", i, o->frame_count);
+        good = fnl_scene_set_time(scene, animation, o->time + i * o->frame_time) == FNL_OK &&
+               (o->supersample > 1 ? supersample_render(&mean, renderer, &frame, o->supersample)
+                                   : fnl_renderer_render(renderer, &frame) == FNL_OK) &&
+               fnl_renderer_query_stats(renderer, &stats) == FNL_OK;
+        for (int k = 0; k < o->output_count; k++) {
+            sequence_path(o->outputs[k], i, paths[k], sizeof paths[k]);
+            single.outputs[k] = paths[k];
+        }
+        good = good && save_outputs(&single, host, renderer, &mean);
+        supersample_free(&mean);
+    }
+    show_progress(o, "done", o->frame_count, o->frame_count);
+    return good;
 }
 
 static void print_plan(const fnl_renderer *renderer) {
@@ -286,7 +337,15 @@ int render_run(const struct render_options *o) {
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
     bool good = load_scene(o, &host, &scene, &frame.camera) && fnl_device_create(&device_params, &device) == FNL_OK &&
-                fnl_renderer_create(device, scene, &renderer) == FNL_OK && run_frames(o, renderer, frame, &report);
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK;
+    bool sequence = o->output_count && render_is_sequence(o->outputs[0]);
+    struct supersample mean = {0};
+    if (good && sequence) good = run_sequence(o, &host, scene, renderer, frame);
+    if (good && !sequence) good = run_frames(o, renderer, frame, &report);
+    if (good && !sequence && o->supersample > 1) {
+        frame.pin_choice = true;
+        good = supersample_render(&mean, renderer, &frame, o->supersample);
+    }
     if (good) {
         report.frame = frame;
         good =
@@ -298,12 +357,13 @@ int render_run(const struct render_options *o) {
         good = false;
     }
     if (good && o->plan) print_plan(renderer);
-    if (good && o->output_count) good = save_outputs(o, &host, renderer);
-    if (good && o->stats && !report_save(&report, o->stats)) {
+    if (good && o->output_count && !sequence) good = save_outputs(o, &host, renderer, &mean);
+    supersample_free(&mean);
+    if (good && o->stats && !sequence && !report_save(&report, o->stats)) {
         for (int i = 0; i < o->output_count; i++) unlink(o->outputs[i]); /* all or nothing */
         good = false;
     }
-    if (good && !o->quiet && !o->plan) report_print(&report);
+    if (good && !o->quiet && !o->plan && !sequence) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);
     free(report.cpu_times);

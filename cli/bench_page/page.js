@@ -535,6 +535,14 @@ function drawNumbers() {
   return section;
 }
 
+function drawAntialiasing() {
+  return element('section', {id: 'antialiasing'}, element('h2', null, 'Antialiasing'),
+    element('p', {class: 'note'}, 'Pictures against the mean of 64 frames that sample pixels at different places; error is the mean difference of a channel, of 255, and extra is over the same shading without antialiasing. Times in ms.'),
+    table('antialiasing', ['<scene', '<method', 'frame', 'extra', 'error', 'PSNR, dB', 'SSIM', 'error removed per ms'],
+      data.antialiasing.map((r) => [r.scene, r.method, number(r.frame_ms), number(r.extra_ms), number(r.mean_error), number(r.psnr), number(r.ssim),
+        r.removed_per_ms === null ? '–' : number(r.removed_per_ms)])));
+}
+
 let suiteSection = null;
 function redraw() {
   settle();
@@ -551,7 +559,9 @@ function redraw() {
 
 function start() {
   drawHead();
+  if (data.antialiasing) main.append(drawAntialiasing());
   if (!results.length) {
+    if (data.antialiasing) return;
     main.append(element('section', null, element('p', null, 'Nothing was measured.')));
     return;
   }

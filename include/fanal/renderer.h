@@ -201,6 +201,7 @@ typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_NONE = 0,
     FNL_ANTIALIASING_MLAA, /**< morphological: from the shapes of edges in the picture, by the rules of its first publication */
     FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
+    FNL_ANTIALIASING_TAA,  /**< temporal: frames sample pixels at changing places, and surfaces collect their samples; no MSAA */
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
 
@@ -248,6 +249,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_GBUFFER_4,
     FNL_DEBUG_MATERIAL_ID, /**< colours for the material IDs in the G-buffer */
     FNL_DEBUG_LIT_FORWARD, /**< white where the layout cannot hold the material, which is therefore lit forward */
+    FNL_DEBUG_MOTION, /**< motion vectors: hue is direction, saturation speed; grey stands still */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -300,7 +302,12 @@ typedef enum fnl_output {
     FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
     FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
     FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
-    FNL_OUTPUT_POSITION = 16 /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
+    FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
+    /**
+     * RGBA32F: by how many pixels, right and down, an opaque surface or the background was elsewhere in the last frame; its view depth then,
+     * metres, 1e30 for an empty background; 1, or 0 where it was behind the camera or there was no last frame. No MSAA.
+     */
+    FNL_OUTPUT_MOTION = 32
 } fnl_output;
 
 typedef struct fnl_frame {
@@ -325,7 +332,13 @@ typedef struct fnl_frame {
      * silhouettes draws a fringe. Default true; false shows the fault.
      */
     bool decal_mip_fix;
-    fnl_antialiasing aa;   /**< default none; mlaa and smaa change the colour output alone */
+    /** Default none. mlaa and smaa change the colour output alone; taa collects over the frames of a renderer. */
+    fnl_antialiasing aa;
+    /** What was collected from earlier frames is forgotten: for cuts of the camera, which cannot be told from fast motion. Default false. */
+    bool reset_history;
+    /** Pixels are sampled this far right of and below their centres, pixels, -8 .. 8; default 0. The mean of frames at the places that
+        fnl_jitter() gives is a picture with as many samples per pixel. */
+    fnl_vec2 jitter;
     fnl_tonemap tonemap;   /**< default FNL_TONEMAP_KHRONOS_NEUTRAL */
     fnl_exposure exposure; /**< default FNL_EXPOSURE_AUTO */
     float ev;              /**< EV100 for FNL_EXPOSURE_EV, -64 .. 64; default 0 */
@@ -356,6 +369,8 @@ typedef struct fnl_frame {
 } fnl_frame;
 
 FNL_API fnl_frame fnl_frame_default(void);
+/** Place `index` of a sequence that fills the pixel evenly, -0.5 .. 0.5; the first is its centre. */
+FNL_API fnl_vec2 fnl_jitter(uint32_t index);
 
 /** Both must outlive the renderer. The scene is uploaded by the first frame. */
 FNL_API fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out);

@@ -189,6 +189,8 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
         first_index += p->index_count;
     }
     TRY(device_materials_upload(d));
+    d->first_deformed = first_vertex;
+    d->deformed_vertex_count = (uint32_t)totals->deformed_vertices;
     TRY(upload_deforming_nodes(u, first_vertex));
     TRY(device_upload_array(d, "primitives", &d->primitives, u->primitives.data,
                             u->primitives.count * sizeof *u->primitives.data));

@@ -20,7 +20,7 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
                                     &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs,
-                                    &d->material_entries};
+                                    &d->material_entries, &d->previous};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
@@ -77,6 +77,7 @@ static fnl_result prepare_structure(struct device_scene *d) {
     TRY(device_images_upload(d, gpu_jobs(d->device)));
     TRY(device_geometry_upload(d));
     TRY(gpu_upload_flush(d->device));
+    d->upload_count++;
     d->structure_version = d->scene->structure_version;
     d->transform_version = d->scene->transform_version;
     d->bounds = scene_bounds(d->scene);
@@ -89,6 +90,9 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         TRY(prepare_structure(d));
     }
     TRY(device_decals_prepare(d));
+    if (d->keeps_previous && !d->previous.size)
+        TRY(gpu_buffer_create(d->device, "previous vertices", d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull,
+                              GPU_MEMORY_DEVICE, &d->previous));
     /* The lights' buffer only grows; its contents are sent inside the frame. */
     uint64_t needed =
         device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
@@ -187,10 +191,31 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
     return FNL_OK;
 }
 
+static void execute_previous(const struct graph_context *context, const void *data) {
+    const struct device_scene *d = *(const struct device_scene *const *)data;
+    gpu_copy_buffer(context->commands, &d->instances, 0, &d->previous, 0, d->instances.size);
+    if (d->deformed_vertex_count)
+        gpu_copy_buffer(context->commands, &d->positions, d->first_deformed * 12ull, &d->previous, d->instances.size,
+                        d->deformed_vertex_count * 12ull);
+}
+
+/* Keeps what the last frame drew before it is overwritten. */
+static void add_previous(struct device_scene *d, struct graph *graph, graph_buffer vertices, struct device_scene_frame *out) {
+    out->moved = d->transform_version != d->scene->transform_version;
+    out->previous = (graph_buffer){0};
+    if (!out->moved || !d->keeps_previous) return;
+    out->previous = graph_import_buffer(graph, "previous vertices", &d->previous);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "keep previous", GRAPH_QUEUE_GRAPHICS, execute_previous, &d, sizeof d);
+    graph_use_buffer(pass, vertices, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
+}
+
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out) {
     graph_buffer vertices = graph_import_buffer(graph, "scene vertices", &d->positions);
     graph_buffer lights = graph_import_buffer(graph, "lights", &d->lights);
     TRY(device_lights_add(d, graph, lights));
+    add_previous(d, graph, vertices, out);
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.address,

@@ -57,6 +57,11 @@ struct device_scene {
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
+    bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
+    struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
+    uint32_t first_deformed, deformed_vertex_count; /* vertices */
+    uint64_t upload_count;
+
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
     struct device_decals decals;
 
@@ -80,6 +85,8 @@ void device_scene_forget(struct device_scene *d);
 struct device_scene_frame {
     struct geometry_scene geometry;
     struct light_input lights; /* view, width and height are left to the caller */
+    bool moved;                /* instances or vertices are elsewhere than in the last frame */
+    graph_buffer previous;     /* with keeps_previous, where something moved: what the last frame drew; else id 0 */
 };
 /** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);

@@ -9,7 +9,11 @@
 #include "render/shading.h"
 
 static fnl_result add_view(struct frame_state *f) {
-    f->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
+    fnl_camera camera = f->frame->camera;
+    temporal_begin(f);
+    camera.shift.x -= 2 * f->temporal.jitter.x / (float)f->frame->width;
+    camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;
+    f->view = view_from_camera(&camera, f->frame->width, f->frame->height);
     f->view.samples = f->frame->msaa;
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
@@ -82,7 +86,7 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
     f->color = frame_create_image(f, "color", format, 1);
     struct tonemap_params params = {.tonemap = (uint32_t)f->frame->tonemap, .factor = 1, .linear = linear, .swap = swap};
     if (f->frame->exposure == FNL_EXPOSURE_EV) params.factor = 1 / (1.2f * exp2f(f->frame->ev));
-    if (f->frame->exposure == FNL_EXPOSURE_AUTO) params.exposure = f->exposure = exposure_add(f->graph, f->radiance);
+    params.exposure = f->exposure;
     if (f->frame->debug == FNL_DEBUG_NONE) {
         tonemap_add(f->graph, f->radiance, f->color, &params);
         struct morphological_params shapes = {linear, swap};
@@ -96,6 +100,8 @@ static void add_picture(struct frame_state *f, const struct frame_target *target
             gbuffer_view_field_add(f->graph, &f->gbuffer,
                                    view == FNL_DEBUG_MATERIAL_ID ? GBUFFER_SEEN_MATERIAL : GBUFFER_SEEN_FORWARD, f->color,
                                    swap);
+    } else if (f->frame->debug == FNL_DEBUG_MOTION) {
+        motion_view_add(f->graph, f->temporal.motion, f->color, swap);
     } else {
         struct debug_counts counts = {0};
         if (f->frame->debug == FNL_DEBUG_OVERDRAW)
@@ -136,7 +142,7 @@ static void add_target(struct frame_state *f, const struct frame_target *target)
 /* ---- what the CPU reads ---- */
 
 static const char *const output_names[OUTPUT_COUNT] = {"read color", "read radiance", "read surface", "read normal",
-                                                       "read position"};
+                                                       "read position",  "read motion"};
 
 struct read_image_data {
     graph_image image;
@@ -155,7 +161,8 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
 static void add_outputs(struct frame_state *f) {
-    graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position};
+    graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position,
+                                        f->temporal.motion};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
         images[1] = frame_create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
         resolve_add(f->graph, f->radiance, images[1]);
@@ -281,10 +288,14 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     if (needs_aov(frame))
         f.aov = aov_add(r->graph, &f.scene->geometry, &f.draws, f.view_address, frame->width, frame->height);
     bool wants_color = target || (frame->outputs & FNL_OUTPUT_COLOR);
+    if (frame->exposure == FNL_EXPOSURE_AUTO && (wants_color || frame->aa == FNL_ANTIALIASING_TAA))
+        f.exposure = exposure_add(f.graph, f.radiance);
+    temporal_add(&f);
     if (wants_color) add_picture(&f, target);
     if (target) add_target(&f, target);
     add_outputs(&f);
     add_counts(&f);
     note_stats(&f);
+    temporal_end(&f);
     return graph_compile(r->graph);
 }

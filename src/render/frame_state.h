@@ -4,6 +4,7 @@
 #define FNL_RENDER_FRAME_STATE_H
 
 #include "decals_shared.h"
+#include "passes/aa/motion.h"
 #include "render/renderer_internal.h"
 
 /** Decals of the frame (decals.c). */
@@ -15,6 +16,15 @@ struct frame_decals {
     struct lights_in_view in_view;
     struct light_list list;
     graph_buffer fragments; /* of the G-buffer's way: struct decals_gbuffer_totals */
+};
+
+/** Of the frame and the last one (temporal.c). */
+struct frame_temporal {
+    struct gpu_view view; /* without jitter */
+    vec2 jitter;          /* pixels right of and below their centres */
+    uint32_t index;
+    bool keeps, still; /* the last frame's history counts; and nothing has changed since */
+    graph_image motion;
 };
 
 struct frame_state {
@@ -36,6 +46,7 @@ struct frame_state {
     struct aov_images aov;
     struct linked_lists linked; /* transparency */
     uint64_t blend_bytes;
+    struct frame_temporal temporal;
     graph_image color;
 };
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "fanal/vulkan.h"
+#include "passes/aa/taa.h"
 #include "passes/shade/gbuffer_layouts.h"
 #include "render/shading.h"
 
@@ -77,7 +78,7 @@ const char *fnl_decals_name(fnl_decals decals) {
 }
 
 const char *fnl_antialiasing_name(fnl_antialiasing aa) {
-    static const char *const names[] = {"none", "mlaa", "smaa"};
+    static const char *const names[] = {"none", "mlaa", "smaa", "taa"};
     _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
     return NAME_OF(names, aa);
 }
@@ -126,7 +127,8 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
                                         "cells", "overdraw", "tile-normals", "backfaces", "overshading",
                                         "layers", "decals",     "gbuffer-0",
-                                        "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward"};
+                                        "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward",
+                                        "motion"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -236,6 +238,8 @@ static void feed_chooser(fnl_renderer *r) {
     }
     save_choices(r);
 }
+
+fnl_vec2 fnl_jitter(uint32_t index) { return taa_jitter(index); }
 
 /* ---- life ---- */
 
@@ -365,6 +369,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
     REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
+    REQUIRE(host, fabsf(frame->jitter.x) <= 8 && fabsf(frame->jitter.y) <= 8);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
@@ -390,6 +395,10 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     }
     if (frame->shading == FNL_SHADING_VISIBILITY && !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which visibility shading needs");
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (temporal_needs_motion(frame) && frame->msaa > 1) {
+        log_error(host, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
@@ -431,6 +440,7 @@ static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t sl
 
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
                              const struct gpu_external_semaphores *external) {
+    r->device_scene.keeps_previous = temporal_needs_motion(frame);
     TRY(device_scene_prepare(&r->device_scene));
     choose(r, frame);
     TRY(prepare_buffers(r, frame));
@@ -473,6 +483,7 @@ static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct f
     if (result != FNL_OK) {
         /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
         r->frame_number = 0;
+        r->temporal.valid = false;
         device_scene_forget(&r->device_scene);
         lists_forget(&r->lists);
     }

@@ -9,6 +9,7 @@
 #include "render/chooser.h"
 #include "render/device_scene.h"
 #include "render/lists.h"
+#include "render/temporal.h"
 #include "render/view.h"
 
 /** What the GPU writes for the CPU in each frame. */
@@ -24,7 +25,7 @@ struct frame_counts {
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
-enum { OUTPUT_COUNT = 5 }; /* bits of fnl_output */
+enum { OUTPUT_COUNT = 6 }; /* bits of fnl_output */
 enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 struct fnl_renderer {
@@ -38,6 +39,7 @@ struct fnl_renderer {
     struct choice asked;                   /* of the last frame */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool chooses;                          /* the chooser wants the time of the frame being made */
+    struct temporal_state temporal;
     struct lists_state lists;              /* what builders keep from frame to frame */
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
     uint32_t blend_capacity;               /* fragments of linked transparency; 0: before the first frame */

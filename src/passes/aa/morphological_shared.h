@@ -16,12 +16,12 @@
  */
 struct gpu_morphological_push {
     ADDRESS(uint_array) edges;
-    uint picture;  /* sampled */
-    uint target;   /* storage */
+    uint picture; /* sampled */
+    uint target;  /* storage */
     uint width;
     uint height;
-    uint linear;   /* 1: values are linear and unbounded, 0: sRGB-encoded */
-    uint swap;     /* 1: red and blue have changed places */
+    uint linear; /* 1: values are linear and unbounded, 0: sRGB-encoded */
+    uint swap;   /* 1: red and blue have changed places */
 };
 
 #endif

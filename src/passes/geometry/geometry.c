@@ -45,7 +45,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                         const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
-    params.vertex = &shader_geometry_vert;
+    if (!params.vertex) params.vertex = &shader_geometry_vert;
     params.features |= scene->features;
     push->scene = scene->scene;
     push->visible = graph_address(context, draws->visible);

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/aa/motion.h"
+
+#include "passes/aa/motion_shared.h"
+#include "shaders.h"
+
+struct motion_data {
+    VkDeviceAddress view, motion;
+    graph_image depth, objects, target;
+    uint32_t width, height;
+};
+
+struct objects_data {
+    struct motion_objects objects;
+    struct geometry_draws draws;
+    VkDeviceAddress view, motion;
+};
+
+/* Both views are rigid, so the way between them is found in doubles without an inverse. */
+static mat4 view_to_previous(const struct gpu_view *current, const struct gpu_view *previous) {
+    const float *c = current->world_to_view.m, *p = previous->world_to_view.m;
+    mat4 out = mat4_identity();
+    for (int row = 0; row < 3; row++) {
+        double moved = p[12 + row];
+        for (int column = 0; column < 3; column++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++) sum += (double)p[k * 4 + row] * c[k * 4 + column];
+            out.m[column * 4 + row] = (float)sum;
+            moved -= sum * c[12 + column];
+        }
+        out.m[12 + row] = (float)moved;
+    }
+    return out;
+}
+
+static void execute_motion(const struct graph_context *context, const void *data) {
+    const struct motion_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_motion_comp};
+    struct gpu_motion_push push = {.view = d->view,
+                                   .motion = d->motion,
+                                   .depth = graph_sampled(context, d->depth),
+                                   .objects = d->objects.id ? graph_sampled(context, d->objects) : 0,
+                                   .target = graph_storage(context, d->target),
+                                   .has_objects = d->objects.id != 0};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+}
+
+static void execute_objects(const struct graph_context *context, const void *data) {
+    const struct objects_data *d = data;
+    struct gpu_graphics_params state = {.vertex = &shader_motion_objects_vert,
+                                        .fragment = &shader_motion_objects_frag,
+                                        .color_count = 1,
+                                        .color_formats = {VK_FORMAT_R32G32B32A32_SFLOAT},
+                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                        .samples = 1};
+    VkDeviceAddress previous = graph_address(context, d->objects.previous);
+    struct gpu_motion_objects_push push = {.geometry = {.view = d->view},
+                                           .motion = d->motion,
+                                           .instances = previous,
+                                           .positions = previous + d->objects.position_offset,
+                                           .first_deformed = d->objects.first_deformed};
+    geometry_draw_with(context, d->objects.scene, &d->draws, GEOMETRY_OPAQUE, &state, NULL, &push.geometry, sizeof push);
+}
+
+static graph_image add_objects(struct graph *graph, const struct motion_input *input, VkDeviceAddress motion,
+                               struct graph_image_params image) {
+    struct objects_data data = {input->objects, *input->objects.draws, input->view, motion};
+    image.name = "motion of objects";
+    graph_image target = graph_create_image(graph, &image);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "motion objects", GRAPH_QUEUE_GRAPHICS, execute_objects, &data, sizeof data);
+    static const float zero[4];
+    geometry_use(pass, input->objects.scene, &data.draws, GEOMETRY_OPAQUE);
+    graph_use_buffer(pass, input->objects.previous, GRAPH_READ_VERTEX);
+    graph_color(pass, target, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+    graph_depth_read_only(pass, input->depth);
+    return target;
+}
+
+graph_image motion_add(struct graph *graph, gpu_device *device, const struct motion_input *input) {
+    struct graph_image_params image = {.name = "motion",
+                                       .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                       .width = input->current->size.x,
+                                       .height = input->current->size.y};
+    struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_motion));
+    graph_image target = graph_create_image(graph, &image);
+    if (!slice.data) return target; /* the error sticks to the device */
+    const struct gpu_view *previous = input->previous ? input->previous : input->current;
+    *(struct gpu_motion *)slice.data = (struct gpu_motion){.previous = *previous,
+                                                           .view_to_previous = view_to_previous(input->current, previous),
+                                                           .jitter = input->jitter,
+                                                           .has_previous = input->previous != NULL};
+    struct motion_data data = {.view = input->view,
+                               .motion = slice.address,
+                               .depth = input->depth,
+                               .target = target,
+                               .width = image.width,
+                               .height = image.height};
+    if (input->objects.previous.id && input->previous) data.objects = add_objects(graph, input, slice.address, image);
+    struct graph_pass *pass = graph_add_pass(graph, "motion", GRAPH_QUEUE_GRAPHICS, execute_motion, &data, sizeof data);
+    graph_use_image(pass, data.depth, GRAPH_SAMPLE_COMPUTE);
+    if (data.objects.id) graph_use_image(pass, data.objects, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
+    return target;
+}
+
+/* ---- depth of its own ---- */
+
+struct depth_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view;
+};
+
+static void execute_depth(const struct graph_context *context, const void *data) {
+    const struct depth_data *d = data;
+    struct gpu_graphics_params state = {.depth_format = GEOMETRY_DEPTH_FORMAT,
+                                        .depth_test = true,
+                                        .depth_write = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER,
+                                        .samples = 1};
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, &shader_depth_frag,
+                  (struct gpu_geometry_push){.view = d->view});
+}
+
+graph_image motion_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                             VkDeviceAddress view, uint32_t width, uint32_t height) {
+    struct depth_data data = {scene, *draws, view};
+    graph_image depth = graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = "motion depth", .format = GEOMETRY_DEPTH_FORMAT, .width = width, .height = height});
+    struct graph_pass *pass = graph_add_pass(graph, "motion depth", GRAPH_QUEUE_GRAPHICS, execute_depth, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    return depth;
+}
+
+/* ---- debug view ---- */
+
+struct view_data {
+    graph_image motion, target;
+    uint32_t width, height;
+    bool swap;
+};
+
+static void execute_view(const struct graph_context *context, const void *data) {
+    const struct view_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_motion_view_comp};
+    struct gpu_motion_view_push push = {graph_sampled(context, d->motion), graph_storage(context, d->target), d->width,
+                                        d->height, d->swap};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+}
+
+void motion_view_add(struct graph *graph, graph_image motion, graph_image target, bool swap) {
+    struct graph_image_params image = graph_image_info(graph, target);
+    struct view_data data = {motion, target, image.width, image.height, swap};
+    struct graph_pass *pass = graph_add_pass(graph, "motion view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
+    graph_use_image(pass, motion, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
+}

@@ -1,0 +1,28 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Objects that moved. Places are computed as geometry.vert.glsl does, so that depths are equal to the bit.
+#include "passes/aa/motion.glsl"
+
+layout(push_constant, scalar) uniform push_block { gpu_motion_objects_push push; };
+
+layout(location = 0) out vec3 out_previous; // in the last frame's view space
+
+invariant gl_Position;
+
+void main() {
+    scene_block scene = push.geometry.scene;
+    gpu_item item = scene.scene.items.at[push.geometry.visible.at[gl_InstanceIndex]];
+    gpu_instance instance = scene.scene.instances.at[item.instance], before = push.instances.at[item.instance];
+    vec3 point = scene.scene.positions.at[gl_VertexIndex];
+    bool deforms = uint(gl_VertexIndex) >= push.first_deformed;
+    vec3 point_before = deforms ? push.positions.at[uint(gl_VertexIndex) - push.first_deformed] : point;
+
+    precise vec3 position = transform_point(instance, point);
+    precise vec4 clip = push.geometry.view.view.world_to_clip * vec4(position, 1.0);
+    gl_Position = clip;
+    gl_PointSize = 1.0;
+    out_previous = (push.motion.motion.previous.world_to_view * vec4(transform_point(before, point_before), 1.0)).xyz;
+    // Triangles of what is at rest fall together before the near plane.
+    if (!deforms && instance.rows == before.rows) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+}

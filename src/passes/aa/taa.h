@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Temporal antialiasing. Every frame samples its pixels at another place (taa_jitter); the samples of a surface are collected along its
+ * motion.
+ *
+ * While nothing moves, a pixel is the plain mean of all frames since then. Otherwise what was collected is fetched from where the
+ * nearest surface of the 3x3 pixels was (cubic, Catmull-Rom), dropped where no depth of the last frame at that place fits, clipped to
+ * the spread of colours of the 3x3 pixels in this frame (mean and standard deviation in YCoCg), and counts for at most TAA_MOVING
+ * frames. Means are taken of what the tone mapper makes of radiance, so that bright edges stay smooth and a still picture becomes the mean
+ * of its frames' pictures; what is stored and returned is the radiance that maps to it (tone_space.glsl: exact for no operator and for
+ * Khronos neutral, near for the others).
+ *
+ * Sources: Karis, High Quality Temporal Supersampling, SIGGRAPH 2014; Salvi, An Excursion in Temporal Supersampling, GDC 2016; Lottes, TXAA 2012.
+ * Cost: a pass over the screen with up to 40 texel reads a pixel (while nothing moves, 3), two images of 16 and two of 8 bytes a pixel.
+ */
+#ifndef FNL_PASSES_TAA_H
+#define FNL_PASSES_TAA_H
+
+#include "base/maths.h"
+#include "graph/graph.h"
+
+/** Where frame `index` of a sequence samples pixels: right of and below their centres, pixels, in [-0.5, 0.5). Halton's sequence in bases 2
+    and 3, moved so that frame 0 samples the centres. */
+vec2 taa_jitter(uint32_t index);
+
+struct taa_params {
+    VkDeviceAddress view;
+    graph_image depth, motion; /* of motion_add */
+    graph_buffer exposure;     /* of exposure_add; id 0: `factor` */
+    float factor;
+    uint32_t tonemap; /* GPU_TONEMAP_…: what will become of the radiance */
+    bool keeps;       /* the history of the last frame is of this sequence */
+    bool still;       /* and nothing moved since */
+};
+/** Returns the collected radiance, RGBA32F. */
+graph_image taa_add(struct graph *graph, graph_image radiance, const struct taa_params *params);
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/temporal.h"
+
+#include "passes/aa/taa.h"
+#include "render/frame_state.h"
+#include "render/view.h"
+
+bool temporal_needs_motion(const fnl_frame *frame) {
+    return frame->aa == FNL_ANTIALIASING_TAA || frame->debug == FNL_DEBUG_MOTION || frame->outputs & FNL_OUTPUT_MOTION;
+}
+
+/* Is the last frame one of the same camera at the same scene? */
+static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
+    const struct temporal_state *s = &f->r->temporal;
+    return s->valid && !f->frame->reset_history && s->uploads == f->r->device_scene.upload_count &&
+           s->view.size.x == view->size.x && s->view.size.y == view->size.y && s->view.orthographic == view->orthographic;
+}
+
+/* Would the last frame, but for its jitter, have been this one? */
+static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
+    const struct temporal_state *s = &f->r->temporal;
+    const fnl_frame *a = &s->frame, *b = f->frame;
+    vec3 background = f->r->scene->background;
+    return !f->scene->moved && s->light_version == f->r->scene->light_version &&
+           s->decal_version == f->r->scene->decal_version &&
+           memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
+           memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
+           a->transparency == b->transparency && a->decals == b->decals && a->light_lod == b->light_lod;
+}
+
+void temporal_begin(struct frame_state *f) {
+    struct frame_temporal *t = &f->temporal;
+    const struct temporal_state *s = &f->r->temporal;
+    t->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
+    t->keeps = keeps(f, &t->view);
+    t->still = t->keeps && is_still(f, &t->view);
+    t->jitter = f->frame->jitter;
+    if (f->frame->aa != FNL_ANTIALIASING_TAA) return;
+    t->index = t->keeps && s->frame.aa == FNL_ANTIALIASING_TAA ? s->index + 1 : 0;
+    vec2 jitter = taa_jitter(t->index);
+    t->jitter.x += jitter.x;
+    t->jitter.y += jitter.y;
+}
+
+void temporal_add(struct frame_state *f) {
+    struct frame_temporal *t = &f->temporal;
+    const fnl_frame *frame = f->frame;
+    if (!temporal_needs_motion(frame)) return;
+    graph_image depth = f->depth;
+    if (!depth.id)
+        depth = motion_depth_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
+    const struct device_scene *d = &f->r->device_scene;
+    struct motion_input input = {.view = f->view_address,
+                                 .current = &f->view,
+                                 .previous = t->keeps ? &f->r->temporal.view : NULL,
+                                 .jitter = t->jitter,
+                                 .depth = depth,
+                                 .objects = {.scene = &f->scene->geometry,
+                                             .draws = &f->draws,
+                                             .previous = f->scene->previous,
+                                             .position_offset = d->instances.size,
+                                             .first_deformed = d->first_deformed}};
+    t->motion = motion_add(f->graph, f->r->device, &input);
+    if (frame->aa != FNL_ANTIALIASING_TAA) return;
+    struct taa_params params = {.view = f->view_address,
+                                .depth = depth,
+                                .motion = t->motion,
+                                .exposure = f->exposure,
+                                .factor = frame->exposure == FNL_EXPOSURE_EV ? 1 / (1.2f * exp2f(frame->ev)) : 1,
+                                .tonemap = (uint32_t)frame->tonemap,
+                                .keeps = t->keeps && f->r->temporal.frame.aa == FNL_ANTIALIASING_TAA,
+                                .still = t->still};
+    f->radiance = taa_add(f->graph, f->radiance, &params);
+}
+
+void temporal_end(struct frame_state *f) {
+    f->r->temporal = (struct temporal_state){.valid = true,
+                                             .view = f->temporal.view,
+                                             .uploads = f->r->device_scene.upload_count,
+                                             .light_version = f->r->scene->light_version,
+                                             .decal_version = f->r->scene->decal_version,
+                                             .background = f->r->scene->background,
+                                             .frame = *f->frame,
+                                             .index = f->temporal.index};
+}

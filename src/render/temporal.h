@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/** What a renderer remembers from frame to frame to follow surfaces: the last view, and how far it has come with its jitter. */
+#ifndef FNL_RENDER_TEMPORAL_H
+#define FNL_RENDER_TEMPORAL_H
+
+#include "fanal/renderer.h"
+#include "view_shared.h"
+
+struct frame_state;
+
+struct temporal_state {
+    bool valid;                                     /* the last frame was rendered */
+    struct gpu_view view;                           /* its view, without jitter */
+    uint64_t uploads, light_version, decal_version; /* of the scene then */
+    vec3 background;
+    fnl_frame frame;
+    uint32_t index; /* of its jitter */
+};
+
+/** Whether the frame needs motion vectors. */
+bool temporal_needs_motion(const fnl_frame *frame);
+/** Decides, once updates of the scene are declared, what of the last frame counts; fills f->temporal. */
+void temporal_begin(struct frame_state *f);
+/** After shading: motion vectors, and with temporal antialiasing f->radiance becomes what was collected. */
+void temporal_add(struct frame_state *f);
+/** Once the frame is declared. */
+void temporal_end(struct frame_state *f);
+
+#endif
