@@ -5,15 +5,15 @@
 
 /* ---- reading back ---- */
 
-struct readback_data {
-    graph_buffer from[4], to[4];
-    uint64_t sizes[4];
-    int count;
+struct read_data {
+    graph_buffer from[LIST_READS], to[LIST_READS];
+    uint64_t sizes[LIST_READS];
+    uint32_t count;
 };
 
-static void execute_readback(const struct graph_context *context, const void *data) {
-    const struct readback_data *d = data;
-    for (int i = 0; i < d->count; i++)
+static void execute_reads(const struct graph_context *context, const void *data) {
+    const struct read_data *d = data;
+    for (uint32_t i = 0; i < d->count; i++)
         gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
                         d->sizes[i]);
 }
@@ -23,24 +23,23 @@ static void execute_nothing(const struct graph_context *context, const void *dat
     UNUSED(data);
 }
 
-void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out) {
-    struct readback_data data = {.from = {list->cells, list->ids, list->totals, list->extra},
-                                 .count = list->extra.id ? 4 : 3};
-    struct gpu_buffer *buffers[4] = {&out->cells, &out->ids, &out->totals, &out->extra};
-    static const char *const names[4] = {"test cells", "test ids", "test totals", "test extra"};
-    for (int i = 0; i < data.count; i++) {
-        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
-        assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, buffers[i]),
+void list_reads_add(struct graph *graph, const graph_buffer *buffers, uint32_t count, struct list_reads *out) {
+    static const char *const names[LIST_READS] = {"test read 0", "test read 1", "test read 2", "test read 3",
+                                                  "test read 4", "test read 5", "test read 6", "test read 7"};
+    struct read_data data = {.count = count};
+    assert_true(count <= LIST_READS);
+    out->count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        data.from[i] = buffers[i];
+        data.sizes[i] = graph_buffer_size(graph, buffers[i]);
+        assert_int_equal(gpu_buffer_create(harness_device(), names[i], data.sizes[i], GPU_MEMORY_READBACK, &out->buffers[i]),
                          FNL_OK);
-        data.to[i] = graph_import_buffer(graph, names[i], buffers[i]);
+        data.to[i] = graph_import_buffer(graph, names[i], &out->buffers[i]);
     }
-    if (!list->extra.id) out->extra = (struct gpu_buffer){0};
-    out->cell_count = list->cell_count;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_readback, &data, sizeof data);
-    struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    struct graph_pass *pass = graph_add_pass(graph, "test reads", GRAPH_QUEUE_GRAPHICS, execute_reads, &data, sizeof data);
+    struct graph_pass *host = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
     graph_keep(host);
-    for (int i = 0; i < data.count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
         graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
         graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
@@ -54,17 +53,28 @@ static void *copy_bytes(const void *data, size_t size) {
     return copy;
 }
 
+void *list_reads_take(const struct list_reads *reads, uint32_t index) {
+    return copy_bytes(reads->buffers[index].mapped, reads->buffers[index].size);
+}
+
+void list_reads_free(struct list_reads *reads) {
+    for (uint32_t i = 0; i < reads->count; i++) gpu_buffer_destroy(harness_device(), &reads->buffers[i]);
+}
+
+void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out) {
+    const graph_buffer buffers[] = {list->cells, list->ids, list->totals, list->extra};
+    list_reads_add(graph, buffers, list->extra.id ? 4 : 3, &out->reads);
+    out->cell_count = list->cell_count;
+}
+
 struct list_copy list_readback_take(struct list_readback *readback, const struct gpu_light_list *grid) {
     struct list_copy list = {.grid = *grid, .cell_count = readback->cell_count};
     assert_int_equal(list.cell_count, grid->tiles_x * grid->tiles_y * grid->slices);
-    list.cells = copy_bytes(readback->cells.mapped, list.cell_count * sizeof *list.cells);
-    list.ids = copy_bytes(readback->ids.mapped, readback->ids.size);
-    memcpy(&list.totals, readback->totals.mapped, sizeof list.totals);
-    if (readback->extra.size) list.extra = copy_bytes(readback->extra.mapped, readback->extra.size);
-    gpu_buffer_destroy(harness_device(), &readback->cells);
-    gpu_buffer_destroy(harness_device(), &readback->ids);
-    gpu_buffer_destroy(harness_device(), &readback->totals);
-    gpu_buffer_destroy(harness_device(), &readback->extra);
+    list.cells = list_reads_take(&readback->reads, 0);
+    list.ids = list_reads_take(&readback->reads, 1);
+    memcpy(&list.totals, readback->reads.buffers[2].mapped, sizeof list.totals);
+    if (readback->reads.count > 3) list.extra = list_reads_take(&readback->reads, 3);
+    list_reads_free(&readback->reads);
     return list;
 }
 
@@ -114,71 +124,106 @@ static struct list_copy build_on_cpu(const struct list_request *request) {
     return copy;
 }
 
-static graph_image import_depth(struct graph *graph, const struct list_request *request, const float *depth,
-                                struct gpu_image *image) {
+struct list_lab list_lab_open(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count) {
     gpu_device *device = harness_device();
-    struct gpu_image_params params = {.name = "test depth",
-                                      .format = VK_FORMAT_R32_SFLOAT,
-                                      .width = request->view.size.x,
-                                      .height = request->view.size.y,
+    struct list_lab lab = {.view = *view};
+    uint64_t size = light_count * sizeof *lights;
+    assert_int_equal(graph_create(gpu_host(device), device, &lab.graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &lab.lights), FNL_OK);
+    if (size) memcpy(lab.lights.mapped, lights, size);
+    graph_begin(lab.graph);
+    lab.input = (struct light_input){
+        .lights = lab.lights.address, .local_count = light_count, .width = view->size.x, .height = view->size.y};
+    return lab;
+}
+
+graph_image list_lab_image(struct list_lab *lab, VkFormat format, uint32_t texel_bytes, const void *texels) {
+    if (!texels) return (graph_image){0};
+    static const char *const names[] = {"test image 0", "test image 1"};
+    assert_true(lab->image_count < COUNT_OF(lab->images));
+    struct gpu_image *image = &lab->images[lab->image_count];
+    struct gpu_image_params params = {.name = names[lab->image_count++],
+                                      .format = format,
+                                      .width = lab->view.size.x,
+                                      .height = lab->view.size.y,
                                       .layers = 1,
                                       .mips = 1,
                                       .samples = 1,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    assert_int_equal(gpu_image_create(device, &params, image), FNL_OK);
-    uint64_t size = (uint64_t)params.width * params.height * 4;
-    assert_int_equal(gpu_upload_image(device, image, depth, size, false, false), FNL_OK);
-    assert_int_equal(gpu_upload_flush(device), FNL_OK);
-    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+    uint64_t size = (uint64_t)params.width * params.height * texel_bytes;
+    assert_int_equal(gpu_image_create(harness_device(), &params, image), FNL_OK);
+    assert_int_equal(gpu_upload_image(harness_device(), image, texels, size, false, false), FNL_OK);
+    assert_int_equal(gpu_upload_flush(harness_device()), FNL_OK);
+    return graph_import_image(lab->graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+void list_lab_begin(struct list_lab *lab) {
+    gpu_device *device = harness_device();
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_slice view = gpu_frame_allocate(device, sizeof lab->view);
+    assert_non_null(view.data);
+    memcpy(view.data, &lab->view, sizeof lab->view);
+    lab->input.buffer = graph_import_buffer(lab->graph, "test lights", &lab->lights);
+    lab->input.view = view.address;
+    lab->in_view = lights_in_view_add(lab->graph, device, &lab->input);
+}
+
+static void run_graph(struct graph *graph) {
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(harness_device()), FNL_OK);
+}
+
+void list_lab_run(struct list_lab *lab, const graph_buffer *reads, uint32_t read_count) {
+    list_reads_add(lab->graph, reads, read_count, &lab->reads);
+    run_graph(lab->graph);
+}
+
+void list_lab_close(struct list_lab *lab) {
+    list_reads_free(&lab->reads);
+    graph_destroy(&lab->graph);
+    gpu_buffer_destroy(harness_device(), &lab->lights);
+    for (uint32_t i = 0; i < lab->image_count; i++) gpu_image_destroy(harness_device(), &lab->images[i]);
 }
 
 struct list_copy list_build(const struct list_request *request) {
     if (request->builder == LIST_CLUSTERED_CPU) return build_on_cpu(request);
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    struct gpu_buffer lights;
-    struct gpu_image depth_image = {0}, front_image = {0};
+    struct list_lab lab = list_lab_open(&request->view, request->lights, request->light_count);
     struct tiled_params tiled = request->tiled;
-    uint64_t size = request->light_count * sizeof(struct gpu_light);
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &lights), FNL_OK);
-    if (size) memcpy(lights.mapped, request->lights, size);
-
-    graph_begin(graph);
-    graph_image depth = {0};
-    if (request->depth) depth = import_depth(graph, request, request->depth, &depth_image);
-    if (request->front) tiled.front = import_depth(graph, request, request->front, &front_image);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice view = gpu_frame_allocate(device, sizeof request->view);
-    assert_non_null(view.data);
-    memcpy(view.data, &request->view, sizeof request->view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &lights),
-                                .lights = lights.address,
-                                .local_count = request->light_count,
-                                .view = view.address,
-                                .width = request->view.size.x,
-                                .height = request->view.size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct light_list list = request->builder == LIST_TILED   ? tiled_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_HALFZ ? halfz_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_25D   ? tiled25d_add(graph, device, &input, &in_view, depth, &tiled)
-                             : request->builder == LIST_ENHANCED ? enhanced_add(graph, device, &input, &in_view, &tiled)
-                             : request->builder == LIST_BVH
-                                 ? bvh_add(graph, device, &input, &in_view, &request->clustered)
-                                 : clustered_add(graph, device, &input, &in_view, &request->clustered);
+    graph_image depth = list_lab_depth(&lab, request->depth);
+    if (request->front) tiled.front = list_lab_depth(&lab, request->front);
+    list_lab_begin(&lab);
+    gpu_device *device = harness_device();
+    const struct light_input *input = &lab.input;
+    const struct lights_in_view *in_view = &lab.in_view;
+    struct light_list list;
+    switch (request->builder) {
+    case LIST_TILED:
+        list = tiled_add(lab.graph, device, input, in_view, depth, &tiled);
+        break;
+    case LIST_HALFZ:
+        list = halfz_add(lab.graph, device, input, in_view, depth, &tiled);
+        break;
+    case LIST_25D:
+        list = tiled25d_add(lab.graph, device, input, in_view, depth, &tiled);
+        break;
+    case LIST_ENHANCED:
+        list = enhanced_add(lab.graph, device, input, in_view, &tiled);
+        break;
+    case LIST_BVH:
+        list = bvh_add(lab.graph, device, input, in_view, &request->clustered);
+        break;
+    default:
+        list = clustered_add(lab.graph, device, input, in_view, &request->clustered);
+        break;
+    }
     struct list_readback readback;
-    list_readback_add(graph, &list, &readback);
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-
+    list_readback_add(lab.graph, &list, &readback);
+    run_graph(lab.graph);
     struct gpu_light_list grid = list_grid(request);
     struct list_copy copy = list_readback_take(&readback, &grid);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &lights);
-    if (request->depth) gpu_image_destroy(device, &depth_image);
-    if (request->front) gpu_image_destroy(device, &front_image);
+    list_lab_close(&lab);
     return copy;
 }
 
@@ -283,6 +328,10 @@ static void transform(const mat4 *m, const double p[3], double out[3]) {
             (double)m->m[row] * p[0] + (double)m->m[4 + row] * p[1] + (double)m->m[8 + row] * p[2] + (double)m->m[12 + row];
 }
 
+void world_to_view(const struct gpu_view *view, const double from[3], double out[3]) {
+    transform(&view->world_to_view, from, out);
+}
+
 void view_to_world(const struct gpu_view *view, const double from[3], double out[3]) {
     /* The inverse of what the GPU multiplies with, not the stored inverse: rigid, but perhaps mirrored. */
     double d[3] = {from[0] - (double)view->world_to_view.m[12], from[1] - (double)view->world_to_view.m[13],
@@ -312,10 +361,39 @@ float depth_of_view_depth(const struct gpu_view *view, double view_depth) {
     return (float)((x - view_depth * z) / (view_depth * w - y));
 }
 
-static double view_depth_of(const struct gpu_view *view, float depth) {
+double view_depth_of_depth(const struct gpu_view *view, float depth) {
     double d = depth;
     return ((double)view->depth_decode.x + (double)view->depth_decode.y * d) /
            ((double)view->depth_decode.z + (double)view->depth_decode.w * d);
+}
+
+bool list_position_of(const struct gpu_view *view, const float *depth, uint32_t x, uint32_t y, double out[3]) {
+    float stored = depth[(size_t)y * view->size.x + x];
+    if (stored <= 0) return false;
+    double seen[3];
+    view_of_pixel(view, x + 0.5, y + 0.5, view_depth_of_depth(view, stored), seen);
+    view_to_world(view, seen, out);
+    return true;
+}
+
+void pack_normal(const double n[3], uint16_t out[4]) {
+    double sum = fabs(n[0]) + fabs(n[1]) + fabs(n[2]), e[2] = {n[0] / sum, n[1] / sum};
+    if (n[2] < 0) {
+        double x = (1 - fabs(e[1])) * (e[0] < 0 ? -1 : 1), y = (1 - fabs(e[0])) * (e[1] < 0 ? -1 : 1);
+        e[0] = x;
+        e[1] = y;
+    }
+    for (int i = 0; i < 2; i++) out[i] = (uint16_t)lrint((e[i] * 0.5 + 0.5) * 65535);
+    out[2] = out[3] = 0;
+}
+
+void unpack_normal(const uint16_t in[4], double n[3]) {
+    double x = in[0] / 65535.0 * 2 - 1, y = in[1] / 65535.0 * 2 - 1;
+    n[2] = 1 - fabs(x) - fabs(y);
+    n[0] = n[2] < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
+    n[1] = n[2] < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int i = 0; i < 3; i++) n[i] /= length;
 }
 
 static const double FAR_AWAY = 1e9;
@@ -342,8 +420,8 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
                     float d = request->depth[(size_t)y * v->size.x + x], f = d;
                     if (request->front) f = request->front[(size_t)y * v->size.x + x];
                     if (request->front ? f <= d : d <= 0) continue;
-                    nearest = fmin(nearest, view_depth_of(v, f));
-                    farthest = fmax(farthest, d <= 0 ? FAR_AWAY : view_depth_of(v, d));
+                    nearest = fmin(nearest, view_depth_of_depth(v, f));
+                    farthest = fmax(farthest, d <= 0 ? FAR_AWAY : view_depth_of_depth(v, d));
                 }
             r.empty = farthest == 0;
             if (has_halves(request)) { /* each from its nearest to its farthest pixel */
@@ -351,7 +429,7 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
                 for (uint32_t y = y0; y < y1; y++)
                     for (uint32_t x = x0; x < x1; x++) {
                         float d = request->depth[(size_t)y * v->size.x + x];
-                        double z = d <= 0 ? 0 : view_depth_of(v, d);
+                        double z = d <= 0 ? 0 : view_depth_of_depth(v, d);
                         if (d <= 0 || (slice == 0 ? z > split * (1 + slack) : z < split * (1 - slack))) continue;
                         ends[0] = fmin(ends[0], z);
                         ends[1] = fmax(ends[1], z);
@@ -662,6 +740,38 @@ void list_random_lights(const struct gpu_view *view, struct random_state *random
         }
         params[i] = light;
         lights[i] = device_light(&light);
+    }
+}
+
+void list_random_shapes(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
+                        struct gpu_light *lights) {
+    list_random_lights(view, random, count, params, lights);
+    for (uint32_t i = 0; i < count; i += 3) {
+        fnl_light_params *p = &params[i];
+        p->direction =
+            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
+        switch (i / 3 % 4) {
+        case 0:
+            p->kind = FNL_LIGHT_CAPSULE;
+            p->length = p->range * random_range(random, 0, 3);
+            break;
+        case 1:
+            p->kind = FNL_LIGHT_WEDGE;
+            p->wedge_angles[0] = random_range(random, 0.02f, 1.4f);
+            p->wedge_angles[1] = random_range(random, 0.02f, 1.4f);
+            break;
+        case 2:
+            p->kind = FNL_LIGHT_BOX;
+            p->box_size = vec3_make(p->range * random_range(random, 0.05f, 2), p->range * random_range(random, 0.05f, 2),
+                                    p->range * random_range(random, 0.05f, 2));
+            break;
+        default:
+            p->kind = FNL_LIGHT_SPOT;
+            p->outer_cone_angle = random_range(random, 0.005f, 0.1f);
+            p->inner_cone_angle = 0;
+            p->range *= 3;
+        }
+        lights[i] = device_light(p);
     }
 }
 

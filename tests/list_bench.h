@@ -30,9 +30,52 @@ struct list_copy {
     struct light_totals totals;
 };
 
+/** Buffers of a graph that are copied to the host at the end of its frame. */
+enum { LIST_READS = 8 };
+struct list_reads {
+    struct gpu_buffer buffers[LIST_READS]; /* mapped, after the frame */
+    uint32_t count;
+};
+void list_reads_add(struct graph *graph, const graph_buffer *buffers, uint32_t count, struct list_reads *out);
+/** A copy of what was read, to be freed. */
+void *list_reads_take(const struct list_reads *reads, uint32_t index);
+void list_reads_free(struct list_reads *reads);
+
+/**
+ * A builder alone in a graph of its own:
+ *
+ *     struct list_lab lab = list_lab_open(&view, lights, count);
+ *     … list_lab_image(&lab, …) …
+ *     list_lab_begin(&lab);
+ *     struct light_list list = x_add(lab.graph, harness_device(), &lab.input, &lab.in_view, …);
+ *     list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids}, 2);
+ *     … lab.reads …
+ *     list_lab_close(&lab);
+ */
+struct list_lab {
+    struct graph *graph;
+    struct gpu_view view;
+    struct light_input input;
+    struct lights_in_view in_view;
+    struct list_reads reads;
+    struct gpu_buffer lights;
+    struct gpu_image images[2];
+    uint32_t image_count;
+};
+struct list_lab list_lab_open(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count);
+/** An image of the view's size; without texels none. Before the frame begins. */
+graph_image list_lab_image(struct list_lab *lab, VkFormat format, uint32_t texel_bytes, const void *texels);
+static inline graph_image list_lab_depth(struct list_lab *lab, const float *depth) {
+    return list_lab_image(lab, VK_FORMAT_R32_SFLOAT, 4, depth);
+}
+void list_lab_begin(struct list_lab *lab);
+/** Compiles and runs the frame. */
+void list_lab_run(struct list_lab *lab, const graph_buffer *reads, uint32_t read_count);
+void list_lab_close(struct list_lab *lab);
+
 /** Declares the copies of a list's cells, ids and totals to the host; only for lists whose buffers the graph owns. */
 struct list_readback {
-    struct gpu_buffer cells, ids, totals, extra;
+    struct list_reads reads;
     uint32_t cell_count;
 };
 void list_readback_add(struct graph *graph, const struct light_list *list, struct list_readback *out);
@@ -96,15 +139,27 @@ struct gpu_view list_random_view(uint32_t kind, struct random_state *random, uin
 /** Points and spots of all sizes before, around and behind the viewer; some with rim or centre on the edge of a tile. */
 void list_random_lights(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
                         struct gpu_light *lights);
+/** The same, but every third is a capsule, a wedge, a box, or a very narrow spot. */
+void list_random_shapes(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
+                        struct gpu_light *lights);
 /** Slanted surfaces with jumps, and sky; reversed. To be freed. */
 float *list_random_depth(const struct gpu_view *view, struct random_state *random);
 
 /** Whether the volume of a light of any shape (without a hull) holds a world-space point. */
 bool light_reaches(const fnl_light_params *light, const double point[3]);
+void world_to_view(const struct gpu_view *view, const double from[3], double out[3]);
 void view_to_world(const struct gpu_view *view, const double from[3], double out[3]);
 /** View-space position of a point on the screen (pixels from the top left) at a view depth. */
 void view_of_pixel(const struct gpu_view *view, double x, double y, double view_depth, double out[3]);
 /** The reversed depth that the view stores for a view depth. */
 float depth_of_view_depth(const struct gpu_view *view, double view_depth);
+/** And back. */
+double view_depth_of_depth(const struct gpu_view *view, float depth);
+/** World-space position of the middle of a pixel of a depth image; false: sky. */
+bool list_position_of(const struct gpu_view *view, const float *depth, uint32_t x, uint32_t y, double out[3]);
+
+/** Normals as the G-buffer has them: octahedral, unsigned 16 bits a part, 0 .. 1 is -1 .. 1. */
+void pack_normal(const double normal[3], uint16_t out[4]);
+void unpack_normal(const uint16_t in[4], double out[3]);
 
 #endif

@@ -17,31 +17,6 @@ struct surfaces {
     uint16_t *normals; /* four to a pixel, as the G-buffer has them */
 };
 
-static void pack_normal(vec3 n, uint16_t out[4]) {
-    float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z), x = n.x / sum, y = n.y / sum;
-    if (n.z < 0) {
-        float folded = (1 - fabsf(y)) * (x < 0 ? -1.0f : 1.0f);
-        y = (1 - fabsf(x)) * (y < 0 ? -1.0f : 1.0f);
-        x = folded;
-    }
-    out[0] = (uint16_t)lrintf((x * 0.5f + 0.5f) * 65535);
-    out[1] = (uint16_t)lrintf((y * 0.5f + 0.5f) * 65535);
-    out[2] = out[3] = 0;
-}
-
-static void unpack_normal(const uint16_t in[4], double out[3]) {
-    double x = in[0] / 65535.0 * 2 - 1, y = in[1] / 65535.0 * 2 - 1, z = 1 - fabs(x) - fabs(y);
-    if (z < 0) {
-        double folded = (1 - fabs(y)) * (x < 0 ? -1 : 1);
-        y = (1 - fabs(x)) * (y < 0 ? -1 : 1);
-        x = folded;
-    }
-    double length = sqrt(x * x + y * y + z * z);
-    out[0] = x / length;
-    out[1] = y / length;
-    out[2] = z / length;
-}
-
 static struct surfaces make_surfaces(const struct gpu_view *view, enum surface kind, struct random_state *random) {
     size_t count = (size_t)view->size.x * view->size.y;
     struct surfaces s = {malloc(count * sizeof *s.depth), malloc(count * 4 * sizeof *s.normals)};
@@ -61,7 +36,7 @@ static struct surfaces make_surfaces(const struct gpu_view *view, enum surface k
                                                                                                                     : 0;
             n = vec3_add(n, vec3_make(bend + noise * random_range(random, -1, 1), noise * random_range(random, -1, 1),
                                       noise * random_range(random, -1, 1)));
-            pack_normal(vec3_normalize(n), s.normals + 4 * i);
+            pack_normal((double[]){(double)n.x, (double)n.y, (double)n.z}, s.normals + 4 * i);
         }
     return s;
 }
@@ -71,40 +46,7 @@ static void free_surfaces(struct surfaces *s) {
     free(s->normals);
 }
 
-/* Of all shapes. */
-static void make_lights(const struct gpu_view *view, struct random_state *random, uint32_t count) {
-    list_random_lights(view, random, count, params, lights);
-    for (uint32_t i = 0; i < count; i++) {
-        if (i % 16 != 5 && i % 16 != 9 && i % 16 != 13) continue;
-        params[i].kind = i % 16 == 5 ? FNL_LIGHT_CAPSULE : i % 16 == 9 ? FNL_LIGHT_BOX : FNL_LIGHT_WEDGE;
-        params[i].direction =
-            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
-        params[i].length = params[i].range;
-        params[i].box_size = vec3_make(params[i].range, params[i].range, params[i].range);
-        lights[i] = device_light(&params[i]);
-    }
-}
-
 /* ---- building ---- */
-
-static graph_image import_image(struct graph *graph, const struct gpu_view *view, VkFormat format, uint32_t pixel_bytes,
-                                const void *pixels, const char *name, struct gpu_image *image) {
-    gpu_device *device = harness_device();
-    struct gpu_image_params p = {.name = name,
-                                 .format = format,
-                                 .width = view->size.x,
-                                 .height = view->size.y,
-                                 .layers = 1,
-                                 .mips = 1,
-                                 .samples = 1,
-                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    assert_int_equal(gpu_image_create(device, &p, image), FNL_OK);
-    assert_int_equal(gpu_upload_image(device, image, pixels, (uint64_t)p.width * p.height * pixel_bytes, false, false),
-                     FNL_OK);
-    assert_int_equal(gpu_upload_flush(device), FNL_OK);
-    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-}
 
 /* Plain tiles without `p`. */
 static struct list_copy build(const struct gpu_view *v, const struct surfaces *s, uint32_t count,
@@ -115,27 +57,10 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
         request.depth = s->depth;
         return list_build(&request);
     }
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    struct gpu_buffer buffer;
-    struct gpu_image depth_image = {0}, normal_image = {0};
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(device, "test lights", count * sizeof *lights, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
-    if (count) memcpy(buffer.mapped, lights, count * sizeof *lights);
-    graph_begin(graph);
-    graph_image depth = import_image(graph, v, VK_FORMAT_R32_SFLOAT, 4, s->depth, "test depth", &depth_image);
-    graph_image normals = import_image(graph, v, VK_FORMAT_R16G16B16A16_UNORM, 8, s->normals, "test normals", &normal_image);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice view = gpu_frame_allocate(device, sizeof *v);
-    assert_non_null(view.data);
-    memcpy(view.data, v, sizeof *v);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &buffer),
-                                .lights = buffer.address,
-                                .local_count = count,
-                                .view = view.address,
-                                .width = v->size.x,
-                                .height = v->size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
+    struct list_lab lab = list_lab_open(v, lights, count);
+    graph_image depth = list_lab_depth(&lab, s->depth);
+    graph_image normals = list_lab_image(&lab, VK_FORMAT_R16G16B16A16_UNORM, 8, s->normals);
+    list_lab_begin(&lab);
     struct backface_params own = *p;
     own.tiles = *tiles;
     struct gbuffer gbuffer = {.depth = depth,
@@ -143,19 +68,14 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
                               .targets = {{0}, normals},
                               .target_count = 2,
                               .form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL),
-                              .view = view.address};
-    struct light_list list = backface_add(graph, device, &input, &in_view, &gbuffer, &own);
-    struct list_readback readback;
-    list_readback_add(graph, &list, &readback);
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-    struct gpu_light_list grid = list_grid(&request);
-    struct list_copy copy = list_readback_take(&readback, &grid);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &buffer);
-    gpu_image_destroy(device, &depth_image);
-    gpu_image_destroy(device, &normal_image);
+                              .view = lab.input.view};
+    struct light_list list = backface_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &gbuffer, &own);
+    list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.totals}, 3);
+    struct list_copy copy = {.grid = list_grid(&request), .cell_count = list.cell_count};
+    copy.cells = list_reads_take(&lab.reads, 0);
+    copy.ids = list_reads_take(&lab.reads, 1);
+    memcpy(&copy.totals, lab.reads.buffers[2].mapped, sizeof copy.totals);
+    list_lab_close(&lab);
     return copy;
 }
 
@@ -163,14 +83,8 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
 
 static bool point_of(const struct gpu_view *view, const struct surfaces *s, uint32_t x, uint32_t y, double point[3],
                      double normal[3]) {
-    size_t i = (size_t)y * view->size.x + x;
-    double depth = (double)s->depth[i], seen[3];
-    if (depth <= 0) return false;
-    const vec4 *d = &view->depth_decode;
-    view_of_pixel(view, x + 0.5, y + 0.5, ((double)d->x + (double)d->y * depth) / ((double)d->z + (double)d->w * depth),
-                  seen);
-    view_to_world(view, seen, point);
-    unpack_normal(s->normals + 4 * i, normal);
+    if (!list_position_of(view, s->depth, x, y, point)) return false;
+    unpack_normal(s->normals + 4 * ((size_t)y * view->size.x + x), normal);
     return true;
 }
 
@@ -277,7 +191,7 @@ static void test_sets_TD_2_TD_4_TD_5_TD_9(void **state) {
         struct counts counts = {0};
         for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
             struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
-            make_lights(&view, &random, LIGHTS);
+            list_random_shapes(&view, &random, LIGHTS, params, lights);
             struct surfaces s = make_surfaces(&view, (enum surface)surface, &random);
             struct tiled_params tiles = tiled_params_default();
             if (kind == 2) tiles.tile_size = 8;
@@ -324,7 +238,7 @@ static void test_sizes_overflow_and_broken_lights_TD_11(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(sizes); i++)
         for (uint32_t k = 0; k < COUNT_OF(light_counts); k++) {
             struct gpu_view view = list_random_view(0, &random, sizes[i][0], sizes[i][1]);
-            make_lights(&view, &random, light_counts[k]);
+            list_random_shapes(&view, &random, light_counts[k], params, lights);
             struct surfaces s = make_surfaces(&view, SURFACE_FLAT, &random);
             struct list_copy plain = build(&view, &s, light_counts[k], &tiles, NULL),
                              list = build(&view, &s, light_counts[k], &tiles, &p);
@@ -335,7 +249,7 @@ static void test_sizes_overflow_and_broken_lights_TD_11(void **state) {
             free_surfaces(&s);
         }
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    make_lights(&view, &random, LIGHTS);
+    list_random_shapes(&view, &random, LIGHTS, params, lights);
     for (uint32_t i = 0; i < LIGHTS; i += 40) lights[i].position.y = NAN; /* NaN is never behind */
     struct surfaces s = make_surfaces(&view, SURFACE_FLAT, &random);
     struct list_copy plain = build(&view, &s, LIGHTS, &tiles, NULL), full = build(&view, &s, LIGHTS, &tiles, &p);

@@ -25,107 +25,31 @@ struct fine_copy {
     uint32_t tile_size, tiles_x, tiles_y, cell_count, mask_size;
 };
 
-struct copy_data {
-    graph_buffer from[COPY_COUNT], to[COPY_COUNT];
-    uint64_t sizes[COPY_COUNT];
-};
-
-static void execute_copies(const struct graph_context *context, const void *data) {
-    const struct copy_data *d = data;
-    for (int i = 0; i < COPY_COUNT; i++)
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
-                        d->sizes[i]);
-}
-
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
-static graph_image import_depth(struct graph *graph, const struct gpu_view *view, const float *depth,
-                                struct gpu_image *image) {
-    if (!depth) return (graph_image){0};
-    gpu_device *device = harness_device();
-    struct gpu_image_params p = {.name = "test depth",
-                                 .format = VK_FORMAT_R32_SFLOAT,
-                                 .width = view->size.x,
-                                 .height = view->size.y,
-                                 .layers = 1,
-                                 .mips = 1,
-                                 .samples = 1,
-                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    assert_int_equal(gpu_image_create(device, &p, image), FNL_OK);
-    assert_int_equal(gpu_upload_image(device, image, depth, (uint64_t)p.width * p.height * 4, false, false), FNL_OK);
-    assert_int_equal(gpu_upload_flush(device), FNL_OK);
-    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-}
-
 /* `front`: depth of blended surfaces, or NULL. */
 static struct fine_copy build(const struct gpu_view *view, uint32_t light_count, const float *depth, const float *front,
                               const struct fine_params *given) {
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    struct gpu_buffer buffer, to[COPY_COUNT];
-    struct gpu_image depth_image = {0}, front_image = {0};
-    uint64_t size = light_count * sizeof(struct gpu_light);
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
-    if (size) memcpy(buffer.mapped, lights, size);
-    graph_begin(graph);
+    struct list_lab lab = list_lab_open(view, lights, light_count);
     struct fine_params p = *given;
-    graph_image depth_handle = import_depth(graph, view, depth, &depth_image);
-    p.blend_depth = import_depth(graph, view, front, &front_image);
+    graph_image depth_handle = list_lab_depth(&lab, depth);
+    p.blend_depth = list_lab_depth(&lab, front);
     p.eye_distance = vec3_length(view->eye);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice slice = gpu_frame_allocate(device, sizeof *view);
-    assert_non_null(slice.data);
-    memcpy(slice.data, view, sizeof *view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &buffer),
-                                .lights = buffer.address,
-                                .local_count = light_count,
-                                .view = slice.address,
-                                .width = view->size.x,
-                                .height = view->size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct fine_lists lists = fine_add(graph, device, &input, &in_view, depth_handle, &p);
-
-    struct copy_data data = {
-        .from = {lists.lights.cells, lists.lights.ids, lists.lights.extra, lists.boxes, in_view.ids, lists.lights.totals}};
-    static const char *const names[COPY_COUNT] = {"test cells", "test ids",     "test extra",
-                                                  "test boxes", "test visible", "test totals"};
+    list_lab_begin(&lab);
+    struct fine_lists lists = fine_add(lab.graph, harness_device(), &lab.input, &lab.in_view, depth_handle, &p);
     struct fine_copy copy = {.tile_size = p.tile_size,
                              .tiles_x = DIVIDE_UP(view->size.x, p.tile_size),
                              .tiles_y = DIVIDE_UP(view->size.y, p.tile_size),
                              .cell_count = lists.lights.cell_count,
                              .mask_size = depth && p.pruning ? MIN(p.mask_size, p.tile_size / 8) : 0};
-    for (int i = 0; i < COPY_COUNT; i++) {
-        copy.sizes[i] = data.sizes[i] = graph_buffer_size(graph, data.from[i]);
-        assert_int_equal(gpu_buffer_create(device, names[i], data.sizes[i], GPU_MEMORY_READBACK, &to[i]), FNL_OK);
-        data.to[i] = graph_import_buffer(graph, names[i], &to[i]);
-    }
-    struct graph_pass *pass = graph_add_pass(graph, "test read", GRAPH_QUEUE_GRAPHICS, execute_copies, &data, sizeof data);
-    struct graph_pass *host = graph_add_pass(graph, "test host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
-    graph_keep(host);
-    for (int i = 0; i < COPY_COUNT; i++) {
-        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
-        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
-        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
-    }
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-    for (int i = 0; i < COPY_COUNT; i++) {
-        copy.data[i] = malloc(copy.sizes[i]);
-        assert_non_null(copy.data[i]);
-        memcpy(copy.data[i], to[i].mapped, copy.sizes[i]);
-        gpu_buffer_destroy(device, &to[i]);
+    list_lab_run(&lab,
+                 (graph_buffer[COPY_COUNT]){lists.lights.cells, lists.lights.ids, lists.lights.extra, lists.boxes,
+                                            lab.in_view.ids, lists.lights.totals},
+                 COPY_COUNT);
+    for (uint32_t i = 0; i < COPY_COUNT; i++) {
+        copy.data[i] = list_reads_take(&lab.reads, i);
+        copy.sizes[i] = lab.reads.buffers[i].size;
     }
     memcpy(&copy.totals, copy.data[COPY_TOTALS], sizeof copy.totals);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &buffer);
-    if (depth) gpu_image_destroy(device, &depth_image);
-    if (front) gpu_image_destroy(device, &front_image);
+    list_lab_close(&lab);
     return copy;
 }
 
@@ -140,12 +64,14 @@ static const uint32_t *ids_at(const struct fine_copy *c, uint32_t cell) {
     return (const uint32_t *)c->data[COPY_IDS] + cell_at(c, cell).offset;
 }
 
+static struct list_copy list_of(const struct fine_copy *c) {
+    return (struct list_copy){
+        .cells = c->data[COPY_CELLS], .ids = c->data[COPY_IDS], .cell_count = c->cell_count, .totals = c->totals};
+}
+
 static bool holds(const struct fine_copy *c, uint32_t cell, uint32_t light) {
-    struct gpu_cell at = cell_at(c, cell);
-    if (at.count == GPU_CELL_ALL) return true;
-    for (uint32_t i = 0; i < at.count; i++)
-        if (ids_at(c, cell)[i] == light) return true;
-    return false;
+    struct list_copy list = list_of(c);
+    return list_holds(&list, cell, light);
 }
 
 /* Whether a pixel visits entry `entry` of its cell, as shaders/lights/fine.glsl finds it. */
@@ -160,24 +86,14 @@ static bool visits(const struct fine_copy *c, uint32_t cell, uint32_t x, uint32_
 }
 
 static void check_form(const struct fine_copy *c, uint32_t light_count) {
-    uint64_t sum = 0;
-    for (uint32_t cell = 0; cell < c->cell_count; cell++) {
-        struct gpu_cell at = cell_at(c, cell);
-        assert_int_equal(at.offset, sum);
-        sum += at.count;
-        for (uint32_t i = 0; i < at.count; i++) {
-            assert_true(ids_at(c, cell)[i] < light_count);
-            assert_true(i == 0 || ids_at(c, cell)[i - 1] < ids_at(c, cell)[i]);
-        }
-    }
-    assert_int_equal(c->totals.entries, sum);
+    struct list_copy list = list_of(c);
+    list_check_form(&list, light_count);
     assert_int_equal(c->totals.overflow_cells, 0);
 }
 
 static bool is_equal(const struct fine_copy *a, const struct fine_copy *b, const struct gpu_view *view) {
-    if (memcmp(&a->totals, &b->totals, sizeof a->totals) != 0 || a->cell_count != b->cell_count) return false;
-    if (memcmp(a->data[COPY_CELLS], b->data[COPY_CELLS], a->sizes[COPY_CELLS]) != 0) return false;
-    if (memcmp(a->data[COPY_IDS], b->data[COPY_IDS], a->totals.entries * 4ull) != 0) return false;
+    struct list_copy lists[] = {list_of(a), list_of(b)};
+    if (!list_equal(&lists[0], &lists[1])) return false;
     for (uint32_t y = 0; y < view->size.y; y++)
         for (uint32_t x = 0; x < view->size.x; x++) {
             uint32_t cell = y / a->tile_size * a->tiles_x + x / a->tile_size;
@@ -188,20 +104,6 @@ static bool is_equal(const struct fine_copy *a, const struct fine_copy *b, const
 }
 
 /* ---- the reference ---- */
-
-static double view_depth_of(const struct gpu_view *view, float depth) {
-    const vec4 *d = &view->depth_decode;
-    return ((double)d->x + (double)d->y * (double)depth) / ((double)d->z + (double)d->w * (double)depth);
-}
-
-static bool position_of(const struct gpu_view *view, const float *depth, uint32_t x, uint32_t y, double out[3]) {
-    float stored = depth[(size_t)y * view->size.x + x];
-    if (stored <= 0) return false;
-    double seen[3];
-    view_of_pixel(view, x + 0.5, y + 0.5, view_depth_of(view, stored), seen);
-    view_to_world(view, seen, out);
-    return true;
-}
 
 static double length_of(const double v[3]) { return sqrt(light_dot(v, v)); }
 
@@ -247,7 +149,7 @@ static uint64_t check_sets(const struct gpu_view *view, const float *depth, uint
         for (uint32_t x = 0; x < view->size.x; x++) {
             double point[3];
             uint32_t cell = y / c->tile_size * c->tiles_x + x / c->tile_size, count = cell_at(c, cell).count, entry = 0;
-            bool solid = position_of(view, depth, x, y, point);
+            bool solid = list_position_of(view, depth, x, y, point);
             for (uint32_t light = 0; light < light_count; light++) {
                 while (entry < count && ids_at(c, cell)[entry] < light) entry++;
                 bool held = entry < count && ids_at(c, cell)[entry] == light, visited = held && visits(c, cell, x, y, entry);
@@ -801,7 +703,7 @@ static void test_blended_surfaces(void **state) {
             for (uint32_t x = 0; x < WIDTH; x++) {
                 float near = front[y * WIDTH + x], far = depth[y * WIDTH + x];
                 if (near <= 0 || near < far) continue;
-                double from = view_depth_of(&view, near), to = far > 0 ? view_depth_of(&view, far) : from * 8;
+                double from = view_depth_of_depth(&view, near), to = far > 0 ? view_depth_of_depth(&view, far) : from * 8;
                 if (view.orthographic > 0.5f && far <= 0) to = from;
                 uint32_t cell = c.tiles_x * c.tiles_y + y / c.tile_size * c.tiles_x + x / c.tile_size, entry = 0;
                 for (uint32_t light = 0; light < LIGHTS; light++) {

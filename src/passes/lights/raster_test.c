@@ -35,33 +35,6 @@ struct raster_copy {
     uint32_t kind;
 };
 
-enum { READS = 7 };
-
-struct read_data {
-    graph_buffer from[READS], to[READS];
-    uint64_t sizes[READS];
-};
-
-static void execute_read(const struct graph_context *context, const void *data) {
-    const struct read_data *d = data;
-    for (int i = 0; i < READS; i++)
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
-                        d->sizes[i]);
-}
-
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
-static void *take(struct gpu_buffer *buffer) {
-    void *copy = malloc(MAX(buffer->size, 1u));
-    assert_non_null(copy);
-    memcpy(copy, buffer->mapped, buffer->size);
-    gpu_buffer_destroy(harness_device(), buffer);
-    return copy;
-}
-
 /* Turns linked lists into arrays; fails on links that leave the pool and on lists that are longer than the pool. */
 static void walk_links(struct raster_copy *copy, uint32_t nodes, uint32_t capacity) {
     struct list_copy *list = &copy->list;
@@ -97,11 +70,8 @@ static struct gpu_buffer upload(const char *name, const void *data, uint64_t siz
 }
 
 static struct raster_copy build(const struct raster_request *request) {
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    struct gpu_buffer light_buffer = upload("test lights", lights, request->light_count * sizeof *lights);
-    struct gpu_buffer meshes = {0}, points = {0}, buffers[READS];
+    struct list_lab lab = list_lab_open(&request->view, lights, request->light_count);
+    struct gpu_buffer meshes = {0}, points = {0};
     struct raster_params raster = request->raster;
     raster.near = request->view.near_distance;
     if (request->meshes) {
@@ -110,65 +80,34 @@ static struct raster_copy build(const struct raster_request *request) {
         raster.meshes = meshes.address;
         raster.points = points.address;
     }
-    graph_begin(graph);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice view = gpu_frame_allocate(device, sizeof request->view);
-    assert_non_null(view.data);
-    memcpy(view.data, &request->view, sizeof request->view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &light_buffer),
-                                .lights = light_buffer.address,
-                                .local_count = request->light_count,
-                                .view = view.address,
-                                .width = request->view.size.x,
-                                .height = request->view.size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct raster_list built = raster_add(graph, device, &input, &in_view, &raster);
-    struct read_data data = {.from = {built.list.cells, built.list.ids, built.list.totals, built.rectangles, built.slots,
-                                      built.slot_sums, in_view.ids}};
-    static const char *const names[READS] = {"read cells", "read ids",  "read totals", "read rectangles",
-                                             "read slots", "read sums", "read visible"};
-    for (int i = 0; i < READS; i++) {
-        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
-        assert_int_equal(gpu_buffer_create(device, names[i], data.sizes[i], GPU_MEMORY_READBACK, &buffers[i]), FNL_OK);
-        data.to[i] = graph_import_buffer(graph, names[i], &buffers[i]);
-    }
-    struct graph_pass *pass =
-        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_read, &data, sizeof data);
-    struct graph_pass *host = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
-    graph_keep(host);
-    for (int i = 0; i < READS; i++) {
-        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
-        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
-        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
-    }
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-
+    list_lab_begin(&lab);
+    struct raster_list built = raster_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &raster);
+    list_lab_run(&lab,
+                 (graph_buffer[]){built.list.cells, built.list.ids, built.list.totals, built.rectangles, built.slots,
+                                  built.slot_sums, lab.in_view.ids},
+                 7);
     struct raster_copy copy = {.byte_count = built.list.byte_count, .kind = built.list.kind};
     copy.list.grid.local_count = request->light_count;
     clustered_grid(&copy.list.grid, request->view.size.x, request->view.size.y, &raster.grid);
     copy.list.cell_count = built.list.cell_count;
-    memcpy(&copy.list.totals, buffers[2].mapped, sizeof copy.list.totals);
-    gpu_buffer_destroy(device, &buffers[2]);
+    memcpy(&copy.list.totals, lab.reads.buffers[2].mapped, sizeof copy.list.totals);
     uint32_t nodes = raster_nodes(&raster, request->light_count);
     if (nodes == GPU_NODES_ARRAY) {
-        copy.list.cells = take(&buffers[0]);
-        copy.list.ids = take(&buffers[1]);
+        copy.list.cells = list_reads_take(&lab.reads, 0);
+        copy.list.ids = list_reads_take(&lab.reads, 1);
     } else {
-        copy.word_count = (uint32_t)(buffers[1].size / 4);
-        copy.heads = take(&buffers[0]);
-        copy.words = take(&buffers[1]);
+        copy.word_count = (uint32_t)(lab.reads.buffers[1].size / 4);
+        copy.heads = list_reads_take(&lab.reads, 0);
+        copy.words = list_reads_take(&lab.reads, 1);
         walk_links(&copy, nodes, copy.word_count / (nodes == GPU_NODES_64 ? 2 : 1));
     }
-    copy.rectangles = take(&buffers[3]);
-    copy.slots = take(&buffers[4]);
-    copy.slot_sums = take(&buffers[5]);
-    copy.visible = take(&buffers[6]);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &light_buffer);
-    gpu_buffer_destroy(device, &meshes);
-    gpu_buffer_destroy(device, &points);
+    copy.rectangles = list_reads_take(&lab.reads, 3);
+    copy.slots = list_reads_take(&lab.reads, 4);
+    copy.slot_sums = list_reads_take(&lab.reads, 5);
+    copy.visible = list_reads_take(&lab.reads, 6);
+    list_lab_close(&lab);
+    gpu_buffer_destroy(harness_device(), &meshes);
+    gpu_buffer_destroy(harness_device(), &points);
     return copy;
 }
 
@@ -188,38 +127,6 @@ static struct raster_request request_of(const struct gpu_view *view, uint32_t li
     struct raster_request r = {.view = *view, .light_count = light_count, .raster = raster_params_default()};
     r.raster.grid.tile_size = 32;
     return r;
-}
-
-/* Points and spots of list_random_lights; every third becomes a capsule, a wedge, a box, or a very narrow spot. */
-static void make_lights(const struct gpu_view *view, struct random_state *random, uint32_t count) {
-    list_random_lights(view, random, count, params, lights);
-    for (uint32_t i = 0; i < count; i += 3) {
-        fnl_light_params *p = &params[i];
-        p->direction =
-            vec3_normalize(vec3_make(random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)));
-        switch (i / 3 % 4) {
-        case 0:
-            p->kind = FNL_LIGHT_CAPSULE;
-            p->length = p->range * random_range(random, 0, 3);
-            break;
-        case 1:
-            p->kind = FNL_LIGHT_WEDGE;
-            p->wedge_angles[0] = random_range(random, 0.02f, 1.4f);
-            p->wedge_angles[1] = random_range(random, 0.02f, 1.4f);
-            break;
-        case 2:
-            p->kind = FNL_LIGHT_BOX;
-            p->box_size = vec3_make(p->range * random_range(random, 0.05f, 2), p->range * random_range(random, 0.05f, 2),
-                                    p->range * random_range(random, 0.05f, 2));
-            break;
-        default:
-            p->kind = FNL_LIGHT_SPOT;
-            p->outer_cone_angle = random_range(random, 0.005f, 0.1f);
-            p->inner_cone_angle = 0;
-            p->range *= 3;
-        }
-        lights[i] = device_light(p);
-    }
 }
 
 /* ---- the oracle: a mesh in tiles, in double ---- */
@@ -484,7 +391,7 @@ static void test_never_misses_and_tight_CL_2_CL_3_ES_60(void **state) {
     uint64_t seen = 0, listed = 0, spheres = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH - 3 * kind, HEIGHT + kind);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         r.raster.grid.linear = kind == 2;
         struct raster_copy copy = build(&r), again = build(&r);
@@ -578,7 +485,7 @@ static void test_centers_miss_CL_4(void **state) {
     uint32_t tiles = 0, missing = 0, looser = 0, lit_missing = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         struct raster_copy software = build(&r);
         r.raster.centers = true;
@@ -615,7 +522,7 @@ static void test_hardware_shells(void **state) {
     uint32_t tiles = 0, looser = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         struct raster_copy hardware = build(&r);
         assert_true(raster_on_hardware(harness_device(), &r.raster));
@@ -637,7 +544,7 @@ static void test_software_shells(void **state) {
     uint32_t tiles = 0, more = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         r.raster.path = RASTER_PATH_SOFTWARE;
         struct raster_copy copy = build(&r);
@@ -680,7 +587,7 @@ static void test_grids_CL_5(void **state) {
     for (uint32_t k = 0; k < 36; k++) {
         uint32_t count = counts[k / 12];
         struct gpu_view view = list_random_view(0, &random, 1536, 768);
-        make_lights(&view, &random, count);
+        list_random_shapes(&view, &random, count, params, lights);
         for (uint32_t i = 0; i < count; i++) { /* many, and small */
             params[i].range *= 0.15f;
             params[i].box_size = vec3_scale(params[i].box_size, 0.15f);
@@ -827,7 +734,7 @@ static void test_overflow_CL_10(void **state) {
     UNUSED(state);
     struct random_state random = {14};
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    make_lights(&view, &random, LIGHTS);
+    list_random_shapes(&view, &random, LIGHTS, params, lights);
     for (uint32_t nodes = GPU_NODES_ARRAY; nodes <= GPU_NODES_32; nodes++) {
         struct raster_request r = request_of(&view, LIGHTS);
         r.raster.nodes = nodes;
@@ -864,7 +771,7 @@ static void test_slots_overflow_CL_10(void **state) {
     UNUSED(state);
     struct random_state random = {15};
     struct gpu_view view = list_random_view(3, &random, WIDTH, HEIGHT);
-    make_lights(&view, &random, LIGHTS);
+    list_random_shapes(&view, &random, LIGHTS, params, lights);
     struct raster_request r = request_of(&view, LIGHTS);
     struct raster_copy whole = build(&r);
     uint32_t wanted = whole.slot_sums[LIGHTS];
@@ -888,7 +795,7 @@ static void test_nodes_CL_11_CL_12(void **state) {
     struct random_state random = {16};
     for (uint32_t kind = 0; kind < 2; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         struct raster_copy copies[3];
         for (uint32_t nodes = 0; nodes < 3; nodes++) {
@@ -957,7 +864,7 @@ static void test_memory_CL_14(void **state) {
     /* And the list says the same of itself. */
     struct random_state random = {1};
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    make_lights(&view, &random, 50);
+    list_random_shapes(&view, &random, 50, params, lights);
     for (uint32_t nodes = 0; nodes < 3; nodes++) {
         struct raster_request r = request_of(&view, 50);
         r.raster.nodes = nodes;
@@ -978,7 +885,7 @@ static void test_gradients_ES_61(void **state) {
     uint64_t exact_entries = 0, gradient_entries = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
-        make_lights(&view, &random, LIGHTS);
+        list_random_shapes(&view, &random, LIGHTS, params, lights);
         struct raster_request r = request_of(&view, LIGHTS);
         struct raster_copy exact = build(&r);
         r.raster.gradient = true;

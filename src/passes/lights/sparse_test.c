@@ -21,180 +21,58 @@ struct scene_data {
 };
 
 struct sparse_copy {
-    struct gpu_light_list grid;
+    struct list_copy list; /* of the occupied cells */
     uint32_t buckets, key_count, cell_limit;
-    uint32_t *table, *ids;
-    struct gpu_cell *cells;
-    struct light_totals totals;
+    uint32_t *table;
 };
-
-struct read_data {
-    graph_buffer from[4], to[4];
-    uint64_t sizes[4];
-};
-
-static void execute_read(const struct graph_context *context, const void *data) {
-    const struct read_data *d = data;
-    for (int i = 0; i < 4; i++)
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
-                        d->sizes[i]);
-}
-
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
-static graph_image import_image(struct graph *graph, const struct gpu_view *view, VkFormat format, const void *data,
-                                uint64_t texel, struct gpu_image *image) {
-    gpu_device *device = harness_device();
-    struct gpu_image_params p = {.name = "test image",
-                                 .format = format,
-                                 .width = view->size.x,
-                                 .height = view->size.y,
-                                 .layers = 1,
-                                 .mips = 1,
-                                 .samples = 1,
-                                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    assert_int_equal(gpu_image_create(device, &p, image), FNL_OK);
-    assert_int_equal(gpu_upload_image(device, image, data, texel * p.width * p.height, false, false), FNL_OK);
-    assert_int_equal(gpu_upload_flush(device), FNL_OK);
-    return graph_import_image(graph, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-}
 
 static struct sparse_copy build(const struct scene_data *s) {
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    struct gpu_buffer light_buffer, buffers[4];
-    struct gpu_image images[2] = {0};
-    uint64_t size = s->light_count * sizeof(struct gpu_light);
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &light_buffer), FNL_OK);
-    if (size) memcpy(light_buffer.mapped, lights, size);
-    graph_begin(graph);
-    struct sparse_params p = {.grid = s->grid,
-                              .depth = import_image(graph, &s->view, VK_FORMAT_R32_SFLOAT, s->depth, 4, &images[0])};
+    struct list_lab lab = list_lab_open(&s->view, lights, s->light_count);
+    struct sparse_params p = {.grid = s->grid, .depth = list_lab_depth(&lab, s->depth)};
     struct gbuffer gbuffer = {
         .depth = p.depth, .target_count = 2, .form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL)};
     if (s->normals) {
-        gbuffer.normal = gbuffer.targets[1] =
-            import_image(graph, &s->view, VK_FORMAT_R16G16B16A16_UNORM, s->normals, 8, &images[1]);
+        gbuffer.normal = gbuffer.targets[1] = list_lab_image(&lab, VK_FORMAT_R16G16B16A16_UNORM, 8, s->normals);
         p.gbuffer = &gbuffer;
     }
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice view = gpu_frame_allocate(device, sizeof s->view);
-    assert_non_null(view.data);
-    memcpy(view.data, &s->view, sizeof s->view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &light_buffer),
-                                .lights = light_buffer.address,
-                                .local_count = s->light_count,
-                                .view = view.address,
-                                .width = s->view.size.x,
-                                .height = s->view.size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct light_list list = sparse_add(graph, device, &input, &in_view, &p).lights;
+    list_lab_begin(&lab);
+    struct light_list list = sparse_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &p).lights;
     assert_int_equal(list.kind, GPU_LIST_SPARSE);
-
-    static const char *const names[4] = {"test table", "test cells", "test ids", "test totals"};
-    struct read_data read = {.from = {list.extra, list.cells, list.ids, list.totals}};
-    for (int i = 0; i < 4; i++) {
-        read.sizes[i] = graph_buffer_size(graph, read.from[i]);
-        assert_int_equal(gpu_buffer_create(device, names[i], read.sizes[i], GPU_MEMORY_READBACK, &buffers[i]), FNL_OK);
-        read.to[i] = graph_import_buffer(graph, names[i], &buffers[i]);
-    }
-    struct graph_pass *pass =
-        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_read, &read, sizeof read);
-    struct graph_pass *host = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
-    graph_keep(host);
-    for (int i = 0; i < 4; i++) {
-        graph_use_buffer(pass, read.from[i], GRAPH_COPY_FROM);
-        graph_use_buffer(pass, read.to[i], GRAPH_COPY_TO);
-        graph_use_buffer(host, read.to[i], GRAPH_READ_HOST);
-    }
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+    list_lab_run(&lab, (graph_buffer[]){list.extra, list.cells, list.ids, list.totals}, 4);
 
     struct sparse_copy copy = {.buckets = s->normals ? BUCKETS : 1, .cell_limit = list.cell_count};
-    clustered_grid(&copy.grid, s->view.size.x, s->view.size.y, &s->grid);
-    copy.key_count = copy.grid.tiles_x * copy.grid.tiles_y * copy.grid.slices * copy.buckets;
-    assert_int_equal(read.sizes[0], (copy.key_count + 1) * 4ull);
-    void **targets[] = {(void **)&copy.table, (void **)&copy.cells, (void **)&copy.ids};
-    for (int i = 0; i < 3; i++) {
-        assert_non_null(*targets[i] = malloc(read.sizes[i]));
-        memcpy(*targets[i], buffers[i].mapped, read.sizes[i]);
-    }
-    memcpy(&copy.totals, buffers[3].mapped, sizeof copy.totals);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &light_buffer);
-    for (int i = 0; i < 4; i++) gpu_buffer_destroy(device, &buffers[i]);
-    for (int i = 0; i < 2; i++)
-        if (images[i].handle) gpu_image_destroy(device, &images[i]);
+    struct gpu_light_list *grid = &copy.list.grid;
+    clustered_grid(grid, s->view.size.x, s->view.size.y, &s->grid);
+    copy.key_count = grid->tiles_x * grid->tiles_y * grid->slices * copy.buckets;
+    assert_int_equal(lab.reads.buffers[0].size, (copy.key_count + 1) * 4ull);
+    copy.table = list_reads_take(&lab.reads, 0);
+    copy.list.cells = list_reads_take(&lab.reads, 1);
+    copy.list.ids = list_reads_take(&lab.reads, 2);
+    copy.list.cell_count = copy.table[copy.key_count];
+    memcpy(&copy.list.totals, lab.reads.buffers[3].mapped, sizeof copy.list.totals);
+    list_lab_close(&lab);
     return copy;
 }
 
 static void copy_free(struct sparse_copy *c) {
+    list_free(&c->list);
     free(c->table);
-    free(c->cells);
-    free(c->ids);
 }
 
 static bool occupied(const struct sparse_copy *c, uint32_t key) { return c->table[key] != c->table[key + 1]; }
 
 static bool holds(const struct sparse_copy *c, uint32_t key, uint32_t light) {
-    struct gpu_cell cell = c->cells[c->table[key]];
-    if (cell.count == GPU_CELL_ALL) return true;
-    for (uint32_t i = 0; i < cell.count; i++)
-        if (c->ids[cell.offset + i] == light) return true;
-    return false;
+    return list_holds(&c->list, c->table[key], light);
 }
 
 /* Cells follow each other in the pool and ascend; totals are exact. */
 static uint64_t check_form(const struct sparse_copy *c, uint32_t light_count) {
-    uint64_t sum = 0, overflowed = 0;
-    uint32_t cell_count = c->table[c->key_count];
-    assert_true(cell_count <= c->cell_limit);
-    for (uint32_t i = 0; i < cell_count; i++) {
-        struct gpu_cell cell = c->cells[i];
-        if (cell.count == GPU_CELL_ALL) {
-            overflowed++;
-            continue;
-        }
-        if (!overflowed) assert_int_equal(cell.offset, sum);
-        sum += cell.count;
-        for (uint32_t k = 0; k < cell.count; k++) {
-            assert_true(c->ids[cell.offset + k] < light_count);
-            assert_true(k == 0 || c->ids[cell.offset + k - 1] < c->ids[cell.offset + k]);
-        }
-    }
-    assert_int_equal(c->totals.overflow_cells, overflowed);
-    if (!overflowed) assert_int_equal(c->totals.entries, sum);
-    return sum;
+    assert_true(c->list.cell_count <= c->cell_limit);
+    list_check_form(&c->list, light_count);
+    return list_entries(&c->list);
 }
 
 /* ---- made-up surfaces ---- */
-
-/* Octahedral, unsigned 16 bits a part; 0 .. 1 is -1 .. 1. */
-static void encode_normal(const double n[3], uint16_t out[4]) {
-    double sum = fabs(n[0]) + fabs(n[1]) + fabs(n[2]), e[2] = {n[0] / sum, n[1] / sum};
-    if (n[2] < 0) {
-        double x = (1 - fabs(e[1])) * (e[0] < 0 ? -1 : 1), y = (1 - fabs(e[0])) * (e[1] < 0 ? -1 : 1);
-        e[0] = x;
-        e[1] = y;
-    }
-    for (int i = 0; i < 2; i++) out[i] = (uint16_t)lrint((e[i] * 0.5 + 0.5) * 65535);
-    out[2] = out[3] = 0;
-}
-
-static void decode_normal(const uint16_t in[4], double n[3]) {
-    double x = in[0] / 65535.0 * 2 - 1, y = in[1] / 65535.0 * 2 - 1;
-    n[2] = 1 - fabs(x) - fabs(y);
-    n[0] = n[2] < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
-    n[1] = n[2] < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int i = 0; i < 3; i++) n[i] /= length;
-}
 
 static uint16_t *random_normals(const struct gpu_view *view, struct random_state *random) {
     uint16_t *normals = calloc((size_t)view->size.x * view->size.y, 8);
@@ -208,7 +86,7 @@ static uint16_t *random_normals(const struct gpu_view *view, struct random_state
             n[1] = 1.0 / 3;
             n[2] = i % 100 ? -1.0 / 3 : 1;
         }
-        encode_normal(n, normals + 4 * (size_t)i);
+        pack_normal(n, normals + 4 * (size_t)i);
     }
     return normals;
 }
@@ -233,14 +111,14 @@ static uint32_t slice_at(const struct gpu_light_list *g, double depth) {
 
 /* Keys that pixels must occupy, and those that rounding allows them to. */
 static void mark_keys(const struct scene_data *s, const struct sparse_copy *c, bool *must, bool *may) {
-    const struct gpu_light_list *g = &c->grid;
+    const struct gpu_light_list *g = &c->list.grid;
     for (uint32_t y = 0; y < s->view.size.y; y++)
         for (uint32_t x = 0; x < s->view.size.x; x++) {
             double depth = depth_at(s, x, y);
             if (depth <= 0) continue;
             uint32_t tile = y / g->tile_size * g->tiles_x + x / g->tile_size, tiles = g->tiles_x * g->tiles_y;
             double n[3] = {0, 0, 1};
-            if (s->normals) decode_normal(s->normals + 4 * ((size_t)y * s->view.size.x + x), n);
+            if (s->normals) unpack_normal(s->normals + 4 * ((size_t)y * s->view.size.x + x), n);
             for (int shift = 0; shift < 9; shift++) {
                 double m[3] = {n[0], n[1], n[2]}, slack = shift == 8 ? 0 : 2e-4;
                 for (int k = 0; k < 3; k++) m[k] += (shift >> k & 1 ? 1 : -1) * slack;
@@ -317,13 +195,13 @@ static void test_tight_lists_ES_54_ES_56(void **state) {
             struct sparse_copy c = build(&s), again = build(&s);
             entries[with_normals] = check_form(&c, LIGHTS);
             assert_memory_equal(c.table, again.table, (c.key_count + 1) * 4ull);
-            assert_memory_equal(c.cells, again.cells, c.table[c.key_count] * sizeof *c.cells);
-            assert_memory_equal(c.ids, again.ids, entries[with_normals] * 4);
+            assert_memory_equal(c.list.cells, again.list.cells, c.table[c.key_count] * sizeof *c.list.cells);
+            assert_memory_equal(c.list.ids, again.list.ids, entries[with_normals] * 4);
             for (uint32_t k = 0; k < c.key_count; k++) {
                 if (!occupied(&c, k)) continue;
-                struct gpu_cell cell = c.cells[c.table[k]];
+                struct gpu_cell cell = c.list.cells[c.table[k]];
                 for (uint32_t i = 0; i < cell.count; i++)
-                    assert_true(list_holds(&all, k / c.buckets, c.ids[cell.offset + i]));
+                    assert_true(list_holds(&all, k / c.buckets, c.list.ids[cell.offset + i]));
                 if (!with_normals) dense_entries += all.cells[k].count;
             }
             for (uint32_t y = 0; y < s.view.size.y; y++)
@@ -332,9 +210,10 @@ static void test_tight_lists_ES_54_ES_56(void **state) {
                     if (depth <= 0) continue;
                     view_of_pixel(&s.view, x + 0.5, y + 0.5, depth, seen);
                     view_to_world(&s.view, seen, point);
-                    if (with_normals) decode_normal(normals + 4 * ((size_t)y * s.view.size.x + x), n);
-                    uint32_t tile = y / c.grid.tile_size * c.grid.tiles_x + x / c.grid.tile_size;
-                    uint32_t key = (slice_at(&c.grid, depth) * c.grid.tiles_x * c.grid.tiles_y + tile) * c.buckets;
+                    if (with_normals) unpack_normal(normals + 4 * ((size_t)y * s.view.size.x + x), n);
+                    uint32_t tile = y / c.list.grid.tile_size * c.list.grid.tiles_x + x / c.list.grid.tile_size;
+                    uint32_t key =
+                        (slice_at(&c.list.grid, depth) * c.list.grid.tiles_x * c.list.grid.tiles_y + tile) * c.buckets;
                     if (with_normals) key += bucket_of(n);
                     for (uint32_t i = 0; i < LIGHTS; i++) {
                         if (!light_reaches(&params[i], point)) continue;
@@ -382,7 +261,7 @@ static void test_sizes_and_counts_ES_54(void **state) {
             memset(s.depth, 0, sizeof *s.depth * sizes[z][0] * sizes[z][1]); /* nothing but sky */
             copy = build(&s);
             assert_int_equal(copy.table[copy.key_count], 0);
-            assert_int_equal(copy.totals.entries, 0);
+            assert_int_equal(copy.list.totals.entries, 0);
             copy_free(&copy);
             free(s.depth);
         }
@@ -402,19 +281,19 @@ static void test_overflow_CL_10(void **state) {
     for (uint32_t k = 0; k < COUNT_OF(capacities); k++) {
         s.grid.pool_capacity = capacities[k];
         struct sparse_copy c = build(&s);
-        assert_int_equal(c.totals.entries, entries);
+        assert_int_equal(c.list.totals.entries, entries);
         uint32_t overflow = 0;
         for (uint32_t i = 0; i < full.table[full.key_count]; i++) {
-            struct gpu_cell want = full.cells[i];
+            struct gpu_cell want = full.list.cells[i];
             if (want.offset + want.count > capacities[k]) {
-                assert_int_equal(c.cells[i].count, GPU_CELL_ALL);
+                assert_int_equal(c.list.cells[i].count, GPU_CELL_ALL);
                 overflow++;
             } else {
-                assert_int_equal(c.cells[i].count, want.count);
-                assert_memory_equal(c.ids + want.offset, full.ids + want.offset, want.count * 4ull);
+                assert_int_equal(c.list.cells[i].count, want.count);
+                assert_memory_equal(c.list.ids + want.offset, full.list.ids + want.offset, want.count * 4ull);
             }
         }
-        assert_int_equal(c.totals.overflow_cells, overflow);
+        assert_int_equal(c.list.totals.overflow_cells, overflow);
         copy_free(&c);
     }
     copy_free(&full);

@@ -24,23 +24,6 @@ static void masks_free(struct masks *m) {
     free(m->all);
 }
 
-struct copy_data {
-    graph_buffer from[4], to[4];
-    uint64_t sizes[4];
-};
-
-static void execute_copies(const struct graph_context *context, const void *data) {
-    const struct copy_data *d = data;
-    for (int i = 0; i < 4; i++)
-        gpu_copy_buffer(context->commands, graph_get_buffer(context, d->from[i]), 0, graph_get_buffer(context, d->to[i]), 0,
-                        d->sizes[i]);
-}
-
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
 static struct masks unpack(const struct gpu_light_list *grid, uint32_t light_count, const uint32_t *table,
                            const uint32_t *pool, const uint32_t *ids, struct light_totals totals) {
     struct masks m = {.grid = *grid, .tile_count = grid->tiles_x * grid->tiles_y, .totals = totals};
@@ -87,59 +70,20 @@ static struct masks unpack(const struct gpu_light_list *grid, uint32_t light_cou
 }
 
 static struct masks build(const struct gpu_view *view, uint32_t light_count, const struct zbin_params *zbin) {
-    gpu_device *device = harness_device();
-    struct graph *graph;
-    struct gpu_buffer buffer;
-    uint64_t size = light_count * sizeof(struct gpu_light);
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
-    if (size) memcpy(buffer.mapped, lights, size);
-    graph_begin(graph);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct gpu_slice slice = gpu_frame_allocate(device, sizeof *view);
-    assert_non_null(slice.data);
-    memcpy(slice.data, view, sizeof *view);
-    struct light_input input = {.buffer = graph_import_buffer(graph, "test lights", &buffer),
-                                .lights = buffer.address,
-                                .local_count = light_count,
-                                .view = slice.address,
-                                .width = view->size.x,
-                                .height = view->size.y};
-    struct lights_in_view in_view = lights_in_view_add(graph, device, &input);
-    struct light_list list = zbin_add(graph, device, &input, &in_view, zbin);
+    struct list_lab lab = list_lab_open(view, lights, light_count);
+    list_lab_begin(&lab);
+    struct light_list list = zbin_add(lab.graph, harness_device(), &lab.input, &lab.in_view, zbin);
     assert_int_equal(list.kind, GPU_LIST_BINS);
-
-    struct copy_data data = {.from = {list.cells, list.ids, list.extra, list.totals}};
-    static const char *const names[] = {"test table", "test words", "test ids", "test totals"};
-    struct gpu_buffer copies[4];
-    for (int i = 0; i < 4; i++) {
-        data.sizes[i] = graph_buffer_size(graph, data.from[i]);
-        assert_int_equal(gpu_buffer_create(device, names[i], data.sizes[i], GPU_MEMORY_READBACK, &copies[i]), FNL_OK);
-        data.to[i] = graph_import_buffer(graph, names[i], &copies[i]);
-    }
-    struct graph_pass *pass =
-        graph_add_pass(graph, "test read list", GRAPH_QUEUE_GRAPHICS, execute_copies, &data, sizeof data);
-    struct graph_pass *host = graph_add_pass(graph, "test list to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
-    graph_keep(host);
-    for (int i = 0; i < 4; i++) {
-        graph_use_buffer(pass, data.from[i], GRAPH_COPY_FROM);
-        graph_use_buffer(pass, data.to[i], GRAPH_COPY_TO);
-        graph_use_buffer(host, data.to[i], GRAPH_READ_HOST);
-    }
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-
+    list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.extra, list.totals}, 4);
     struct gpu_light_list grid = {.local_count = light_count};
     clustered_grid(&grid, view->size.x, view->size.y,
                    &(struct clustered_params){
                        .tile_size = zbin->tile_size, .slices = zbin->bins, .near = zbin->near, .far = zbin->far});
     struct light_totals totals;
-    memcpy(&totals, copies[3].mapped, sizeof totals);
-    struct masks m = unpack(&grid, light_count, copies[0].mapped, copies[1].mapped, copies[2].mapped, totals);
-    for (int i = 0; i < 4; i++) gpu_buffer_destroy(device, &copies[i]);
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &buffer);
+    const struct gpu_buffer *reads = lab.reads.buffers;
+    memcpy(&totals, reads[3].mapped, sizeof totals);
+    struct masks m = unpack(&grid, light_count, reads[0].mapped, reads[1].mapped, reads[2].mapped, totals);
+    list_lab_close(&lab);
     return m;
 }
 
@@ -159,10 +103,7 @@ static void check_masks(const struct gpu_view *view, uint32_t light_count, const
         if (!reference_in_view(&tiles, i)) continue;
         double seen[3],
             at[3] = {(double)lights[i].bound_center.x, (double)lights[i].bound_center.y, (double)lights[i].bound_center.z};
-        for (int k = 0; k < 3; k++) {
-            seen[k] = (double)view->world_to_view.m[12 + k];
-            for (int j = 0; j < 3; j++) seen[k] += (double)view->world_to_view.m[j * 4 + k] * at[j];
-        }
+        world_to_view(view, at, seen);
         double radius = (double)lights[i].bound_radius, low = -seen[2] - radius, high = -seen[2] + radius;
         for (uint32_t b = 0; b < m->grid.slices; b++) {
             double start = b ? bin_start(m, b) : -1e30, end = b + 1 < m->grid.slices ? bin_start(m, b + 1) : 1e30;
@@ -191,10 +132,7 @@ static uint64_t check_points(const struct gpu_view *view, uint32_t light_count, 
             for (int k = 0; k < 3; k++)
                 point[k] = (double)center[k] + (double)lights[i].bound_radius * (double)random_range(random, -1, 1);
             if (!light_reaches(&params[i], point)) continue;
-            for (int k = 0; k < 3; k++) {
-                seen[k] = (double)view->world_to_view.m[12 + k];
-                for (int j = 0; j < 3; j++) seen[k] += (double)view->world_to_view.m[j * 4 + k] * point[j];
-            }
+            world_to_view(view, point, seen);
             double depth = -seen[2], spread = view->orthographic > 0.5f ? 1 : depth;
             if (depth < (double)view->near_distance) continue;
             double x = (seen[0] / spread - (double)view->ndc_offset.x) / (double)view->ndc_scale.x * 0.5 + 0.5;
