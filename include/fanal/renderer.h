@@ -249,6 +249,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_GBUFFER_4,
     FNL_DEBUG_MATERIAL_ID, /**< colours for the material IDs in the G-buffer */
     FNL_DEBUG_LIT_FORWARD, /**< white where the layout cannot hold the material, which is therefore lit forward */
+    FNL_DEBUG_EDGES, /**< deferred MSAA: pixels that show several things: blue one surface and sky, green 2 surfaces, yellow 3, red more */
     FNL_DEBUG_MOTION, /**< motion vectors: hue is direction, saturation speed; grey stands still */
     FNL_DEBUG_COUNT
 } fnl_debug_view;

@@ -128,7 +128,7 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
                                         "cells", "overdraw", "tile-normals", "backfaces", "overshading",
                                         "layers", "decals",     "gbuffer-0",
                                         "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward",
-                                        "motion"};
+                                        "edges", "motion"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }

@@ -6,6 +6,7 @@
 
 _Static_assert((uint32_t)FNL_DEBUG_DECALS == GPU_DEBUG_DECALS && FNL_DEBUG_GBUFFER_0 == FNL_DEBUG_DECALS + 1,
                "debug_shared.h has the values of fnl_debug_view");
+_Static_assert((uint32_t)FNL_DEBUG_EDGES == GPU_DEBUG_EDGES, "and that of the view of edges");
 
 struct draw_data {
     const struct geometry_scene *scene;

@@ -19,6 +19,7 @@
 #define GPU_DEBUG_OVERSHADING 10u
 #define GPU_DEBUG_LAYERS 11u
 #define GPU_DEBUG_DECALS 12u
+#define GPU_DEBUG_EDGES 20u /* those between are views of the G-buffer (shade/gbuffer.h) */
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

@@ -7,6 +7,7 @@
 #include "lights/iterate.glsl"
 #include "passes/lights/backface.glsl"
 #include "passes/debug/debug_shared.h"
+#include "passes/shade/edges_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
@@ -47,6 +48,19 @@ bool legend(ivec2 pixel, out vec3 color) {
     return true;
 }
 
+// From a word of passes/shade/edges_shared.h: grey for one surface, a colour for several things.
+vec3 edge_color(uint word, float grey) {
+    const vec3 colors[5] = vec3[](vec3(0.0), vec3(0.15, 0.35, 1.0), vec3(0.1, 0.8, 0.2), vec3(1.0, 0.8, 0.1), vec3(1.0, 0.1, 0.1));
+    uint surfaces = 0u;
+    bool edge = false;
+    for (uint i = 0u; i < push.view.view.samples; i++) {
+        uint found = word >> (SURFACE_BITS * i) & SURFACE_NONE;
+        edge = edge || found != (word & SURFACE_NONE);
+        if (found != SURFACE_NONE) surfaces = max(surfaces, found + 1u);
+    }
+    return edge ? colors[min(surfaces, 4u)] : vec3(grey * 0.5);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
@@ -65,6 +79,7 @@ void main() {
     if (mode == GPU_DEBUG_OVERSHADING && counted != 0u)
         color = heat((log2(float(counted) / float(GPU_OVERSHADING_UNIT)) + 1.0) / 9.0); // as count_level() has whole numbers
     if (mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) color = counted == 0u ? vec3(grey) * 0.5 : mix(vec3(grey), heat(count_level(counted)), 0.8);
+    if (mode == GPU_DEBUG_EDGES) color = push.count_stride != 0u ? edge_color(counted, grey) : vec3(grey * 0.5);
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);
         light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);

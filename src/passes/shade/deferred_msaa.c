@@ -11,11 +11,12 @@ struct msaa_data {
     VkDeviceAddress view, lights;
     VkFormat format;
     uint32_t kind, method, step, width, height, samples, slots;
+    bool merged;
 };
 
 static void set_constants(const struct msaa_data *d, uint32_t *count, uint32_t *constants) {
     bool floats = d->format == VK_FORMAT_R32G32B32A32_SFLOAT;
-    const uint32_t values[13] = {d->kind, d->counters.id != 0, 1, 1, [9] = d->samples, d->method, floats, d->step};
+    const uint32_t values[14] = {d->kind, d->counters.id != 0, 1, 1, [9] = d->samples, d->method, floats, d->step, d->merged};
     *count = COUNT_OF(values);
     memcpy(constants, values, sizeof values);
     gbuffer_specialise(&d->gbuffer, constants, count);
@@ -113,7 +114,8 @@ struct edges deferred_msaa_add(struct graph *graph, const struct shade_input *in
                              .width = input->width,
                              .height = input->height,
                              .samples = target.samples,
-                             .slots = target.samples};
+                             .slots = target.samples,
+                             .merged = params->method == MSAA_AGGREGATE || params->tolerance > 0};
     bool merges = params->method == MSAA_AGGREGATE, lists = merges || params->method == MSAA_COMPACT;
     if (merges) data.slots = MIN(params->groups, target.samples);
     struct edges_params edges = {.tolerance = params->tolerance, .limit = data.slots, .lists = lists};

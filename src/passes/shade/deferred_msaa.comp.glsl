@@ -7,6 +7,7 @@
 #include "passes/shade/deferred_msaa.glsl"
 
 layout(constant_id = 12) const uint STEP = MSAA_STEP_FIRST;
+layout(constant_id = 13) const uint MERGED = 0u; // 1: samples of a surface may store different things
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_deferred_msaa_push push; };
@@ -51,7 +52,7 @@ void shade_samples(ivec2 pixel, uint samples, uint result) {
     vec3 point = surface_point(push.view, push.gbuffer, pixel, samples, view_depth);
     vec3 position = (push.view.view.view_to_world * vec4(point, 1.0)).xyz;
     int first = findLSB(samples);
-    surface s = METHOD == MSAA_AGGREGATE
+    surface s = MERGED == 1u
                     ? mean_surface(pixel, samples, position)
                     : gbuffer_surface(push.gbuffer, pixel, first, position, texelFetch(textures_multisampled[push.radiance], pixel, first).rgb);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);

@@ -8,25 +8,22 @@ layout(push_constant, scalar) uniform push_block { gpu_deferred_msaa_push push; 
 layout(location = 0) flat in uint in_slot;
 layout(location = 0) out vec4 out_radiance;
 
-// How unlike a neighbour may be at most for its light to be taken: chord of the normals, distance from the plane in pixels and difference
-// of colours, added up.
-const float UNLIKE_LIMIT = 1.5;
-
 surface surface_of_samples(ivec2 pixel, uint samples, out float view_depth) {
     vec3 point = surface_point(push.view, push.gbuffer, pixel, samples, view_depth);
     return gbuffer_surface(push.gbuffer, pixel, findLSB(samples), (push.view.view.view_to_world * vec4(point, 1.0)).xyz, vec3(0.0));
 }
 
-// The light of that neighbour whose shaded surface is most like one that this pixel has not shaded; `own` if none is.
-uint borrowed(ivec2 pixel, uint samples, uint own) {
+// Of the surfaces shaded here and around, the one that is most like one that this pixel has not shaded: by the chord of the normals, the
+// distance from the plane in pixels and the difference of colours, added up.
+uint borrowed(ivec2 pixel, uint samples) {
     ivec2 size = ivec2(push.view.view.size);
-    float view_depth, best = UNLIKE_LIMIT;
+    float view_depth, best = 1e30;
     surface s = surface_of_samples(pixel, samples, view_depth);
     float width = pixel_width(push.view, view_depth);
-    uint found = own;
+    uint found = uint(pixel.y * size.x + pixel.x);
     for (int i = 0; i < 9; i++) {
         ivec2 there = pixel + ivec2(i % 3, i / 3) - 1;
-        if (i == 4 || any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
+        if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
         uint index = uint(there.y * size.x + there.x), word = push.surfaces.at[index];
         uint shown = surface_samples(word, widest_surface(word));
         if (shown == 0u) continue;
@@ -55,7 +52,7 @@ void main() {
         samples = in_slot == 0u && surface_of(word, 0u) != SURFACE_NONE ? EVERY_SAMPLE : 0u;
     }
     if (samples == 0u) result = index;
-    if (METHOD == MSAA_COVERAGE) result = samples == 0u || in_slot == widest_surface(word) ? index : borrowed(ivec2(at), samples, index);
+    if (METHOD == MSAA_COVERAGE) result = samples == 0u || in_slot == widest_surface(word) ? index : borrowed(ivec2(at), samples);
     gl_SampleMask[0] = int(samples); // none: sky keeps the background, or the slot is not this pixel's
     out_radiance = vec4(result_at(push.results, result), 1.0);
 }
