@@ -198,3 +198,43 @@ bool argument_list_options(const char *option, const char *text, fnl_list_option
     }
     return true;
 }
+
+/* ---- settings of the order mobile ---- */
+
+static const char *mobile_gamma_name(int i) { return fnl_mobile_gamma_name((fnl_mobile_gamma)i); }
+static const char *mobile_light_name(int i) { return fnl_mobile_light_name((fnl_mobile_light)i); }
+
+static bool set_mobile(const char *option, const char *key, const char *value, fnl_mobile_options *out) {
+    int index;
+    double number;
+    if (strcmp(key, "separate") == 0 && !value) {
+        out->separate = true;
+    } else if (strcmp(key, "recycle") == 0 && !value) {
+        out->recycle = true;
+    } else if (strcmp(key, "gamma") == 0 && value) {
+        if (!argument_name(option, value, mobile_gamma_name, &index)) return false;
+        out->gamma = (fnl_mobile_gamma)index;
+    } else if (strcmp(key, "light") == 0 && value) {
+        if (!argument_name(option, value, mobile_light_name, &index)) return false;
+        out->light = (fnl_mobile_light)index;
+    } else if (strcmp(key, "range") == 0 && value) {
+        if (!argument_number(option, value, &number)) return false;
+        if (!(number > 0 && number <= 1e9)) return argument_bad(option, value, "a range above 0");
+        out->range = (float)number;
+    } else {
+        return argument_bad(option, key, "a list of gamma=, light=, range=, separate and recycle");
+    }
+    return true;
+}
+
+bool argument_mobile(const char *option, const char *text, fnl_mobile_options *out) {
+    char copy[256], *rest = copy;
+    if (strlen(text) >= sizeof copy) return argument_bad(option, text, "a shorter list");
+    strcpy(copy, text);
+    for (char *part; (part = strsep(&rest, ","));) {
+        char *equals = strchr(part, '=');
+        if (equals) *equals = 0;
+        if (!set_mobile(option, part, equals ? equals + 1 : NULL, out)) return false;
+    }
+    return true;
+}

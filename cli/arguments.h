@@ -19,5 +19,7 @@ bool argument_name(const char *option, const char *text, const char *(*name_of)(
 bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out);
 /** "KEY=VALUE,KEY=VALUE…" of the light lists; "help" prints all keys and ends the program. */
 bool argument_list_options(const char *option, const char *text, fnl_list_options *out);
+/** "separate,light=unorm,range=16…" of the order mobile. */
+bool argument_mobile(const char *option, const char *text, fnl_mobile_options *out);
 
 #endif

@@ -46,7 +46,7 @@ static void print_help(void) {
          "  --animation NAME|INDEX     which animation (0)\n");
     puts("Method\n"
          "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass low-res\n"
-         "                             visibility auto\n"
+         "                             visibility mobile auto\n"
          "                             (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
          "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -61,6 +61,8 @@ static void print_help(void) {
          "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
          "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
          "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
+         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
+         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
          "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
          "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
          "                             (compact)\n"
@@ -78,6 +80,7 @@ static void print_help(void) {
          "  --frames N                 renders N frames and reports medians (1)\n"
          "  --stats FILE.json          writes the numbers\n"
          "  --plan                     prints the frame graph\n"
+         "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
@@ -99,6 +102,7 @@ static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_li
 static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
+static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
 static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
@@ -154,13 +158,16 @@ enum {
     O_MSAA_GROUPS,
     O_MSAA_TOLERANCE,
     O_AA,
+    O_GBUFFER_PREPASS,
+    O_MOBILE,
+    O_MOBILE_LAYOUT,
+    O_TRAFFIC,
+    O_TRANSPARENCY,
     O_GBUFFER,
     O_NORMALS,
     O_CHROMA,
     O_SUPERSAMPLE,
     O_FRAME_TIME,
-    O_GBUFFER_PREPASS,
-    O_TRANSPARENCY,
     O_DECALS,
     O_CLASS_BLOCKS,
     O_LIGHTS,
@@ -240,6 +247,15 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_number("msaa-tolerance", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("msaa-tolerance", value, "a number from 0 to 1");
         o->frame.msaa_tolerance = (float)number;
+        return true;
+    case O_MOBILE:
+        return argument_mobile("mobile", value, &o->frame.mobile);
+    case O_MOBILE_LAYOUT:
+        if (!argument_name("mobile-layout", value, mobile_layout_name, &index)) return false;
+        o->frame.mobile.layout = (fnl_mobile_layout)index;
+        return true;
+    case O_TRAFFIC:
+        o->traffic = true;
         return true;
     case O_TRANSPARENCY:
         if (!argument_name("transparency", value, transparency_name, &index)) return false;
@@ -385,6 +401,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
+                                             {"mobile", required_argument, NULL, O_MOBILE},
+                                             {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
+                                             {"traffic", no_argument, NULL, O_TRAFFIC},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"light-seed", required_argument, NULL, O_LIGHT_SEED},
@@ -414,8 +433,8 @@ static bool check_options(struct render_options *o) {
     const char *problem = NULL;
     bool has_exr = false;
     for (int i = 0; i < o->output_count; i++) has_exr = has_exr || render_has_extension(o->outputs[i], "exr");
-    if (o->output_count == 0 && !o->stats && !o->plan)
-        problem = "no output was asked for: give -o FILE, --stats FILE or --plan";
+    if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic)
+        problem = "no output was asked for: give -o FILE, --stats FILE, --plan or --traffic";
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";

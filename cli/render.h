@@ -20,7 +20,7 @@ struct render_options {
     const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
     int output_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_shading, has_background, has_ambient, has_anisotropy, validate, quiet, plan;
+    bool has_eye, has_look_at, has_shading, has_background, has_ambient, has_anisotropy, validate, quiet, plan, traffic;
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy;
     float fov;                  /* radians; 0: the camera's */

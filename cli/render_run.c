@@ -317,11 +317,11 @@ static bool run_sequence(const struct render_options *o, const fnl_host *host, f
     return good;
 }
 
-static void print_plan(const fnl_renderer *renderer) {
-    size_t length = fnl_renderer_print_plan(renderer, NULL, 0);
+static void print_text(const fnl_renderer *renderer, size_t (*print)(const fnl_renderer *, char *, size_t)) {
+    size_t length = print(renderer, NULL, 0);
     char *text = malloc(length + 1);
     if (!text) return;
-    fnl_renderer_print_plan(renderer, text, length + 1);
+    print(renderer, text, length + 1);
     fputs(text, stdout);
     free(text);
 }
@@ -356,14 +356,15 @@ int render_run(const struct render_options *o) {
                 (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
-    if (good && o->plan) print_plan(renderer);
+    if (good && o->plan) print_text(renderer, fnl_renderer_print_plan);
+    if (good && o->traffic) print_text(renderer, fnl_renderer_print_traffic);
     if (good && o->output_count && !sequence) good = save_outputs(o, &host, renderer, &mean);
     supersample_free(&mean);
     if (good && o->stats && !sequence && !report_save(&report, o->stats)) {
         for (int i = 0; i < o->output_count; i++) unlink(o->outputs[i]); /* all or nothing */
         good = false;
     }
-    if (good && !o->quiet && !o->plan && !sequence) report_print(&report);
+    if (good && !o->quiet && !o->plan && !o->traffic && !sequence) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);
     free(report.cpu_times);

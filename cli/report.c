@@ -84,6 +84,9 @@ void report_print(const struct render_report *r) {
         if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
         putchar('\n');
     }
+    printf("  images: %.2f MiB read, %.2f MiB written by passes; %.2f MiB of attachments in tile memory%s\n",
+           (double)s->image_bytes_read / (1 << 20), (double)s->image_bytes_written / (1 << 20),
+           (double)s->tile_bytes / (1 << 20), s->lazy_bytes ? ", lazily allocated" : "");
     printf("  draws %u; items %" PRIu64 " of %" PRIu64 "; triangles %" PRIu64
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
@@ -141,10 +144,23 @@ static void add_gbuffer(json_t *json, const struct render_report *r) {
                                   integer(s->gbuffer_bytes), "items_forward", integer(s->items_forward)));
 }
 
+static void add_traffic(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    json_object_set_new(json, "images",
+                        json_pack("{s:o,s:o,s:o,s:o,s:o}", "bytes_read", integer(s->image_bytes_read), "bytes_written",
+                                  integer(s->image_bytes_written), "tile_bytes", integer(s->tile_bytes), "lazy_bytes",
+                                  integer(s->lazy_bytes), "lazy_committed_bytes", integer(s->lazy_committed_bytes)));
+    if (s->shading != FNL_SHADING_MOBILE) return;
+    json_object_set_new(json, "mobile",
+                        json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",
+                                  s->mobile_merged, "tonemapped_inside", s->mobile_tonemapped));
+}
+
 bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
     add_gbuffer(json, r);
     add_transparency(json, r);
+    add_traffic(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&
                 json_dump_file(json, temporary, JSON_INDENT(2)) == 0 && rename(temporary, path) == 0;

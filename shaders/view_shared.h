@@ -29,6 +29,8 @@ struct gpu_view {
     vec3 ambient_ground;
     float hdr_max;       /* largest value that the radiance target holds */
     uvec2 decals;        /* address of a struct gpu_decal_set; read only where a shader's features say that there is one */
+    float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
+    float light_max;     /* and the most that it holds */
 };
 
 #endif

@@ -25,6 +25,8 @@ typedef enum fnl_shading {
     /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
     FNL_SHADING_LOW_RES,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
+    FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
+                             few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
     FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
 } fnl_shading;
@@ -213,6 +215,52 @@ typedef enum fnl_decals {
     FNL_DECALS_OFF,       /**< none, of no kind but those that are baked */
     FNL_DECALS_COUNT
 } fnl_decals;
+/** What the order mobile keeps at a pixel, and in how many bits. */
+typedef enum fnl_mobile_layout {
+    FNL_MOBILE_METALLIC_128 = 0, /**< light, depth, normal and roughness, colour and metalness; dielectrics reflect 4 % */
+    FNL_MOBILE_SPECULAR_160,     /**< light, depth, normal and roughness, diffuse colour, specular colour */
+    FNL_MOBILE_METALLIC_256,     /**< positions, and everything in floating point */
+    FNL_MOBILE_SPECULAR_256,
+    FNL_MOBILE_LAYOUT_COUNT
+} fnl_mobile_layout;
+
+/** How the layouts of 8 bits a channel keep colours. */
+typedef enum fnl_mobile_gamma {
+    FNL_MOBILE_GAMMA_SRGB = 0, /**< by the hardware */
+    FNL_MOBILE_GAMMA_SQRT,     /**< exponent 2, in the shader */
+    FNL_MOBILE_GAMMA_POWER,    /**< exponent 2.2, in the shader */
+    FNL_MOBILE_GAMMA_COUNT
+} fnl_mobile_gamma;
+
+/** What light adds up in, in the layouts of 128 and 160 bits. */
+typedef enum fnl_mobile_light {
+    FNL_MOBILE_LIGHT_FLOAT = 0, /**< 11, 11 and 10 bits of floating point: nothing clips */
+    FNL_MOBILE_LIGHT_UNORM,     /**< 10 bits each, up to `range` of white; needs an exposure that is known beforehand, else float */
+    FNL_MOBILE_LIGHT_COUNT
+} fnl_mobile_light;
+
+/** Settings of the order mobile. */
+typedef struct fnl_mobile_options {
+    fnl_mobile_layout layout; /**< default metallic-128 */
+    fnl_mobile_gamma gamma;   /**< default srgb */
+    fnl_mobile_light light;   /**< default float */
+    float range;              /**< of unorm light: exposed radiance that it can hold, > 0; default 8 */
+    bool separate;            /**< passes of their own, as where the device cannot merge them; default false */
+    bool recycle; /**< the picture takes the memory of the normals, one attachment less; layouts of 128 and 160 bits; default false */
+} fnl_mobile_options;
+
+FNL_API fnl_mobile_options fnl_mobile_options_default(void);
+FNL_API const char *fnl_mobile_layout_name(fnl_mobile_layout layout);
+FNL_API const char *fnl_mobile_gamma_name(fnl_mobile_gamma gamma);
+FNL_API const char *fnl_mobile_light_name(fnl_mobile_light light);
+
+/** One attachment of a layout. */
+typedef struct fnl_mobile_target {
+    const char *name;
+    uint32_t bits, used_bits;
+} fnl_mobile_target;
+/** Fills in at most `capacity` and returns how many there are; with light in 10 bits. 0 for a value out of range. */
+FNL_API uint32_t fnl_mobile_layout_targets(fnl_mobile_layout layout, fnl_mobile_target *out, uint32_t capacity);
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -360,7 +408,8 @@ typedef struct fnl_frame {
     fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
     fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
     bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
-    bool gbuffer_prepass; /**< deferred: depth first, so that hidden surfaces cost no texture reads; default false */
+    fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
+    bool gbuffer_prepass; /**< deferred, mobile: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
      * run, or the likely one. For single frames, and where every frame must cost the same. Default false.
@@ -423,6 +472,16 @@ typedef struct fnl_frame_stats {
     uint32_t decals_total, decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
     uint64_t decal_entries;                /**< of the list over them, or fragments of the G-buffer's way */
     uint32_t decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
+    /**
+     * What the frame's passes move between images and memory, by formats and load and store operations and not measured: an attachment
+     * that is loaded or stored, an image that a shader reads or writes, counts as a whole each time; copies, textures and buffers are
+     * left out. fnl_renderer_print_traffic has it by passes.
+     */
+    uint64_t image_bytes_read, image_bytes_written;
+    uint64_t tile_bytes;       /**< of attachments that never leave tile memory on GPUs that have it */
+    uint64_t lazy_bytes, lazy_committed_bytes; /**< lazily allocated memory of those, and what of it the driver had to back */
+    bool mobile_merged;        /**< FNL_SHADING_MOBILE: the passes shared one scope */
+    bool mobile_tonemapped;    /**< and tone mapping was in it */
     double cpu_milliseconds; /**< recording and submitting */
     double gpu_milliseconds; /**< sum of all passes; 0 without timers */
     float ev;                /**< exposure used, EV100 */
@@ -439,6 +498,8 @@ typedef struct fnl_frame_stats {
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
 /** The compiled frame graph of the last frame as text, zero-terminated; returns the length it wants. */
 FNL_API size_t fnl_renderer_print_plan(const fnl_renderer *renderer, char *text, size_t capacity);
+/** The same way: what the passes of the last frame move between images and memory, as a table. */
+FNL_API size_t fnl_renderer_print_traffic(const fnl_renderer *renderer, char *text, size_t capacity);
 
 #ifdef __cplusplus
 }

@@ -28,7 +28,8 @@ static bool worth(const struct choice_case *at, struct choice c) {
     if (at->msaa > 1 && (splits || c.lists == FNL_LISTS_TILED || c.lists == FNL_LISTS_ENHANCED || c.lists == FNL_LISTS_TREE))
         return false;
     /* Without depth beforehand these are others by another name. */
-    if (c.shading == FNL_SHADING_FORWARD && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE))
+    bool early = c.shading == FNL_SHADING_FORWARD || (c.shading == FNL_SHADING_MOBILE && !at->depth_first);
+    if (early && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE))
         return false;
     return c.lists != FNL_LISTS_BACKFACE || is_deferred(c.shading); /* needs normals */
 }

@@ -17,6 +17,7 @@ static fnl_result add_view(struct frame_state *f) {
     f->view.samples = f->frame->msaa;
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
+    shading_scale_light(f);
     f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
     TRY(decals_begin(f));
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
@@ -74,21 +75,13 @@ static bool needs_aov(const fnl_frame *frame) {
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
-static void add_picture(struct frame_state *f, const struct frame_target *target) {
-    VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
-    bool swap = false, linear = false;
-    if (target) {
-        VkFormat wanted = target->image->params.format;
-        swap = wanted == VK_FORMAT_B8G8R8A8_UNORM || wanted == VK_FORMAT_B8G8R8A8_SRGB;
-        linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
-        if (linear) format = wanted;
-    }
-    f->color = frame_create_image(f, "color", format, 1);
-    struct tonemap_params params = {.tonemap = (uint32_t)f->frame->tonemap, .factor = 1, .linear = linear, .swap = swap};
-    if (f->frame->exposure == FNL_EXPOSURE_EV) params.factor = 1 / (1.2f * exp2f(f->frame->ev));
-    params.exposure = f->exposure;
+static void add_picture(struct frame_state *f) {
+    struct picture picture = frame_picture(f);
+    bool linear = picture.tonemap.linear, swap = picture.tonemap.swap, done = f->color.id; /* by the shading order */
+    if (!done) f->color = frame_create_image(f, "color", picture.format, 1);
+    picture.tonemap.exposure = f->exposure;
     if (f->frame->debug == FNL_DEBUG_NONE) {
-        tonemap_add(f->graph, f->radiance, f->color, &params);
+        if (!done) tonemap_add(f->graph, f->radiance, f->color, &picture.tonemap);
         struct morphological_params shapes = {linear, swap};
         if (f->frame->aa == FNL_ANTIALIASING_MLAA) f->color = mlaa_add(f->graph, f->color, &shapes);
         if (f->frame->aa == FNL_ANTIALIASING_SMAA) f->color = smaa_add(f->graph, f->color, &shapes);
@@ -268,6 +261,8 @@ static void note_stats(struct frame_state *f) {
     s->decals_total = f->decals.set ? f->r->device_scene.decals.order.count : 0;
     s->blend_bytes = f->blend_bytes;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
+    s->mobile_merged = f->mobile_merged;
+    s->mobile_tonemapped = f->mobile_merged && f->mobile_tonemapped;
     r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
     r->entry_bytes = f->lights.entry_bytes;
     r->blend_entry_bytes = f->blend_lights.entry_bytes;
@@ -276,8 +271,12 @@ static void note_stats(struct frame_state *f) {
 }
 
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
-    struct frame_state f = {
-        .r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame, .drawn_lists = frame->lists};
+    struct frame_state f = {.r = r,
+                            .frame = frame,
+                            .graph = r->graph,
+                            .scene = &r->scene_frame,
+                            .drawn_lists = frame->lists,
+                            .target = target};
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
     TRY(add_view(&f));
@@ -292,7 +291,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     if (frame->exposure == FNL_EXPOSURE_AUTO && (wants_color || frame->aa == FNL_ANTIALIASING_TAA))
         f.exposure = exposure_add(f.graph, f.radiance);
     temporal_add(&f);
-    if (wants_color) add_picture(&f, target);
+    if (wants_color) add_picture(&f);
     if (target) add_target(&f, target);
     add_outputs(&f);
     add_counts(&f);

@@ -5,7 +5,10 @@
 
 #include "decals_shared.h"
 #include "passes/aa/motion.h"
+#include "passes/post/post.h"
 #include "render/renderer_internal.h"
+
+#include <math.h>
 
 /** Decals of the frame (decals.c). */
 struct frame_decals {
@@ -48,7 +51,32 @@ struct frame_state {
     uint64_t blend_bytes;
     struct frame_temporal temporal;
     graph_image color;
+    const struct frame_target *target; /* or NULL: where the picture goes besides */
+    bool blended;                      /* the order has drawn blended surfaces itself */
+    bool mobile_merged, mobile_tonemapped;
 };
+
+/** What radiance is multiplied by for the picture; 1 where metering finds it. */
+static inline float frame_exposure(const fnl_frame *frame) {
+    return frame->exposure == FNL_EXPOSURE_EV ? 1 / (1.2f * exp2f(frame->ev)) : 1;
+}
+
+/** What the picture of the frame is made with; exposure by metering is left to the caller. */
+struct picture {
+    VkFormat format;
+    struct tonemap_params tonemap;
+};
+static inline struct picture frame_picture(const struct frame_state *f) {
+    struct picture picture = {.format = VK_FORMAT_R8G8B8A8_UNORM,
+                              .tonemap = {.tonemap = (uint32_t)f->frame->tonemap, .factor = frame_exposure(f->frame)}};
+    if (f->target) {
+        VkFormat wanted = f->target->image->params.format;
+        picture.tonemap.swap = wanted == VK_FORMAT_B8G8R8A8_UNORM || wanted == VK_FORMAT_B8G8R8A8_SRGB;
+        picture.tonemap.linear = wanted == VK_FORMAT_R16G16B16A16_SFLOAT || wanted == VK_FORMAT_R32G32B32A32_SFLOAT;
+        if (picture.tonemap.linear) picture.format = wanted;
+    }
+    return picture;
+}
 
 /** An image of the frame's size. */
 static inline graph_image frame_create_image(struct frame_state *f, const char *name, VkFormat format, uint32_t samples) {

@@ -12,7 +12,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
-                                        "light-prepass", "low-res", "visibility", "auto"};
+                                        "light-prepass", "low-res", "visibility", "mobile", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -158,6 +158,7 @@ fnl_frame fnl_frame_default(void) {
                        .shading = FNL_SHADING_DEFERRED,
                        .lists = FNL_LISTS_AUTO,
                        .list_options = fnl_list_options_default(),
+                       .mobile = fnl_mobile_options_default(),
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
@@ -371,6 +372,10 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, fabsf(frame->jitter.x) <= 8 && fabsf(frame->jitter.y) <= 8);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
+    REQUIRE(host, (uint32_t)frame->mobile.layout < FNL_MOBILE_LAYOUT_COUNT);
+    REQUIRE(host, (uint32_t)frame->mobile.gamma < FNL_MOBILE_GAMMA_COUNT);
+    REQUIRE(host, (uint32_t)frame->mobile.light < FNL_MOBILE_LIGHT_COUNT);
+    REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
@@ -401,6 +406,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
+    if (!shading_supported(r, frame)) return FNL_ERROR_UNSUPPORTED;
     if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
         log_error(host, "this device cannot render with %u samples (at most %u)", frame->msaa,
                   gpu_info(r->device)->max_msaa);
@@ -604,6 +610,13 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, out);
     out->lights_behind = counts->lights_behind;
+    struct graph_stats graph = graph_query_stats(r->graph);
+    out->image_bytes_read = graph.image_bytes_read;
+    out->image_bytes_written = graph.image_bytes_written;
+    out->tile_bytes = graph.tile_bytes;
+    struct graph_lazy_memory lazy = graph_query_lazy_memory(r->graph);
+    out->lazy_bytes = lazy.reserved_bytes;
+    out->lazy_committed_bytes = lazy.committed_bytes;
     out->cpu_milliseconds = r->cpu_milliseconds;
     struct gpu_memory_stats memory = gpu_memory_stats(r->device);
     out->device_bytes = memory.used_bytes;
@@ -629,4 +642,8 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
 
 size_t fnl_renderer_print_plan(const fnl_renderer *r, char *text, size_t capacity) {
     return r ? graph_print(r->graph, text, capacity) : 0;
+}
+
+size_t fnl_renderer_print_traffic(const fnl_renderer *r, char *text, size_t capacity) {
+    return r ? graph_print_traffic(r->graph, text, capacity) : 0;
 }

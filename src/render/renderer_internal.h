@@ -44,6 +44,8 @@ struct fnl_renderer {
     uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
     uint32_t blend_capacity;               /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;               /* of what holds decals */
+    uint32_t mobile_notes;                 /* bits of what was said once about the order mobile */
+    bool cannot_merge;                     /* tests: as on devices whose scopes are too small for the order mobile */
     bool weighted_half;                    /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits;              /* tests: ids at least so wide */
     bool poison;                           /* tests: transient buffers begin each frame full of rubbish */

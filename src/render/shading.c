@@ -3,6 +3,7 @@
 #include "render/decals.h"
 
 #include "passes/lights/sprites.h"
+#include "passes/mobile/mobile.h"
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
@@ -158,6 +159,83 @@ static void add_visibility(struct frame_state *f, struct shade_input *input, boo
     visibility_shade_add(f->graph, input, &visibility, f->radiance);
 }
 
+/* ---- mobile ---- */
+
+/* What the device can do of what was asked for. */
+static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, struct mobile_params *out) {
+    const fnl_mobile_options *o = &frame->mobile;
+    *out = (struct mobile_params){.layout = o->layout,
+                                  .gamma = o->gamma,
+                                  .float_light = o->light == FNL_MOBILE_LIGHT_FLOAT || frame->exposure == FNL_EXPOSURE_AUTO,
+                                  .separate = o->separate,
+                                  .recycle = o->recycle};
+    bool supported = mobile_supported(device, out);
+    if (!supported && frame->exposure != FNL_EXPOSURE_AUTO) { /* fractions need to know what white is */
+        out->float_light = !out->float_light;
+        supported = mobile_supported(device, out);
+    }
+    out->scale = mobile_scale(out, frame_exposure(frame), o->range);
+    return supported;
+}
+
+bool shading_supported(fnl_renderer *r, const fnl_frame *frame) {
+    struct mobile_params params;
+    if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return true;
+    log_error(&r->host, "this device cannot draw to the formats of layout %s", fnl_mobile_layout_name(frame->mobile.layout));
+    return false;
+}
+
+void shading_scale_light(struct frame_state *f) {
+    struct mobile_params params;
+    f->view.light_scale = f->view.light_max = 1;
+    if (f->frame->shading != FNL_SHADING_MOBILE || !mobile_resolve(f->r->device, f->frame, &params)) return;
+    f->view.light_scale = params.scale.scale;
+    f->view.light_max = params.scale.most;
+}
+
+static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {
+    if (r->mobile_notes >> bit & 1) return;
+    r->mobile_notes |= 1u << bit;
+    log_info(&r->host, "mobile shading: %s", text);
+}
+
+/* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
+static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
+    const fnl_frame *frame = f->frame;
+    if (!f->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
+    if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
+    if (frame->outputs & FNL_OUTPUT_RADIANCE) return false;
+    if (frame->exposure == FNL_EXPOSURE_AUTO) {
+        note_once(f->r, 0, "automatic exposure meters the whole frame, so radiance is stored; a fixed exposure spares that");
+        return false;
+    }
+    return frame->light_lod == 0 && (blend_inside || !has_blend(f));
+}
+
+static void add_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct mobile_params params;
+    if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
+    if (params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
+        note_once(f->r, 1, params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
+                                              : "light adds up in fractions: the device cannot blend packed floats");
+    add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
+    struct shade_input blend = *input;
+    blend.lights = &f->blend_lights;
+    if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
+    params.separate |= f->r->cannot_merge;
+    f->blended = has_blend(f) && f->frame->light_lod == 0 && f->frame->transparency == FNL_TRANSPARENCY_SORTED;
+    struct picture picture = frame_picture(f);
+    f->mobile_tonemapped = mobile_tonemaps(f, f->blended);
+    struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
+    if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
+    struct mobile_result result =
+        mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params, &finish);
+    if (f->mobile_tonemapped) f->color = result.target;
+    f->mobile_merged = result.merged;
+    if (!result.merged && !f->frame->mobile.separate)
+        note_once(f->r, 2, "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
+}
+
 /* ---- blended surfaces ---- */
 
 static void add_transparency(struct frame_state *f, const struct shade_input *input) {
@@ -224,13 +302,14 @@ static const struct order {
     [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS | SHADING_APPROXIMATE},
+    [FNL_SHADING_MOBILE] = {add_mobile, SHADING_POSITIONS | SHADING_APPROXIMATE},
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
 
 bool shading_has_prepass(const fnl_frame *frame) {
     return shading_is(frame->shading, SHADING_PREPASS) ||
-           (shading_is(frame->shading, SHADING_GBUFFER) && frame->gbuffer_prepass);
+           ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_MOBILE) && frame->gbuffer_prepass);
 }
 
 bool shading_shows_volumes(const fnl_frame *frame) {
@@ -262,7 +341,7 @@ void shading_add(struct frame_state *f) {
     struct shade_input opaque = input, blend = input;
     orders[f->frame->shading].add(f, &opaque, prepass);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
-    if (has_blend(f)) {
+    if (has_blend(f) && !f->blended) {
         blend.lights = &f->blend_lights;
         if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
         add_transparency(f, &blend);

@@ -27,6 +27,11 @@ bool shading_shows_volumes(const fnl_frame *frame);
 /** The format of the radiance target. */
 VkFormat shading_format(const struct frame_state *f);
 
+/** Sets light_scale and light_max of f->view. */
+void shading_scale_light(struct frame_state *f);
+/** Whether the device has formats for the frame's order; logs why not. */
+bool shading_supported(fnl_renderer *r, const fnl_frame *frame);
+
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);
 /** Bytes of the G-buffer's targets: what drawing it writes, and lighting reads once; depth and radiance are left out. */

@@ -1,0 +1,354 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/mobile/mobile.h"
+
+#include "passes/mobile/mobile_shared.h"
+#include "passes/post/post_shared.h"
+#include "shaders.h"
+
+#include <math.h>
+
+_Static_assert((int)FNL_MOBILE_METALLIC_128 == GPU_MOBILE_METALLIC_128 &&
+                   (int)FNL_MOBILE_SPECULAR_160 == GPU_MOBILE_SPECULAR_160 &&
+                   (int)FNL_MOBILE_METALLIC_256 == GPU_MOBILE_METALLIC_256 &&
+                   (int)FNL_MOBILE_SPECULAR_256 == GPU_MOBILE_SPECULAR_256,
+               "mobile_shared.h has the values of fnl_mobile_layout");
+_Static_assert((uint32_t)FNL_MOBILE_GAMMA_SRGB == GPU_MOBILE_SRGB && (uint32_t)FNL_MOBILE_GAMMA_SQRT == GPU_MOBILE_SQRT &&
+                   (uint32_t)FNL_MOBILE_GAMMA_POWER == GPU_MOBILE_POWER,
+               "mobile_shared.h has the values of fnl_mobile_gamma");
+
+enum { GAMMA_ID = 12 }; /* of the specialisation constant in mobile.glsl */
+
+static const float FLOAT11_MOST = 64512.0f; /* the largest 10-bit float, the smaller one of the two kinds in B10G11R11 */
+static const float HALF_MOST = 65504.0f;
+static const float SKY = 3e38f; /* positions of pixels that show nothing; beyond MOBILE_FAR of mobile.glsl */
+
+/* ---- the interface ---- */
+
+#define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
+
+const char *fnl_mobile_layout_name(fnl_mobile_layout layout) {
+    static const char *const names[] = {"metallic-128", "specular-160", "metallic-256", "specular-256"};
+    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LAYOUT_COUNT, "each has a name");
+    return NAME_OF(names, layout);
+}
+
+const char *fnl_mobile_gamma_name(fnl_mobile_gamma gamma) {
+    static const char *const names[] = {"srgb", "sqrt", "power"};
+    _Static_assert(COUNT_OF(names) == FNL_MOBILE_GAMMA_COUNT, "each has a name");
+    return NAME_OF(names, gamma);
+}
+
+const char *fnl_mobile_light_name(fnl_mobile_light light) {
+    static const char *const names[] = {"float", "unorm"};
+    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LIGHT_COUNT, "each has a name");
+    return NAME_OF(names, light);
+}
+
+fnl_mobile_options fnl_mobile_options_default(void) { return (fnl_mobile_options){.range = 8}; }
+
+/* ---- layouts ---- */
+
+#define TARGET(name, format, used)                                                                                          \
+    { name, VK_FORMAT_##format, 32, used }
+
+struct mobile_layout mobile_layout(fnl_mobile_layout layout, fnl_mobile_gamma gamma, bool float_light) {
+    struct mobile_target light = TARGET("mobile light", A2B10G10R10_UNORM_PACK32, 30);
+    if (float_light) light = (struct mobile_target)TARGET("mobile light", B10G11R11_UFLOAT_PACK32, 32);
+    const VkFormat color = gamma == FNL_MOBILE_GAMMA_SRGB ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
+    switch (layout) {
+    case FNL_MOBILE_SPECULAR_160:
+        return (struct mobile_layout){.targets = {light,
+                                                  TARGET("mobile depth", R32_SFLOAT, 32),
+                                                  TARGET("mobile normal", R8G8B8A8_UNORM, 32),
+                                                  {"mobile diffuse", color, 32, 24},
+                                                  {"mobile specular", color, 32, 24}},
+                                      .target_count = 5,
+                                      .light_count = 1,
+                                      .normal = 2};
+    case FNL_MOBILE_METALLIC_256:
+        return (struct mobile_layout){
+            .targets = {TARGET("mobile x", R32_SFLOAT, 32), TARGET("mobile y", R32_SFLOAT, 32),
+                        TARGET("mobile z", R32_SFLOAT, 32), TARGET("mobile light rg", R16G16_SFLOAT, 32),
+                        TARGET("mobile light b, normal x", R16G16_SFLOAT, 32), TARGET("mobile normal yz", R16G16_SFLOAT, 32),
+                        TARGET("mobile roughness", R16G16_SFLOAT, 32), TARGET("mobile color", B10G11R11_UFLOAT_PACK32, 32)},
+            .target_count = 8,
+            .lights = {3, 4},
+            .light_count = 2,
+            .normal = -1,
+            .wide = true};
+    case FNL_MOBILE_SPECULAR_256:
+        return (struct mobile_layout){.targets = {TARGET("mobile x", R32_SFLOAT, 32), TARGET("mobile y", R32_SFLOAT, 32),
+                                                  TARGET("mobile z", R32_SFLOAT, 32),
+                                                  TARGET("mobile light rg", R16G16_SFLOAT, 32),
+                                                  TARGET("mobile light b, roughness", R16G16_SFLOAT, 32),
+                                                  TARGET("mobile normal", B10G11R11_UFLOAT_PACK32, 32),
+                                                  TARGET("mobile diffuse", B10G11R11_UFLOAT_PACK32, 32),
+                                                  TARGET("mobile specular", B10G11R11_UFLOAT_PACK32, 32)},
+                                      .target_count = 8,
+                                      .lights = {3, 4},
+                                      .light_count = 2,
+                                      .normal = -1,
+                                      .wide = true};
+    case FNL_MOBILE_METALLIC_128:
+    default:
+        return (struct mobile_layout){.targets = {light,
+                                                  TARGET("mobile depth", R32_SFLOAT, 32),
+                                                  TARGET("mobile normal", R8G8B8A8_UNORM, 32),
+                                                  {"mobile color", color, 32, 32}},
+                                      .target_count = 4,
+                                      .light_count = 1,
+                                      .normal = 2};
+    }
+}
+
+uint32_t fnl_mobile_layout_targets(fnl_mobile_layout layout, fnl_mobile_target *out, uint32_t capacity) {
+    if ((uint32_t)layout >= FNL_MOBILE_LAYOUT_COUNT) return 0;
+    struct mobile_layout known = mobile_layout(layout, FNL_MOBILE_GAMMA_SRGB, false);
+    for (uint32_t i = 0; i < MIN(known.target_count, capacity); i++)
+        out[i] = (fnl_mobile_target){known.targets[i].name, known.targets[i].bits, known.targets[i].used_bits};
+    return known.target_count;
+}
+
+struct mobile_scale mobile_scale(const struct mobile_params *params, float factor, float range) {
+    bool wide = params->layout == FNL_MOBILE_METALLIC_256 || params->layout == FNL_MOBILE_SPECULAR_256;
+    if (wide) return (struct mobile_scale){factor, HALF_MOST};
+    if (params->float_light) return (struct mobile_scale){factor, FLOAT11_MOST};
+    return (struct mobile_scale){factor / range, 1};
+}
+
+bool mobile_supported(const gpu_device *device, const struct mobile_params *params) {
+    struct mobile_layout layout = mobile_layout(params->layout, params->gamma, params->float_light);
+    for (uint32_t i = 0; i < layout.target_count; i++) {
+        VkFormatFeatureFlags2 wanted = VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_2_SAMPLED_IMAGE_BIT;
+        for (uint32_t k = 0; k < layout.light_count; k++)
+            if (layout.lights[k] == i) wanted |= VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BLEND_BIT;
+        if (!gpu_format_supports(device, layout.targets[i].format, wanted)) return false;
+    }
+    return true;
+}
+
+/* ---- what the steps have in common ---- */
+
+struct targets {
+    struct mobile_layout layout;
+    graph_image images[MOBILE_TARGETS];
+};
+
+struct step_data {
+    struct targets targets;
+    bool merged;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+    struct gpu_mobile_push push;
+    uint32_t reads; /* targets that are sampled when separate, as bits */
+};
+
+static void set_formats(struct gpu_graphics_params *state, const struct mobile_layout *layout, const uint32_t *indices,
+                        uint32_t count) {
+    state->color_count = count;
+    for (uint32_t i = 0; i < count; i++) state->color_formats[i] = layout->targets[indices ? indices[i] : i].format;
+}
+
+static void execute_screen(const struct graph_context *context, const void *data) {
+    const struct step_data *d = data;
+    struct gpu_mobile_push push = d->push;
+    push.counters = d->counters.id ? graph_address(context, d->counters) : 0;
+    for (uint32_t i = 0; i < d->targets.layout.target_count && !d->merged; i++)
+        if (d->reads >> i & 1) push.images[i] = graph_sampled(context, d->targets.images[i]);
+    gpu_bind(context->commands, graph_pipeline(context, &d->state));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, 1, 0, 0);
+}
+
+static struct gpu_graphics_params screen_state(const struct gpu_shader *fragment) {
+    return (struct gpu_graphics_params){.vertex = &shader_mobile_screen_vert,
+                                        .fragment = fragment,
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                        .samples = 1};
+}
+
+/* ---- geometry ---- */
+
+struct gbuffer_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    enum geometry_set set;
+    struct gpu_graphics_params state;
+};
+
+static void execute_geometry(const struct graph_context *context, const void *data) {
+    const struct gbuffer_data *d = data;
+    geometry_draw(context, d->scene, &d->draws, d->set, &d->state, NULL,
+                  (struct gpu_geometry_push){.view = d->view,
+                                             .lights = d->lights,
+                                             .counters = d->counters.id ? graph_address(context, d->counters) : 0});
+}
+
+static void add_gbuffer(struct graph *graph, const struct shade_input *input, bool prepass, graph_image depth,
+                        const struct mobile_params *params, const struct targets *targets) {
+    static const struct gpu_shader *const shaders[] = {
+        &shader_mobile_gbuffer_metallic_128_frag, &shader_mobile_gbuffer_specular_160_frag,
+        &shader_mobile_gbuffer_metallic_256_frag, &shader_mobile_gbuffer_specular_256_frag};
+    struct gbuffer_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view, .set = GEOMETRY_OPAQUE};
+    data.state =
+        (struct gpu_graphics_params){.fragment = shaders[params->layout],
+                                     .constant_count = GAMMA_ID + 1,
+                                     .constants = {0, 0, 1, 1, [GAMMA_ID] = (uint32_t)params->gamma},
+                                     .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                     .depth_test = true,
+                                     .depth_write = !prepass,
+                                     .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                     .samples = 1};
+    set_formats(&data.state, &targets->layout, NULL, targets->layout.target_count);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile gbuffer", GRAPH_QUEUE_GRAPHICS, execute_geometry, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    float clears[MOBILE_TARGETS][4] = {{0}}, background[3];
+    for (uint32_t i = 0; i < 3; i++) background[i] = fminf(input->background[i] * params->scale.scale, params->scale.most);
+    if (targets->layout.wide) {
+        clears[0][0] = SKY;
+        memcpy(clears[3], background, 2 * sizeof(float));
+        clears[4][0] = background[2];
+    } else {
+        memcpy(clears[0], background, 3 * sizeof(float));
+    }
+    for (uint32_t i = 0; i < targets->layout.target_count; i++)
+        graph_color(pass, targets->images[i], VK_ATTACHMENT_LOAD_OP_CLEAR, clears[i]);
+    if (prepass)
+        graph_depth_read_only(pass, depth);
+    else
+        graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+}
+
+/* ---- lights ---- */
+
+static void add_lights(struct graph *graph, const struct shade_input *input, const struct mobile_params *params, bool merged,
+                       struct targets *targets) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_light_metallic_128_frag, &shader_mobile_light_metallic_128_local_frag},
+        {&shader_mobile_light_specular_160_frag, &shader_mobile_light_specular_160_local_frag},
+        {&shader_mobile_light_metallic_256_frag, &shader_mobile_light_metallic_256_local_frag},
+        {&shader_mobile_light_specular_256_frag, &shader_mobile_light_specular_256_local_frag}};
+    const struct mobile_layout *layout = &targets->layout;
+    struct step_data data = {.targets = *targets,
+                             .merged = merged,
+                             .counters = input->counters,
+                             .reads = (1u << layout->target_count) - 1,
+                             .state = screen_state(shaders[params->layout][merged])};
+    data.push.view = input->view;
+    data.push.lights = input->lights->header;
+    data.state.constant_count = GAMMA_ID + 1;
+    data.state.constants[0] = input->lights->kind;
+    data.state.constants[1] = input->counters.id != 0;
+    data.state.constants[2] = data.state.constants[3] = 1;
+    data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
+    set_formats(&data.state, layout, layout->lights, layout->light_count);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile lights", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    for (uint32_t i = 0; i < layout->target_count; i++) {
+        bool light = false;
+        for (uint32_t k = 0; k < layout->light_count; k++) light |= layout->lights[k] == i;
+        if (light)
+            targets->images[i] = graph_local_rewrite(pass, i, targets->images[i]);
+        else
+            graph_local_read(pass, i, targets->images[i]);
+    }
+}
+
+/* ---- blended surfaces ---- */
+
+static void add_glass(struct graph *graph, const struct shade_input *input, graph_image depth,
+                      const struct targets *targets) {
+    const struct mobile_layout *layout = &targets->layout;
+    struct gbuffer_data data = {.scene = input->scene,
+                                .draws = *input->draws,
+                                .view = input->view,
+                                .lights = input->lights->header,
+                                .counters = input->counters,
+                                .set = GEOMETRY_BLEND};
+    data.state = (struct gpu_graphics_params){.fragment = layout->wide ? &shader_mobile_glass_wide_frag
+                                                                       : &shader_mobile_glass_narrow_frag,
+                                              .constant_count = 2,
+                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .blends = {GPU_BLEND_ALPHA, GPU_BLEND_ALPHA},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER,
+                                              .samples = 1};
+    set_formats(&data.state, layout, layout->lights, layout->light_count);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile blend", GRAPH_QUEUE_GRAPHICS, execute_geometry, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_BLEND);
+    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    for (uint32_t i = 0; i < layout->light_count; i++)
+        graph_color(pass, targets->images[layout->lights[i]], VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
+    graph_depth_read_only(pass, depth);
+}
+
+/* ---- the end ---- */
+
+static graph_image add_finish(struct graph *graph, const struct shade_input *input, bool merged,
+                              const struct targets *targets, const struct mobile_params *params,
+                              const struct mobile_finish *finish) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_finish_narrow_frag, &shader_mobile_finish_narrow_local_frag},
+        {&shader_mobile_finish_wide_frag, &shader_mobile_finish_wide_local_frag}};
+    const struct mobile_layout *layout = &targets->layout;
+    bool recycle =
+        params->recycle && layout->normal >= 0 && finish->format == VK_FORMAT_R8G8B8A8_UNORM && !finish->target.id;
+    graph_image target = recycle ? targets->images[layout->normal] : finish->target;
+    if (!target.id)
+        target = graph_create_image(graph, &(struct graph_image_params){.name = finish->picture ? "color" : "radiance",
+                                                                        .format = finish->format,
+                                                                        .width = input->width,
+                                                                        .height = input->height});
+    struct step_data data = {.targets = *targets, .merged = merged, .state = screen_state(shaders[layout->wide][merged])};
+    for (uint32_t i = 0; i < layout->light_count; i++) data.reads |= 1u << layout->lights[i];
+    data.push.view = input->view;
+    data.push.factor = finish->picture ? finish->tonemap.factor : 1;
+    data.push.tonemap = finish->tonemap.tonemap;
+    data.push.encode = !finish->picture ? 0 : finish->tonemap.linear ? 2 : 1;
+    data.push.swap = finish->picture && finish->tonemap.swap;
+    data.state.color_count = 1;
+    data.state.color_formats[0] = finish->format;
+    struct graph_pass *pass = graph_add_pass(graph, finish->picture ? "mobile tonemap" : "mobile radiance",
+                                             GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    for (uint32_t i = 0; i < layout->light_count; i++)
+        graph_local_read(pass, layout->lights[i], targets->images[layout->lights[i]]);
+    graph_color(pass, target, VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
+    return target;
+}
+
+/* ---- the whole ---- */
+
+struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct shade_input *blend,
+                                bool prepass, graph_image depth, const struct mobile_params *params,
+                                const struct mobile_finish *finish) {
+    struct targets targets = {.layout = mobile_layout(params->layout, params->gamma, params->float_light)};
+    struct mobile_result result = {.bits = 0};
+    for (uint32_t i = 0; i < targets.layout.target_count; i++) {
+        targets.images[i] =
+            graph_create_image(graph, &(struct graph_image_params){.name = targets.layout.targets[i].name,
+                                                                   .format = targets.layout.targets[i].format,
+                                                                   .width = input->width,
+                                                                   .height = input->height});
+        result.bits += targets.layout.targets[i].bits;
+    }
+    const struct graph_scope_params scope = {.name = "mobile",
+                                             .most_colors = targets.layout.target_count,
+                                             .most_inputs = targets.layout.target_count,
+                                             .separate = params->separate};
+    result.merged = graph_begin_scope(graph, &scope);
+    add_gbuffer(graph, input, prepass, depth, params, &targets);
+    add_lights(graph, input, params, result.merged, &targets);
+    if (blend) add_glass(graph, blend, depth, &targets);
+    result.target = add_finish(graph, input, result.merged, &targets, params, finish);
+    graph_end_scope(graph);
+    return result;
+}

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+// What the mobile order keeps at a pixel, in four layouts (Smith and Einig 2016, "Physically Based Deferred Shading on Mobile", 2.2). Entry
+// points define MOBILE_LAYOUT, and MOBILE_LOCAL where the targets are input attachments of a scope.
+//
+//   metallic 128   light RGB | depth | normal XYZ, roughness | colour RGB, metalness
+//   specular 160   light RGB | depth | normal XYZ, roughness | diffuse RGB | F0 RGB
+//   metallic 256   x | y | z | light RG | light B, normal X | normal YZ | roughness, metalness | colour RGB
+//   specular 256   x | y | z | light RG | light B, roughness | normal XYZ | diffuse RGB | F0 RGB
+//
+// Light is radiance times view.light_scale, at most view.light_max. Metallic layouts take every dielectric for one of F0 0.04; black that
+// is all metal stands for a surface that reflects nothing.
+#ifndef MOBILE_GLSL
+#define MOBILE_GLSL
+
+#include "view.glsl"
+#include "surface.glsl"
+#include "passes/mobile/mobile_shared.h"
+
+layout(constant_id = 12) const uint GAMMA = GPU_MOBILE_SRGB;
+
+#if MOBILE_LAYOUT == GPU_MOBILE_METALLIC_128
+#define MOBILE_TARGETS 4
+#elif MOBILE_LAYOUT == GPU_MOBILE_SPECULAR_160
+#define MOBILE_TARGETS 5
+#else
+#define MOBILE_TARGETS 8
+#define MOBILE_WIDE
+#endif
+#if MOBILE_LAYOUT == GPU_MOBILE_METALLIC_128 || MOBILE_LAYOUT == GPU_MOBILE_METALLIC_256
+#define MOBILE_METALLIC
+#endif
+
+const float MOBILE_F0 = 0.04;
+const float MOBILE_FAR = 1e37; // positions beyond it are the sky
+
+struct mobile_texel {
+    vec4 t[MOBILE_TARGETS];
+};
+
+vec3 mobile_encode(vec3 color) {
+    if (GAMMA == GPU_MOBILE_SQRT) return sqrt(color);
+    if (GAMMA == GPU_MOBILE_POWER) return pow(color, vec3(1.0 / 2.2));
+    return color;
+}
+
+vec3 mobile_decode(vec3 color) {
+    if (GAMMA == GPU_MOBILE_SQRT) return color * color;
+    if (GAMMA == GPU_MOBILE_POWER) return pow(color, vec3(2.2));
+    return color;
+}
+
+// Of radiance what the accumulator takes.
+vec3 mobile_scaled(view_block v, vec3 radiance) { return min(radiance * v.view.light_scale, vec3(v.view.light_max)); }
+
+vec3 mobile_light(mobile_texel g) {
+#ifdef MOBILE_WIDE
+    return vec3(g.t[3].xy, g.t[4].x);
+#else
+    return g.t[0].rgb;
+#endif
+}
+
+mobile_texel mobile_pack(surface s, float depth, vec3 light) {
+    mobile_texel g;
+    vec3 base = clamp(s.base_color, 0.0, 1.0);
+    bool black = s.dielectric_f90 == 0.0 && s.metallic == 0.0 && base == vec3(0.0);
+#ifdef MOBILE_METALLIC
+    vec3 color = base;
+    float metallic = black ? 1.0 : s.metallic;
+#else
+    vec3 color = base * (1.0 - s.metallic);
+    vec3 f0 = black ? vec3(0.0) : mix(s.dielectric_f0, base, s.metallic);
+#endif
+#ifdef MOBILE_WIDE
+    g.t[0] = vec4(s.position.x);
+    g.t[1] = vec4(s.position.y);
+    g.t[2] = vec4(s.position.z);
+    g.t[3] = vec4(light.rg, 0.0, 0.0);
+#ifdef MOBILE_METALLIC
+    g.t[4] = vec4(light.b, s.normal.x, 0.0, 0.0);
+    g.t[5] = vec4(s.normal.yz, 0.0, 0.0);
+    g.t[6] = vec4(s.roughness, metallic, 0.0, 0.0);
+    g.t[7] = vec4(color, 0.0);
+#else
+    g.t[4] = vec4(light.b, s.roughness, 0.0, 0.0);
+    g.t[5] = vec4(s.normal * 0.5 + 0.5, 0.0);
+    g.t[6] = vec4(color, 0.0);
+    g.t[7] = vec4(f0, 0.0);
+#endif
+#else
+    g.t[0] = vec4(light, 0.0);
+    g.t[1] = vec4(depth);
+    g.t[2] = vec4(s.normal * 0.5 + 0.5, s.roughness);
+#ifdef MOBILE_METALLIC
+    g.t[3] = vec4(mobile_encode(color), metallic);
+#else
+    g.t[3] = vec4(mobile_encode(color), 0.0);
+    g.t[4] = vec4(mobile_encode(f0), 0.0);
+#endif
+#endif
+    return g;
+}
+
+bool mobile_is_sky(mobile_texel g) {
+#ifdef MOBILE_WIDE
+    return g.t[0].x > MOBILE_FAR;
+#else
+    return g.t[1].x <= 0.0;
+#endif
+}
+
+// The surface of a pixel that shows one, without its glow, which is in the light already.
+surface mobile_surface(mobile_texel g, view_block v, ivec2 pixel, out float view_depth) {
+    surface s;
+    vec3 color, normal, f0 = vec3(MOBILE_F0);
+    float metallic = 0.0;
+#ifdef MOBILE_WIDE
+    s.position = vec3(g.t[0].x, g.t[1].x, g.t[2].x);
+    view_depth = -(v.view.world_to_view * vec4(s.position, 1.0)).z;
+#ifdef MOBILE_METALLIC
+    normal = vec3(g.t[4].y, g.t[5].xy);
+    s.roughness = g.t[6].x;
+    metallic = g.t[6].y;
+    color = g.t[7].rgb;
+#else
+    normal = g.t[5].rgb * 2.0 - 1.0;
+    s.roughness = g.t[4].y;
+    color = g.t[6].rgb;
+    f0 = g.t[7].rgb;
+#endif
+#else
+    view_depth = view_depth_of(v, g.t[1].x);
+    vec2 ndc = ndc_of_pixel(v, vec2(pixel) + 0.5);
+    s.position = (v.view.view_to_world * vec4(view_position_of(v, ndc, view_depth), 1.0)).xyz;
+    normal = g.t[2].xyz * 2.0 - 1.0;
+    s.roughness = g.t[2].w;
+    color = mobile_decode(g.t[3].rgb);
+#ifdef MOBILE_METALLIC
+    metallic = g.t[3].w;
+#else
+    f0 = mobile_decode(g.t[4].rgb);
+#endif
+#endif
+    s.normal = normal * inversesqrt(max(dot(normal, normal), 1e-20));
+    s.base_color = color;
+    s.alpha = 1.0;
+    s.occlusion = 0.0;
+    s.emissive = vec3(0.0);
+#ifdef MOBILE_METALLIC
+    bool black = metallic == 1.0 && color == vec3(0.0);
+    s.metallic = black ? 0.0 : metallic;
+    s.dielectric_f0 = black ? vec3(0.0) : f0;
+    s.dielectric_f90 = black ? 0.0 : 1.0;
+#else
+    s.metallic = 0.0;
+    s.dielectric_f0 = f0;
+    s.dielectric_f90 = min(max(f0.r, max(f0.g, f0.b)) * 50.0, 1.0); // what reflects less than any matter does reflects nothing
+#endif
+    return s;
+}
+
+#ifdef MOBILE_READS
+// The targets at this pixel. MOBILE_READS: 1, the light alone; 2, all.
+#ifdef MOBILE_LOCAL
+#if MOBILE_READS == 2 || !defined(MOBILE_WIDE)
+layout(input_attachment_index = 0, set = 1, binding = 0) uniform subpassInput target_0;
+#endif
+#if MOBILE_READS == 2
+layout(input_attachment_index = 1, set = 1, binding = 1) uniform subpassInput target_1;
+layout(input_attachment_index = 2, set = 1, binding = 2) uniform subpassInput target_2;
+#endif
+#if MOBILE_READS == 2 || defined(MOBILE_WIDE)
+layout(input_attachment_index = 3, set = 1, binding = 3) uniform subpassInput target_3;
+#endif
+#if (MOBILE_READS == 2 && MOBILE_TARGETS > 4) || defined(MOBILE_WIDE)
+layout(input_attachment_index = 4, set = 1, binding = 4) uniform subpassInput target_4;
+#endif
+#if MOBILE_READS == 2 && defined(MOBILE_WIDE)
+layout(input_attachment_index = 5, set = 1, binding = 5) uniform subpassInput target_5;
+layout(input_attachment_index = 6, set = 1, binding = 6) uniform subpassInput target_6;
+layout(input_attachment_index = 7, set = 1, binding = 7) uniform subpassInput target_7;
+#endif
+#define MOBILE_LOAD(i) subpassLoad(target_##i)
+#else
+#define MOBILE_LOAD(i) texelFetch(textures[push.images[i]], ivec2(gl_FragCoord.xy), 0)
+#endif
+
+#define MOBILE_LOAD_ALL(g)                                                                                                                 \
+    MOBILE_LOAD_LIGHT(g)                                                                                                                   \
+    MOBILE_LOAD_REST(g)
+#ifdef MOBILE_WIDE
+#define MOBILE_LOAD_LIGHT(g) g.t[3] = MOBILE_LOAD(3); g.t[4] = MOBILE_LOAD(4);
+#define MOBILE_LOAD_REST(g)                                                                                                                \
+    g.t[0] = MOBILE_LOAD(0); g.t[1] = MOBILE_LOAD(1); g.t[2] = MOBILE_LOAD(2);                                                             \
+    g.t[5] = MOBILE_LOAD(5); g.t[6] = MOBILE_LOAD(6); g.t[7] = MOBILE_LOAD(7);
+#else
+#define MOBILE_LOAD_LIGHT(g) g.t[0] = MOBILE_LOAD(0);
+#if MOBILE_TARGETS > 4
+#define MOBILE_LOAD_REST(g) g.t[1] = MOBILE_LOAD(1); g.t[2] = MOBILE_LOAD(2); g.t[3] = MOBILE_LOAD(3); g.t[4] = MOBILE_LOAD(4);
+#else
+#define MOBILE_LOAD_REST(g) g.t[1] = MOBILE_LOAD(1); g.t[2] = MOBILE_LOAD(2); g.t[3] = MOBILE_LOAD(3);
+#endif
+#endif
+#endif
+
+#endif
