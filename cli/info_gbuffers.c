@@ -38,7 +38,8 @@ static void print_layout(fnl_gbuffer layout, const struct gbuffer_question *q) {
 }
 
 void info_print_gbuffers(const struct gbuffer_question *q) {
-    printf("G-buffers at %ux%u, %u sample%s a pixel, read and written once a frame at %g frames a second. Here: the targets alone;\n"
+    printf("G-buffers at %ux%u, %u sample%s a pixel, read and written once a frame at %g frames a second. Here: the targets "
+           "alone;\n"
            "published: with depth, stencil and the target in which light is summed up.\n",
            q->width, q->height, q->samples, q->samples == 1 ? "" : "s", q->frames_per_second);
     for (int i = 0; i < FNL_GBUFFER_COUNT; i++) print_layout((fnl_gbuffer)i, q);

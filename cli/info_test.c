@@ -120,6 +120,20 @@ static void test_errors(void **state) {
     assert_non_null(strstr(out, "Examples:"));
 }
 
+static void test_gbuffers_MP_20_MP_24(void **state) {
+    UNUSED(state);
+    assert_int_equal(run("--gbuffers --size 2800x1800 --samples 4"), 0);
+    const char *engel = strstr(out, "\nengel\n"), *destiny = strstr(out, "\ndestiny\n");
+    assert_true(engel && destiny);
+    const char *twenty = strstr(engel, "20 bytes a pixel"), *twelve = strstr(destiny, "12 bytes a pixel");
+    assert_true(twenty && twenty < destiny && twelve);
+    assert_non_null(strstr(twenty, "403200000 bytes    24.19 GB/s"));
+    assert_true(strstr(twenty, "403200000") < destiny);
+    assert_int_equal(run("--gbuffers a.glb"), 2);
+    assert_int_equal(run("--gbuffers --samples 0"), 2);
+    assert_int_equal(run("--gbuffers --fps 0"), 2);
+}
+
 static int make_folder(void **state) {
     UNUSED(state);
     snprintf(folder, sizeof folder, "/tmp/fanal-info-test-%d", (int)getpid());
@@ -137,6 +151,6 @@ static int remove_folder(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_json),
-                                       cmocka_unit_test(test_errors)};
+                                       cmocka_unit_test(test_errors), cmocka_unit_test(test_gbuffers_MP_20_MP_24)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -17,7 +17,12 @@ float gbuffer_depth(gpu_gbuffer from, ivec2 pixel, int at) { return texelFetch(t
 
 // True where a forward pass lights what is seen, because the layout cannot hold it: lighting leaves the pixel alone.
 bool gbuffer_is_forward(gpu_gbuffer from, ivec2 pixel) {
-    return (gbuffer_form(from) & GBUFFER_FORM_MASK) != 0u && texelFetch(textures[from.mask], pixel, 0).r > 0.5;
+    return (gbuffer_form(from) & GBUFFER_FORM_MASK) != 0u && texelFetch(textures[from.mask], pixel, 0).r > 0.0;
+}
+// Which of the items that meet there at the same depth is seen, as far as 8 bits tell.
+float gbuffer_mask_of(uint item) { return float(item % 255u + 1u) / 255.0; }
+bool gbuffer_is_owner(gpu_gbuffer from, ivec2 pixel, uint item) {
+    return round(texelFetch(textures[from.mask], pixel, 0).r * 255.0) == float(item % 255u + 1u);
 }
 
 // World-space position of what a pixel's centre shows.

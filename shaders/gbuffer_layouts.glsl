@@ -143,14 +143,13 @@ vec3 gbuffer_from_luma(vec3 ycc) { // codes 0 .. 255 to sRGB-encoded 0 .. 1
 }
 // Of the roundings the one whose colour is nearest: single rounding may be off by two steps of blue.
 vec3 gbuffer_to_luma(vec3 encoded) {
-    vec3 rgb = encoded * 255.0;
-    float y = dot(rgb, vec3(0.299, 0.587, 0.114));
-    vec3 low = floor(clamp(vec3(y, 128.0 + (rgb.b - y) / 1.772, 128.0 + (rgb.r - y) / 1.402), 0.0, 255.0)), best = low;
-    float best_error = 1e9;
+    vec3 rgb = encoded * 255.0, best = vec3(0.0);
+    float y = dot(rgb, vec3(0.299, 0.587, 0.114)), best_error = 1e9;
     for (uint i = 0u; i < 8u; i++) {
-        vec3 code = min(low + vec3(uvec3(i, i >> 1, i >> 2) & 1u), vec3(255.0));
-        vec3 off = abs(clamp(gbuffer_from_luma(code), 0.0, 1.0) * 255.0 - rgb);
-        float error = max_component(off);
+        float luma = floor(y) + float(i & 1u);
+        vec2 chroma = floor((rgb.br - luma) / vec2(1.772, 1.402) + 128.0) + vec2(uvec2(i >> 1, i >> 2) & 1u);
+        vec3 code = clamp(vec3(luma, chroma), 0.0, 255.0);
+        float error = max_component(abs(clamp(gbuffer_from_luma(code), 0.0, 1.0) * 255.0 - rgb));
         if (error >= best_error) continue;
         best_error = error;
         best = code;

@@ -58,7 +58,7 @@ struct gpu_gbuffer {
     ADDRESS(material_entries) entries; /* by material ID */
     uint depth;
     uint targets[GBUFFER_TARGETS];
-    uint mask;                         /* R8: 1 where a forward pass lights the pixel */
+    uint mask;                         /* R8: not 0 where a forward pass lights the pixel */
     uint form;
 };
 

@@ -58,8 +58,11 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
                               .form = gbuffer_form_of(input->layout, input->normals, input->chroma)};
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     create_targets(graph, input, samples, &gbuffer);
-    struct gbuffer_data data = {
-        .scene = input->scene, .draws = *input->draws, .view = input->view, .entries = gbuffer.entries, .form = gbuffer.form};
+    struct gbuffer_data data = {.scene = input->scene,
+                                .draws = *input->draws,
+                                .view = input->view,
+                                .entries = gbuffer.entries,
+                                .form = gbuffer.form};
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_gbuffer_frag,
                                      .color_formats = {graph_image_info(graph, radiance).format},

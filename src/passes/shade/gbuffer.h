@@ -11,7 +11,7 @@ struct gbuffer {
     graph_image targets[GBUFFER_TARGETS]; /* id 0 from target_count on */
     uint32_t target_count;
     graph_image normal; /* the one of the targets that gbuffer_normal() of shaders/gbuffer.glsl reads */
-    graph_image mask;   /* R8: 1 where hybrid_add() is to light the pixel; id 0: nowhere */
+    graph_image mask;   /* R8: not 0 where hybrid_add() is to light the pixel: which item it is, in 8 bits; id 0: nowhere */
     uint32_t form;      /* how it is packed (gbuffer_shared.h) */
     VkDeviceAddress view, entries;
 };

@@ -12,7 +12,9 @@ struct hybrid_data {
     struct gpu_graphics_params state;
 };
 
-static enum geometry_set set_of(const struct gbuffer *gbuffer) { return GEOMETRY_NOT_IN(GBUFFER_FORM_LAYOUT(gbuffer->form)); }
+static enum geometry_set set_of(const struct gbuffer *gbuffer) {
+    return GEOMETRY_NOT_IN(GBUFFER_FORM_LAYOUT(gbuffer->form));
+}
 
 static void execute_hybrid(const struct graph_context *context, const void *data) {
     const struct hybrid_data *d = data;

@@ -20,7 +20,7 @@ void main() {
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     // A surface at the same depth, drawn later, may have taken the pixel.
-    if (!gbuffer_is_forward(push.gbuffer, pixel)) discard;
+    if (!gbuffer_is_owner(push.gbuffer, pixel, in_ids.y)) discard;
     // A list may have been made from what the G-buffer says; it then holds for that alone.
     float view_depth = view_depth_of(push.geometry.view, gbuffer_depth(push.gbuffer, pixel));
     s.position = gbuffer_position(push.geometry.view, pixel, view_depth);
