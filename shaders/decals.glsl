@@ -93,23 +93,33 @@ vec3 decal_bend(vec3 normal, vec3 mapped, decal_place p) {
     return length2 > 1e-12 ? bent * inversesqrt(length2) : normal;
 }
 
-void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_index, decal_place p, vec3 facing) {
+// What a decal shows at a place.
+struct decal_look {
+    vec4 color; // premultiplied, faded, cut
+    vec3 emissive;
+    vec3 mapped; // normal of its map
+    float metallic, roughness;
+};
+
+// False where nothing of it is left.
+bool decal_look_at(decal_array decals, uint index, uint sampler_index, decal_place p, out decal_look look) {
     uint flags = decals.at[index].flags;
     bool volume = (flags & GPU_DECAL_VOLUME) != 0u;
     float fade = 1.0;
     if (!volume) {
         fade = clamp(p.cosine * decals.at[index].fade_scale + decals.at[index].fade_offset, 0.0, 1.0);
         fade = fade * fade * (3.0 - 2.0 * fade);
-        if (fade <= 0.0) return;
+        if (fade <= 0.0) return false;
     }
     vec2 uv = vec2(p.q.x + 0.5, 0.5 - p.q.y), dx = vec2(p.dx.x, -p.dx.y), dy = vec2(p.dy.x, -p.dy.y);
     vec4 factor = decals.at[index].color;
-    vec4 color = vec4(factor.rgb * factor.a, factor.a);
+    float slices = decals.at[index].slices;
+    look.color = vec4(factor.rgb * factor.a, factor.a);
     uint image = decals.at[index].color_image;
     if (image != GPU_DECAL_NO_IMAGE) {
-        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, decals.at[index].slices)
-                            : decal_texel(image, sampler_index, uv, dx, dy);
+        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, slices) : decal_texel(image, sampler_index, uv, dx, dy);
         if ((flags & GPU_DECAL_FIELD) != 0u) {
+            // As wide as the distance changes from pixel to pixel: the cut is as soft as an edge.
             float cut = decals.at[index].cut, width = 0.0;
             if (!volume) width = 0.5 * (abs(decal_texel(image, sampler_index, uv + dx, dx, dy).a - texel.a) +
                                         abs(decal_texel(image, sampler_index, uv + dy, dx, dy).a - texel.a));
@@ -117,35 +127,44 @@ void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_i
             float inside = smoothstep(cut - width, cut + width, texel.a);
             texel = vec4(texel.rgb * inside, inside);
         }
-        color *= texel;
-        color.rgb = texel.rgb * factor.rgb * factor.a;
+        look.color *= texel; // both are premultiplied
     }
-    color *= fade;
-    float alpha = color.a;
-    if ((flags & GPU_DECAL_COLOR) != 0u)
-        s.base_color = decal_blend(flags >> GPU_DECAL_BLEND_SHIFT & 15u, s.base_color, color.rgb, alpha);
-    float roughness = decals.at[index].roughness, metallic = decals.at[index].metallic;
+    look.color *= fade;
+    look.roughness = decals.at[index].roughness;
+    look.metallic = decals.at[index].metallic;
     image = decals.at[index].metallic_roughness_image;
     if (image != GPU_DECAL_NO_IMAGE && (flags & (GPU_DECAL_ROUGHNESS | GPU_DECAL_METALLIC)) != 0u) {
-        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, decals.at[index].slices)
-                            : decal_texel(image, sampler_index, uv, dx, dy);
-        roughness *= texel.g;
-        metallic *= texel.b;
+        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, slices) : decal_texel(image, sampler_index, uv, dx, dy);
+        look.roughness *= texel.g;
+        look.metallic *= texel.b;
     }
-    if ((flags & GPU_DECAL_ROUGHNESS) != 0u) s.roughness = mix(s.roughness, roughness, alpha);
-    if ((flags & GPU_DECAL_METALLIC) != 0u) s.metallic = mix(s.metallic, metallic, alpha);
+    look.emissive = vec3(0.0);
     if ((flags & GPU_DECAL_EMISSION) != 0u) {
-        vec3 emissive = decals.at[index].emissive;
+        look.emissive = decals.at[index].emissive;
         image = decals.at[index].emissive_image;
-        if (image != GPU_DECAL_NO_IMAGE) emissive *= decal_texel(image, sampler_index, uv, dx, dy).rgb;
-        s.emissive = mix(s.emissive, emissive, alpha);
+        if (image != GPU_DECAL_NO_IMAGE) look.emissive *= decal_texel(image, sampler_index, uv, dx, dy).rgb;
     }
+    look.mapped = vec3(0.0, 0.0, 1.0);
     if ((flags & GPU_DECAL_NORMAL) != 0u) {
-        vec3 mapped = vec3(0.0, 0.0, 1.0);
         image = decals.at[index].normal_image;
-        if (image != GPU_DECAL_NO_IMAGE) mapped = decal_texel(image, sampler_index, uv, dx, dy).xyz * 2.0 - 1.0;
-        mapped.xy *= decals.at[index].normal_scale;
-        vec3 bent = decal_bend((flags & GPU_DECAL_FLATTEN) != 0u ? facing : s.normal, mapped, p);
+        if (image != GPU_DECAL_NO_IMAGE) look.mapped = decal_texel(image, sampler_index, uv, dx, dy).xyz * 2.0 - 1.0;
+        look.mapped.xy *= decals.at[index].normal_scale;
+    }
+    return true;
+}
+
+void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_index, decal_place p, vec3 facing) {
+    decal_look look;
+    if (!decal_look_at(decals, index, sampler_index, p, look)) return;
+    uint flags = decals.at[index].flags;
+    float alpha = look.color.a;
+    if ((flags & GPU_DECAL_COLOR) != 0u)
+        s.base_color = decal_blend(flags >> GPU_DECAL_BLEND_SHIFT & 15u, s.base_color, look.color.rgb, alpha);
+    if ((flags & GPU_DECAL_ROUGHNESS) != 0u) s.roughness = mix(s.roughness, look.roughness, alpha);
+    if ((flags & GPU_DECAL_METALLIC) != 0u) s.metallic = mix(s.metallic, look.metallic, alpha);
+    if ((flags & GPU_DECAL_EMISSION) != 0u) s.emissive = mix(s.emissive, look.emissive, alpha);
+    if ((flags & GPU_DECAL_NORMAL) != 0u) {
+        vec3 bent = decal_bend((flags & GPU_DECAL_FLATTEN) != 0u ? facing : s.normal, look.mapped, p);
         vec3 mixed = mix(s.normal, bent, alpha);
         float length2 = dot(mixed, mixed);
         if (length2 > 1e-12) s.normal = mixed * inversesqrt(length2);
@@ -155,6 +174,22 @@ void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_i
 decal_place decal_place_at(decal_array decals, uint index, vec3 q, decal_point p) {
     return decal_place(q, decal_cube_direction(decals, index, p.dx), decal_cube_direction(decals, index, p.dy), decals.at[index].side,
                        decals.at[index].up, dot(p.facing, decals.at[index].facing));
+}
+
+// In the space of a mesh before it deforms, with directions from how the picture lies on the surface. `bind_dx` and `bind_dy`: how the
+// position there changes from pixel to pixel.
+decal_place decal_place_on_mesh(decal_array decals, uint index, vec3 q, decal_point p, vec3 bind_dx, vec3 bind_dy) {
+    decal_place place;
+    vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(cross(p.dx, p.dy), p.facing) < 0.0 ? -1.0 : 1.0);
+    float length2 = dot(bind_normal, bind_normal);
+    place.q = q;
+    place.dx = decal_cube_direction(decals, index, bind_dx);
+    place.dy = decal_cube_direction(decals, index, bind_dy);
+    float turn = place.dx.x * place.dy.y - place.dy.x * place.dx.y < 0.0 ? -1.0 : 1.0;
+    place.side = (p.dx * place.dy.y - p.dy * place.dx.y) * turn;
+    place.up = (p.dy * place.dx.x - p.dx * place.dy.x) * turn;
+    place.cosine = length2 > 1e-36 ? dot(bind_normal, decals.at[index].facing) * inversesqrt(length2) : 1.0;
+    return place;
 }
 
 // One of the boxes and volumes, if it holds the point.

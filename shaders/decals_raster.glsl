@@ -35,26 +35,15 @@ decal_point decal_raster_point(view_block v, gpu_item item, vec3 dx, vec3 dy) {
     return p;
 }
 
-// Decals of the instance's own: in the space before deformation, with directions from how the picture lies on the surface.
+// Decals of the instance's own.
 void decals_of_mesh(inout surface s, decal_block d, gpu_item item, decal_point p, vec3 bind_dx, vec3 bind_dy) {
     uint next = d.set.mesh_ranges.at[item.instance], end = d.set.mesh_ranges.at[item.instance + 1u];
     decal_array decals = d.set.decals;
-    vec3 across = cross(p.dx, p.dy);
-    vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(across, p.facing) < 0.0 ? -1.0 : 1.0);
-    float bind_length2 = dot(bind_normal, bind_normal);
     for (; next < end; next++) {
         uint index = d.set.mesh_ids.at[next];
         vec3 q = decal_cube(decals, index, in_bind);
         if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) continue;
-        decal_place place;
-        place.q = q;
-        place.dx = decal_cube_direction(decals, index, bind_dx);
-        place.dy = decal_cube_direction(decals, index, bind_dy);
-        float area = place.dx.x * place.dy.y - place.dy.x * place.dx.y;
-        float turn = area < 0.0 ? -1.0 : 1.0;
-        place.side = (p.dx * place.dy.y - p.dy * place.dx.y) * turn;
-        place.up = (p.dy * place.dx.x - p.dx * place.dy.x) * turn;
-        place.cosine = bind_length2 > 1e-36 ? dot(bind_normal, decals.at[index].facing) * inversesqrt(bind_length2) : 1.0;
+        decal_place place = decal_place_on_mesh(decals, index, q, p, bind_dx, bind_dy);
         decal_apply(s, decals, index, d.set.sampler_index, place, p.facing);
     }
 }

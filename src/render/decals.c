@@ -3,6 +3,7 @@
 
 #include "passes/decals/decals.h"
 #include "passes/decals/decals_gbuffer.h"
+#include "passes/decals/decals_redraw.h"
 #include "render/shading.h"
 
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene.decals; }
@@ -12,7 +13,8 @@ static bool is_on(const struct frame_state *f) {
 
 bool decals_in_gbuffer(const struct frame_state *f) {
     return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER &&
-           shading_is(f->frame->shading, SHADING_GBUFFER) && f->frame->msaa == 1;
+           (f->frame->shading == FNL_SHADING_DEFERRED || f->frame->shading == FNL_SHADING_DEFERRED_VOLUMES) &&
+           f->frame->msaa == 1;
 }
 
 fnl_result decals_begin(struct frame_state *f) {
@@ -113,4 +115,16 @@ void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *inpu
                                           .mip_fix = f->frame->decal_mip_fix,
                                           .pool_capacity = f->r->decal_capacity};
     f->decals.fragments = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
+}
+
+void decals_redraw(struct frame_state *f, const struct shade_input *input) {
+    const struct device_decals *all = decals_of(f);
+    if (!is_on(f) || all->draw_count == 0) return;
+    struct decals_redraw redraw = {.indices = &all->redraw_indices,
+                                   .draws = f->decals.buffers.redraw_draws,
+                                   .draw_count = all->draw_count,
+                                   .table = all->redraw_table.address,
+                                   .set = f->decals.set_address,
+                                   .decals = f->decals.buffers.decals};
+    decals_redraw_add(f->graph, input, &redraw, f->radiance, f->depth);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "image/image.h"
 #include "decals_shared.h"
+#include "passes/decals/decals_redraw_shared.h"
 #include "render/device_scene.h"
 
 /* ---- pictures ---- */
@@ -272,6 +273,76 @@ static fnl_result prepare_mesh(struct device_scene *d) {
     return result;
 }
 
+/* ---- redrawn decals ---- */
+
+struct redraws {
+    ARRAY(uint32_t) indices;
+    ARRAY(struct gpu_draw) draws;
+    ARRAY(struct gpu_redraw) table;
+};
+
+/* The triangles of a mesh's primitive that a decal touches before it deforms, and a draw of them for each instance. */
+static fnl_result add_redraw(struct device_scene *d, struct redraws *r, uint32_t decal_index, const mat4 *inverse,
+                             uint32_t node, uint32_t primitive) {
+    const struct scene_mesh *mesh = &d->scene->meshes.data[d->scene->nodes.data[node].mesh];
+    const struct scene_primitive *p = &d->scene->primitives.data[mesh->first_primitive + primitive];
+    if (p->topology != SCENE_TOPOLOGY_TRIANGLES) return FNL_OK;
+    uint32_t first = r->indices.count, own = d->node_primitives.data[node];
+    for (uint32_t i = 0; i + 2 < p->index_count; i += 3) {
+        vec3 corners[3];
+        for (uint32_t k = 0; k < 3; k++) corners[k] = mat4_point(inverse, p->positions[p->indices[i + k]]);
+        if (!decal_touches(corners)) continue;
+        for (uint32_t k = 0; k < 3; k++)
+            if (!array_push(&d->host, &r->indices, p->indices[i + k])) return FNL_ERROR_MEMORY;
+    }
+    uint32_t count = r->indices.count - first;
+    for (uint32_t k = 0; count && k < d->scene->nodes.data[node].instance_count; k++) {
+        struct gpu_redraw entry = {.instance = d->node_instances.data[node] + k,
+                                   .primitive = own == SCENE_NONE ? mesh->first_primitive + primitive : own + primitive,
+                                   .decal = decal_index};
+        struct gpu_draw draw = {
+            .index_count = count, .instance_count = 1, .first_index = first, .first_instance = r->table.count};
+        if (!array_push(&d->host, &r->table, entry) || !array_push(&d->host, &r->draws, draw)) return FNL_ERROR_MEMORY;
+    }
+    return FNL_OK;
+}
+
+static fnl_result find_redraws(struct device_scene *d, struct redraws *r) {
+    const struct device_decals *all = &d->decals;
+    for (uint32_t i = all->count + all->mesh_count; i < all->order.count; i++) {
+        const struct scene_decal *decal = &d->scene->decals.data[all->order.data[i]];
+        mat4 inverse;
+        if (d->node_instances.data[decal->node] == SCENE_NONE || !mat4_inverse(&decal->params.transform, &inverse)) continue;
+        uint32_t count = d->scene->meshes.data[d->scene->nodes.data[decal->node].mesh].primitive_count;
+        for (uint32_t k = 0; k < count; k++) TRY(add_redraw(d, r, i, &inverse, decal->node, k));
+    }
+    return FNL_OK;
+}
+
+static fnl_result prepare_redraws(struct device_scene *d) {
+    struct device_decals *all = &d->decals;
+    gpu_buffer_destroy(d->device, &all->redraw_indices);
+    gpu_buffer_destroy(d->device, &all->redraw_draws);
+    gpu_buffer_destroy(d->device, &all->redraw_table);
+    all->draw_count = 0;
+    if (all->redraw_count == 0) return FNL_OK;
+    struct redraws r = {{0}, {0}, {0}};
+    fnl_result result = find_redraws(d, &r);
+    if (result == FNL_OK)
+        result = device_upload_array(d, "redraw indices", &all->redraw_indices, r.indices.data, r.indices.count * 4ull);
+    if (result == FNL_OK)
+        result =
+            device_upload_array(d, "redraw draws", &all->redraw_draws, r.draws.data, r.draws.count * sizeof *r.draws.data);
+    if (result == FNL_OK)
+        result =
+            device_upload_array(d, "redraw table", &all->redraw_table, r.table.data, r.table.count * sizeof *r.table.data);
+    if (result == FNL_OK) all->draw_count = r.draws.count;
+    array_free(&d->host, &r.indices);
+    array_free(&d->host, &r.draws);
+    array_free(&d->host, &r.table);
+    return result;
+}
+
 /* ---- life ---- */
 
 static void free_pictures(struct device_scene *d) {
@@ -287,6 +358,9 @@ void device_decals_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &all->boxes);
     gpu_buffer_destroy(d->device, &all->mesh_ranges);
     gpu_buffer_destroy(d->device, &all->mesh_ids);
+    gpu_buffer_destroy(d->device, &all->redraw_indices);
+    gpu_buffer_destroy(d->device, &all->redraw_draws);
+    gpu_buffer_destroy(d->device, &all->redraw_table);
     array_free(&d->host, &all->data);
     array_free(&d->host, &all->box_data);
     array_free(&d->host, &all->order);
@@ -326,6 +400,7 @@ fnl_result device_decals_prepare(struct device_scene *d) {
     TRY(find_order(d));
     TRY(prepare_pictures(d));
     TRY(prepare_mesh(d));
+    TRY(prepare_redraws(d));
     struct gpu_sampler_params sampler = {.mag = VK_FILTER_LINEAR,
                                          .min = VK_FILTER_LINEAR,
                                          .mip = VK_SAMPLER_MIPMAP_MODE_LINEAR,
@@ -376,7 +451,7 @@ static fnl_result gather(struct device_scene *d) {
 
 fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out) {
     struct device_decals *all = &d->decals;
-    *out = (struct device_decals_frame){{0}, {0}, {0}, {0}};
+    *out = (struct device_decals_frame){{0}, {0}, {0}, {0}, {0}};
     if (all->order.count == 0) return FNL_OK;
     out->decals = graph_import_buffer(graph, "decals", &all->decals);
     if (all->count) out->boxes = graph_import_buffer(graph, "decal boxes", &all->boxes);
@@ -384,6 +459,7 @@ fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct
         out->mesh_ranges = graph_import_buffer(graph, "mesh decal ranges", &all->mesh_ranges);
         out->mesh_ids = graph_import_buffer(graph, "mesh decal ids", &all->mesh_ids);
     }
+    if (all->draw_count) out->redraw_draws = graph_import_buffer(graph, "redraw draws", &all->redraw_draws);
     if (all->sent_version == d->scene->decal_version &&
         (!all->moves || all->transform_version == d->scene->transform_version))
         return FNL_OK;

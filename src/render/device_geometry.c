@@ -220,6 +220,9 @@ fnl_result device_geometry_upload(struct device_scene *d) {
     u.first_vertex = host_allocate(&d->host, vertex_size);
     u.node_primitives = host_allocate(&d->host, node_size);
     fnl_result result = u.first_vertex && u.node_primitives ? upload_all(&u, &totals) : FNL_ERROR_MEMORY;
+    if (result == FNL_OK && !array_reserve(&d->host, &d->node_primitives, scene->nodes.count)) result = FNL_ERROR_MEMORY;
+    if (result == FNL_OK && scene->nodes.count)
+        memcpy(d->node_primitives.data, u.node_primitives, scene->nodes.count * sizeof(uint32_t));
     if (u.first_vertex) host_free(&d->host, u.first_vertex, vertex_size);
     if (u.node_primitives) host_free(&d->host, u.node_primitives, node_size);
     array_free(&d->host, &u.primitives);

@@ -38,6 +38,7 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->node_instances);
     array_free(&d->host, &d->node_mirrored);
+    array_free(&d->host, &d->node_primitives);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
     array_free(&d->host, &d->light_data);

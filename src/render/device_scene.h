@@ -30,11 +30,13 @@ struct decal_picture {
 struct device_decals {
     struct gpu_buffer decals, boxes;        /* struct gpu_decal, struct gpu_light; sent inside the frame */
     struct gpu_buffer mesh_ranges, mesh_ids; /* of mesh decals: see struct gpu_decal_set */
+    struct gpu_buffer redraw_indices, redraw_draws, redraw_table; /* see struct decals_redraw */
     ARRAY(struct gpu_decal) data; /* boxes and volumes, then those of meshes, then redraws; each in order */
     ARRAY(struct gpu_light) box_data;
     ARRAY(uint32_t) order; /* indices of scene decals, as in data */
     ARRAY(struct decal_picture) pictures;
     uint32_t count, mesh_count, redraw_count;
+    uint32_t draw_count; /* of redrawn decals */
     bool moves; /* some move with nodes */
     bool emits; /* some box or volume changes emission */
     uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
@@ -52,6 +54,7 @@ struct device_scene {
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(struct geometry_bucket) buckets;
     ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
+    ARRAY(uint32_t) node_primitives; /* first own primitive of each deforming node, or SCENE_NONE */
     ARRAY(bool) node_mirrored;      /* whether its draws were sorted as those of a mirrored node */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
@@ -121,7 +124,7 @@ fnl_result device_decals_prepare(struct device_scene *d);
 void device_decals_finish(struct device_scene *d);
 /** The decals as one frame sees them; buffers of id 0 where there are none of the kind. */
 struct device_decals_frame {
-    graph_buffer decals, boxes, mesh_ranges, mesh_ids;
+    graph_buffer decals, boxes, mesh_ranges, mesh_ids, redraw_draws;
 };
 /** Sends what changed. */
 fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out);

@@ -340,6 +340,7 @@ void shading_add(struct frame_state *f) {
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
     struct shade_input opaque = input, blend = input;
     orders[f->frame->shading].add(f, &opaque, prepass);
+    decals_redraw(f, &input);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     if (has_blend(f) && !f->blended) {
         blend.lights = &f->blend_lights;

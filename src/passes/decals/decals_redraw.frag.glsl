@@ -1,0 +1,53 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// A decal as a surface of its own.
+#include "common.glsl"
+#include "scene.glsl"
+#include "decals.glsl"
+#include "shade.glsl"
+#include "passes/decals/redraw.glsl"
+
+layout(early_fragment_tests) in;
+
+layout(location = 0) centroid in vec3 in_position;
+layout(location = 1) centroid in vec3 in_normal;
+layout(location = 2) centroid in vec3 in_bind;
+layout(location = 3) flat in uint in_decal;
+
+layout(location = 0) out vec4 out_radiance;
+
+void main() {
+    vec3 bind_dx = dFdx(in_bind), bind_dy = dFdy(in_bind);
+    float length2 = dot(in_normal, in_normal);
+    decal_point p;
+    p.position = in_position;
+    p.dx = dFdx(in_position);
+    p.dy = dFdy(in_position);
+    p.facing = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
+    if (dot(p.facing, to_viewer(push.view, in_position)) < 0.0) p.facing = -p.facing;
+    p.receivers = 255u;
+
+    decal_array decals = push.set.set.decals;
+    vec3 q = decal_cube(decals, in_decal, in_bind);
+    if (!decal_holds(q)) discard;
+    decal_place place = decal_place_on_mesh(decals, in_decal, q, p, bind_dx, bind_dy);
+    decal_look look;
+    if (!decal_look_at(decals, in_decal, push.set.set.sampler_index, place, look) || look.color.a <= 0.0) discard;
+
+    surface s;
+    s.position = in_position;
+    s.normal = decal_bend(p.facing, look.mapped, place);
+    s.base_color = look.color.rgb / look.color.a;
+    s.alpha = look.color.a;
+    s.metallic = look.metallic;
+    s.roughness = look.roughness;
+    s.occlusion = 1.0;
+    s.emissive = look.emissive;
+    s.dielectric_f0 = vec3(0.04);
+    s.dielectric_f90 = 1.0;
+    vec3 view_position = (push.view.view.world_to_view * vec4(in_position, 1.0)).xyz;
+    uvec2 pixel = push.view.view.samples > 1u ? pixel_of(push.view, view_position) : uvec2(gl_FragCoord.xy);
+    vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, -view_position.z, LIGHT_NO_ITEM);
+    out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_DECALS_REDRAW_SHARED_H
+#define FNL_PASSES_DECALS_REDRAW_SHARED_H
+
+#include "shared.h"
+
+/* One draw: a decal on a primitive of an instance. */
+struct gpu_redraw {
+    uint instance;
+    uint primitive;
+    uint decal;
+};
+
+#ifdef GL_core_profile
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer redraw_array { gpu_redraw at[]; };
+#endif
+
+struct gpu_redraw_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters; /* 0: these fragments are not counted */
+    ADDRESS(redraw_array) table;
+    ADDRESS(decal_block) set;
+};
+
+#endif
