@@ -22,6 +22,9 @@ typedef enum fnl_shading {
                                        transparent surfaces; no MSAA */
     /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */
     FNL_SHADING_LIGHT_PREPASS,
+    /** The same, but the lights are drawn as rectangles and blended into a diffuse and a specular buffer; lists serve only transparent
+        surfaces; no MSAA. */
+    FNL_SHADING_PRE_LIGHTING,
     /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
     FNL_SHADING_LOW_RES,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
@@ -91,6 +94,9 @@ typedef enum fnl_raster_nodes {
 typedef enum fnl_volume_shape {
     FNL_VOLUME_SOLIDS = 0, /**< the back faces of a sphere or a pyramid, where they are not in front of the surface */
     FNL_VOLUME_QUADS,      /**< its rectangle on the screen, as near as its nearest point, where no surface is nearer */
+    FNL_VOLUME_FULLSCREEN,   /**< the whole screen: every pixel asks whether the light reaches it */
+    FNL_VOLUME_ELLIPSE,      /**< as quads, but an octagon round the ellipse that the bounding sphere is on the screen */
+    FNL_VOLUME_DEPTH_BOUNDS, /**< as solids, and nothing where the surface is nearer than the light's nearest point or beyond its farthest */
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
 

@@ -12,7 +12,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
-                                        "light-prepass", "low-res", "visibility", "mobile", "auto"};
+                                        "light-prepass", "pre-lighting", "low-res", "visibility", "mobile", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -54,7 +54,7 @@ const char *fnl_raster_nodes_name(fnl_raster_nodes nodes) {
 }
 
 const char *fnl_volume_shape_name(fnl_volume_shape shape) {
-    static const char *const names[] = {"solids", "quads"};
+    static const char *const names[] = {"solids", "quads", "fullscreen", "ellipse", "depth-bounds"};
     _Static_assert(COUNT_OF(names) == FNL_VOLUME_SHAPE_COUNT, "each has a name");
     return NAME_OF(names, shape);
 }

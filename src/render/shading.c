@@ -8,7 +8,7 @@
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
 #include "passes/shade/gbuffer_layouts.h"
-#include "passes/shade/light_prepass.h"
+#include "passes/shade/pre_lighting.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
 #include "passes/visibility/visibility.h"
@@ -118,6 +118,20 @@ static void add_deferred(struct frame_state *f, struct shade_input *input, bool 
     f->gbuffer = gbuffer;
 }
 
+_Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_DEPTH_BOUNDS + 1,
+               "volumes_shared.h has the values of fnl_volume_shape");
+
+static struct volumes prepare_volumes(struct frame_state *f, uint32_t shape) {
+    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list_options.frustum_cull, shape};
+    return volumes_prepare(f->graph, f->r->device, &input);
+}
+
+/* The lights in view are those whose volumes are drawn, where no lists count them. */
+static void count_volumes(struct frame_state *f, const struct volumes *volumes) {
+    f->lights.totals = f->blend_lights.totals = volumes->totals;
+    f->lights.totals_known = false;
+}
+
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
 static void add_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
@@ -136,18 +150,14 @@ static void add_volumes(struct frame_state *f, struct shade_input *input, bool p
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input->lights = &base;
     deferred_add(f->graph, input, &gbuffer, NULL, f->radiance);
-    struct volumes_input volumes = {&f->scene->lights, f->frame->list_options.frustum_cull,
-                                    f->frame->list_options.volume_shape == FNL_VOLUME_QUADS};
-    graph_buffer totals = volumes_add(f->graph, f->r->device, input, &volumes, &gbuffer, f->radiance);
+    struct volumes volumes = prepare_volumes(f, (uint32_t)f->frame->list_options.volume_shape);
+    volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
     if (gbuffer.mask.id) {
         input->lights = &own;
         hybrid_add(f->graph, input, &gbuffer, f->radiance);
     }
     f->gbuffer = gbuffer;
-    if (!has_lists) {
-        f->lights.totals = f->blend_lights.totals = totals;
-        f->lights.totals_known = false;
-    }
+    if (!has_lists) count_volumes(f, &volumes);
 }
 
 /* ---- visibility ---- */
@@ -283,6 +293,31 @@ static void add_light_prepass(struct frame_state *f, struct shade_input *input, 
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_TWO), 1);
 }
 
+/* Lists of blended surfaces alone, where opaque ones find their lights without. */
+static void add_blend_lists(struct frame_state *f) {
+    if (has_blend(f)) {
+        add_lists(f, f->depth, NULL);
+        f->lights = f->blend_lights;
+    } else {
+        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+    }
+}
+
+static void add_pre_lighting(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, LIGHT_BUFFER_TWO, f->depth);
+    add_blend_lists(f);
+    struct light_input none = f->scene->lights;
+    none.local_count = 0;
+    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
+    input->lights = &base;
+    struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device));
+    light_sums_add(f->graph, input, &surfaces, &sums);
+    struct volumes volumes = prepare_volumes(f, VOLUME_QUADS);
+    pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
+    light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+    if (!has_blend(f)) count_volumes(f, &volumes);
+}
+
 static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
 }
@@ -297,8 +332,9 @@ static const struct order {
     [FNL_SHADING_FORWARD] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_SAMPLES},
     [FNL_SHADING_FORWARD_PREPASS] = {add_forward, SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES},
     [FNL_SHADING_DEFERRED] = {add_deferred, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
-    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS},
+    [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES},
     [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
+    [FNL_SHADING_PRE_LIGHTING] = {add_pre_lighting, SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES},
     [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS | SHADING_APPROXIMATE},
@@ -313,7 +349,7 @@ bool shading_has_prepass(const fnl_frame *frame) {
 }
 
 bool shading_shows_volumes(const fnl_frame *frame) {
-    return frame->shading == FNL_SHADING_DEFERRED_VOLUMES && frame->debug == FNL_DEBUG_LIGHTS;
+    return shading_is(frame->shading, SHADING_VOLUMES) && frame->debug == FNL_DEBUG_LIGHTS;
 }
 
 VkFormat shading_format(const struct frame_state *f) {

@@ -35,6 +35,30 @@ static void test_scenes_equal(void **state) {
     order_cameras(check_equal);
 }
 
+/* So does what is drawn as rectangles; of use are the same lights. */
+static void check_volumes(struct stage *stage, const char *what) {
+    struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
+    struct shot shot = order_shoot(stage, FNL_SHADING_PRE_LIGHTING, FNL_LISTS_ALL);
+    struct shot again = order_shoot(stage, FNL_SHADING_PRE_LIGHTING, FNL_LISTS_TILED);
+    int difference = greatest_difference(&deferred.color, &shot.color);
+    print_message("  %s: %d/255, %llu of %llu evaluations\n", what, difference, (unsigned long long)shot.stats.evaluations,
+                  (unsigned long long)deferred.stats.evaluations);
+    assert_int_equal(count_broken(&shot.radiance), 0);
+    assert_true(difference <= 2);
+    assert_int_equal(shot.stats.evaluations_useful, deferred.stats.evaluations_useful);
+    assert_true(shot.stats.evaluations <= deferred.stats.evaluations);
+    assert_int_equal(count_differing(&shot.radiance, &again.radiance), 0);
+    shot_free(&deferred);
+    shot_free(&shot);
+    shot_free(&again);
+}
+
+static void test_pre_lighting(void **state) {
+    UNUSED(state);
+    order_scenes(check_volumes);
+    order_cameras(check_volumes);
+}
+
 /* Matter without Fresnel's rise under white lights: an index of refraction of 0 reflects the share `specular` from all sides. */
 static fnl_scene *plain_scene(bool white) {
     fnl_scene *scene;
@@ -200,6 +224,7 @@ static void test_low_res_lists(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-23: light-prepass with two and four sums equals deferred", test_scenes_equal, NULL, harness_check, NULL},
+        {"ES-23: pre-lighting equals deferred", test_pre_lighting, NULL, harness_check, NULL},
         {"ES-23: four channels are right for white lights on Lambert with scalar highlights", test_four_channels, NULL,
          harness_check, NULL},
         {"ES-24: low-res is close, in fewer evaluations", test_low_res_quality, NULL, harness_check, NULL},

@@ -51,7 +51,8 @@ struct cull_data {
     struct light_input lights;
     VkDeviceAddress view, list;
     graph_buffer sums, ids, draws;
-    bool cull, quads, fills;
+    uint32_t shape;
+    bool cull, fills;
 };
 
 static void execute_cull(const struct graph_context *context, const void *data) {
@@ -64,53 +65,11 @@ static void execute_cull(const struct graph_context *context, const void *data) 
                                     .draws = d->fills ? graph_address(context, d->draws) : 0,
                                     .light_count = d->lights.local_count,
                                     .cull = d->cull,
-                                    .quads = d->quads};
+                                    .shape = d->shape};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
     gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
-}
-
-/* ---- drawing them ---- */
-
-struct draw_data {
-    struct gbuffer gbuffer;
-    VkDeviceAddress view, list;
-    graph_buffer counters, ids, draws;
-    struct gpu_slice indices;
-    VkFormat format;
-    bool quads;
-};
-
-static void execute_draw(const struct graph_context *context, const void *data) {
-    const struct draw_data *d = data;
-    if (!d->indices.data) return; /* the device carries a sticky error */
-    /* Solids: back faces alone, and only those that are not in front of the surface. Rectangles: not behind it. Depth is reversed. */
-    struct gpu_graphics_params state = {.vertex = &shader_volumes_vert,
-                                        .fragment = &shader_volumes_frag,
-                                        .constant_count = 2,
-                                        .constants = {GPU_LIST_ALL, d->counters.id != 0},
-                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
-                                        .cull = d->quads ? VK_CULL_MODE_NONE : VK_CULL_MODE_FRONT_BIT,
-                                        .color_count = 1,
-                                        .color_formats = {d->format},
-                                        .blends = {GPU_BLEND_ADD},
-                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
-                                        .depth_test = true,
-                                        .depth_clamp = true,
-                                        .depth_compare =
-                                            d->quads ? VK_COMPARE_OP_GREATER_OR_EQUAL : VK_COMPARE_OP_LESS_OR_EQUAL,
-                                        .samples = 1};
-    gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
-    struct gpu_volume_push push = {.view = d->view,
-                                   .list = d->list,
-                                   .ids = graph_address(context, d->ids),
-                                   .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-                                   .gbuffer = gbuffer_handles(context, &d->gbuffer)};
-    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_bind_indices(context->commands, d->indices.buffer, d->indices.offset);
-    gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, d->draws), 0, 2);
 }
 
 struct totals_data {
@@ -127,17 +86,29 @@ static void execute_totals(const struct graph_context *context, const void *data
                     sizeof(struct light_totals) - offsetof(struct light_totals, entries), 0);
 }
 
-graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance) {
+/* The three flat shapes, behind the indices of the solids. */
+static const uint32_t flat_indices[VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES + VOLUME_SCREEN_INDICES] = {
+#define AT(vertex) VOLUME_QUAD_VERTEX + (vertex)
+    AT(0), AT(1), AT(2), AT(2), AT(1), AT(3),
+#undef AT
+#define AT(vertex) VOLUME_OCTAGON_VERTEX + (vertex)
+    AT(0), AT(1), AT(2), AT(0), AT(2), AT(3), AT(0), AT(3), AT(4), AT(0), AT(4), AT(5), AT(0), AT(5), AT(6), AT(0), AT(6), AT(7),
+#undef AT
+    VOLUME_SCREEN_VERTEX, VOLUME_SCREEN_VERTEX + 1, VOLUME_SCREEN_VERTEX + 2};
+
+struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input) {
     static const struct prefix_sum_names names = PREFIX_SUM_NAMES("volumes");
-    const struct light_input *lights = volumes->lights;
+    const struct light_input *lights = input->lights;
     const uint32_t count = lights->local_count;
-    struct light_list list = light_list_all_add(graph, device, lights);
-    struct cull_data cull = {
-        .lights = *lights, .view = input->view, .list = list.header, .cull = volumes->cull, .quads = volumes->quads};
-    cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
-    cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
-    cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
+    struct volumes volumes = {.list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
+    struct cull_data cull = {.lights = *lights,
+                             .view = input->view,
+                             .list = volumes.list.header,
+                             .cull = input->cull,
+                             .shape = input->shape};
+    volumes.sums = cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
+    volumes.ids = cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
+    volumes.draws = cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
     struct graph_pass *pass = graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
@@ -148,34 +119,86 @@ graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct s
     graph_use_buffer(pass, cull.ids, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, cull.draws, GRAPH_WRITE_COMPUTE);
 
-    struct draw_data draw = {.gbuffer = *gbuffer,
-                             .view = input->view,
-                             .list = list.header,
-                             .counters = input->counters,
-                             .ids = cull.ids,
-                             .draws = cull.draws,
-                             .indices = gpu_frame_allocate(device, (VOLUME_INDEX_COUNT + VOLUME_QUAD_INDICES) * 4),
-                             .format = graph_image_info(graph, radiance).format,
-                             .quads = volumes->quads};
-    if (draw.indices.data) {
-        static const uint32_t corners[VOLUME_QUAD_INDICES] = {0, 1, 2, 2, 1, 3};
-        uint32_t *indices = draw.indices.data;
+    volumes.indices = gpu_frame_allocate(device, VOLUME_INDEX_COUNT * 4 + sizeof flat_indices);
+    if (volumes.indices.data) {
+        uint32_t *indices = volumes.indices.data;
         volumes_indices(indices);
-        for (uint32_t i = 0; i < VOLUME_QUAD_INDICES; i++) indices[VOLUME_INDEX_COUNT + i] = VOLUME_QUAD_VERTEX + corners[i];
+        memcpy(indices + VOLUME_INDEX_COUNT, flat_indices, sizeof flat_indices);
     }
-    pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
-    graph_use_buffer(pass, lights->buffer, GRAPH_READ_GRAPHICS);
-    graph_use_buffer(pass, cull.ids, GRAPH_READ_VERTEX);
-    graph_use_buffer(pass, cull.draws, GRAPH_INDIRECT);
-    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
-    graph_depth_read_only(pass, gbuffer->depth);
-
     struct totals_data totals = {cull.sums, graph_create_buffer(graph, "volume totals", sizeof(struct light_totals)),
                                  2ull * count * 4};
     pass = graph_add_pass(graph, "volume counts", GRAPH_QUEUE_GRAPHICS, execute_totals, &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
-    return totals.totals;
+    volumes.totals = totals.totals;
+    return volumes;
+}
+
+/* ---- drawing them ---- */
+
+void volumes_use(struct graph_pass *pass, const struct volumes *volumes) {
+    graph_use_buffer(pass, volumes->list.lights, GRAPH_READ_GRAPHICS);
+    graph_use_buffer(pass, volumes->ids, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, volumes->draws, GRAPH_INDIRECT);
+}
+
+void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,
+                  struct gpu_volume_head *push, uint32_t size) {
+    if (!volumes->indices.data) return; /* the device carries a sticky error */
+    bool solid = volumes->shape == VOLUME_SOLIDS || volumes->shape == VOLUME_DEPTH_BOUNDS;
+    /* Solids: back faces alone, and only those that are not in front of the surface. Flat shapes: not behind it. Depth is reversed. */
+    state->vertex = &shader_volumes_vert;
+    state->topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    state->cull = solid ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_NONE;
+    state->depth_format = GEOMETRY_DEPTH_FORMAT;
+    state->depth_test = volumes->shape != VOLUME_SCREEN;
+    state->depth_clamp = true;
+    state->depth_compare = solid ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
+    state->samples = 1;
+    push->list = volumes->list.header;
+    push->ids = graph_address(context, volumes->ids);
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, state));
+    gpu_push(context->commands, push, size);
+    gpu_bind_indices(context->commands, volumes->indices.buffer, volumes->indices.offset);
+    gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, volumes->draws), 0, 2);
+}
+
+struct draw_data {
+    struct gbuffer gbuffer;
+    struct volumes volumes;
+    VkDeviceAddress view;
+    graph_buffer counters;
+    VkFormat format;
+};
+
+static void execute_draw(const struct graph_context *context, const void *data) {
+    const struct draw_data *d = data;
+    struct gpu_graphics_params state = {.fragment = &shader_volumes_frag,
+                                        .constant_count = 2,
+                                        .constants = {GPU_LIST_ALL, d->counters.id != 0},
+                                        .color_count = 1,
+                                        .color_formats = {d->format},
+                                        .blends = {GPU_BLEND_ADD}};
+    gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
+    state.constants[13] = d->volumes.shape == VOLUME_DEPTH_BOUNDS;
+    state.constant_count = MAX(state.constant_count, 14u);
+    struct gpu_volume_push push = {.view = d->view,
+                                   .counters = d->counters.id ? graph_address(context, d->counters) : 0,
+                                   .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+    volumes_draw(context, &d->volumes, &state, (struct gpu_volume_head *)&push, sizeof push);
+}
+
+void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
+                 const struct gbuffer *gbuffer, graph_image radiance) {
+    struct draw_data draw = {.gbuffer = *gbuffer,
+                             .volumes = *volumes,
+                             .view = input->view,
+                             .counters = input->counters,
+                             .format = graph_image_info(graph, radiance).format};
+    struct graph_pass *pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+    volumes_use(pass, volumes);
+    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+    graph_depth_read_only(pass, gbuffer->depth);
 }

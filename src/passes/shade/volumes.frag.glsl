@@ -7,10 +7,13 @@
 #include "gbuffer.glsl"
 #include "passes/shade/volumes.glsl"
 
+layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
+
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_volume_push push; };
 
 layout(location = 0) flat in uint in_light;
+layout(location = 1) flat in vec2 in_depths;
 layout(location = 0) out vec4 out_radiance;
 
 // Sums of millions of these are finite.
@@ -20,9 +23,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = gbuffer_depth(push.gbuffer, pixel);
     if (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel)) discard; // sky, and what is lit forward
+    float view_depth = view_depth_of(push.view, depth);
+    if (BOUND_DEPTHS == 1u && (view_depth < in_depths.x || view_depth > in_depths.y)) discard;
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
-    float view_depth = view_depth_of(push.view, depth);
     vec3 position = gbuffer_position(push.view, pixel, view_depth);
     vec3 to_light;
     vec3 illuminance = illuminate(push.list, push.list.list.directional_count + in_light, position, to_light);

@@ -8,6 +8,7 @@
 #define FNL_PASSES_VOLUMES_H
 
 #include "passes/shade/gbuffer.h"
+#include "passes/shade/volumes_shared.h"
 
 /** Indices of both solids, front faces counter-clockwise from outside. */
 #define VOLUME_INDEX_COUNT 300u
@@ -19,16 +20,34 @@ VkFormat volumes_format(const gpu_device *device);
 
 struct volumes_input {
     const struct light_input *lights;
-    bool cull;  /* only volumes in view; default true */
-    bool quads; /* rectangles on the screen instead of solids; default false */
+    VkDeviceAddress view;
+    bool cull;      /* only volumes in view; default true */
+    uint32_t shape; /* VOLUME_… of volumes_shared.h; default VOLUME_SOLIDS */
 };
+/** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
+struct volumes {
+    struct light_list list;              /* all lights */
+    graph_buffer sums, ids, draws;       /* two prefix sums per light; instance -> local light; two indirect draws */
+    graph_buffer totals;                 /* struct light_totals: volumes drawn, 0, 0 */
+    struct gpu_slice indices;
+    uint32_t shape, light_count;
+};
+/** Instances ascend by light, spheres before cones (flat shapes know no cones), so that what they add up repeats to the bit. */
+struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input);
+/** Declares that a pass draws them; it has the depth of what is seen attached. */
+void volumes_use(struct graph_pass *pass, const struct volumes *volumes);
 /**
- * Adds all local lights to `radiance`, which holds everything else already. Instances ascend by light, spheres before
- * cones, so that sums repeat to the bit. Returns a buffer with struct light_totals: volumes drawn, 0, 0. Cost: per
- * light 49 vertices (cones 16, rectangles 4), per pixel that a solid covers in front of its far side, or a rectangle not behind the
- * surface, a read of the G-buffer and a blend.
+ * Inside such a pass: sets vertex shader, topology, culling and depth test of `state` and draws every volume once. `push` begins with a
+ * struct gpu_volume_head, of which the view and the counters are already set, and has `size` bytes; it is changed.
  */
-graph_buffer volumes_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
-                         const struct volumes_input *volumes, const struct gbuffer *gbuffer, graph_image radiance);
+void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,
+                  struct gpu_volume_head *push, uint32_t size);
+
+/**
+ * Adds all local lights to `radiance`, which holds everything else already. Cost: per light 49 vertices (cones 16, rectangles 4, octagons 8),
+ * per pixel that a solid covers in front of its far side, or a flat shape not behind the surface, a read of the G-buffer and a blend.
+ */
+void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
+                 const struct gbuffer *gbuffer, graph_image radiance);
 
 #endif

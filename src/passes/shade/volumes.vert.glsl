@@ -7,9 +7,10 @@
 #include "passes/shade/volumes.glsl"
 #include "passes/lights/cells.glsl"
 
-layout(push_constant, scalar) uniform push_block { gpu_volume_push push; };
+layout(push_constant, scalar) uniform push_block { gpu_volume_head push; };
 
 layout(location = 0) flat out uint out_light;
+layout(location = 1) flat out vec2 out_depths; // view depths that the light lies between
 
 // Metres that a pixel is wide at a point: what rasterisation may lose at the edge of a solid.
 float pixel_size(vec3 position) {
@@ -45,10 +46,54 @@ vec4 quad_corner(gpu_light light, uint corner) {
     return vec4(clamp(mix(low, high, at * 0.5 + 0.5), -1.5, 1.5), clamp(depth, 0.0, 1.0), 1.0);
 }
 
+// Furthest point of the light's sphere, beyond the near plane, in a direction of the plane at view depth 1: x and y over depth.
+float farthest_slope(vec3 center, float radius, vec2 direction) {
+    float along = dot(center.xy, direction);
+    if (push.view.view.orthographic > 0.5) return along + radius;
+    return disk_slopes(vec2(along, -center.z), radius, push.view.view.near_distance).y;
+}
+
+// Corner 0 .. 7 of the octagon whose sides touch that ellipse (Mara & McGuire 2013), or, where the sphere reaches through the near plane,
+// a corner of the rectangle.
+vec4 octagon_corner(gpu_light light, uint corner) {
+    view_block v = push.view;
+    vec4 flat_corner = quad_corner(light, uint[4](0u, 1u, 3u, 2u)[corner >> 1]);
+    vec3 center = (v.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
+    float radius = cell_radius(gpu_bound(center, light.bound_radius)) +
+                   float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye));
+    if (!(-center.z - radius > v.view.near_distance) || !(radius + length(center) < 1e8)) return flat_corner;
+    float angle = float(corner) * (0.25 * PI);
+    vec2 a = vec2(cos(angle), sin(angle)), b = vec2(cos(angle + 0.25 * PI), sin(angle + 0.25 * PI));
+    vec2 slack = 0.125 * abs(v.view.ndc_scale) * v.view.inverse_size; // as that of the rectangle
+    vec2 reach = vec2(farthest_slope(center, radius, a) + dot(abs(a), slack), farthest_slope(center, radius, b) + dot(abs(b), slack));
+    // Where dot(a, p) = reach.x and dot(b, p) = reach.y
+    vec2 p = vec2(reach.x * b.y - reach.y * a.y, reach.y * a.x - reach.x * b.x) / (a.x * b.y - a.y * b.x);
+    return vec4((p - v.view.ndc_offset) / v.view.ndc_scale, flat_corner.z, 1.0);
+}
+
+vec2 depths_of(gpu_light light) {
+    view_block v = push.view;
+    float depth = -(v.view.world_to_view * vec4(light.bound_center, 1.0)).z;
+    float radius = light.bound_radius * (1.0 + CELL_SLACK) +
+                   4.0 * float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye)) + 1e-5 * abs(depth);
+    if (!(radius + abs(depth) < 1e8)) return vec2(-3e38, 3e38);
+    // Depths of surfaces come from a stored depth, whose steps grow with distance.
+    return vec2((depth - radius) * (depth > radius ? 1.0 - CELL_SLACK : 1.0), (depth + radius) * (1.0 + CELL_SLACK));
+}
+
 void main() {
     uint id = push.ids.at[gl_InstanceIndex], vertex = uint(gl_VertexIndex);
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + id];
     out_light = id;
+    out_depths = depths_of(light);
+    if (vertex >= VOLUME_SCREEN_VERTEX) {
+        gl_Position = vec4(vec2(vertex - VOLUME_SCREEN_VERTEX & 1u, vertex - VOLUME_SCREEN_VERTEX >> 1) * 4.0 - 1.0, 1.0, 1.0);
+        return;
+    }
+    if (vertex >= VOLUME_OCTAGON_VERTEX) {
+        gl_Position = octagon_corner(light, vertex - VOLUME_OCTAGON_VERTEX);
+        return;
+    }
     if (vertex >= VOLUME_QUAD_VERTEX) {
         gl_Position = quad_corner(light, vertex - VOLUME_QUAD_VERTEX);
         return;

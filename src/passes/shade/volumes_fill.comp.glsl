@@ -26,9 +26,16 @@ void main() {
         draw.first_index = index == 0u ? 0u : VOLUME_SPHERE_INDICES;
         draw.vertex_offset = 0;
         draw.first_instance = first;
-        if (push.quads == 1u && index == 0u) {
+        const uint quads = VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES;
+        if (index == 0u && push.shape == VOLUME_QUADS) {
             draw.index_count = VOLUME_QUAD_INDICES;
-            draw.first_index = VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES;
+            draw.first_index = quads;
+        } else if (index == 0u && push.shape == VOLUME_ELLIPSE) {
+            draw.index_count = VOLUME_OCTAGON_INDICES;
+            draw.first_index = quads + VOLUME_QUAD_INDICES;
+        } else if (index == 0u && push.shape == VOLUME_SCREEN) {
+            draw.index_count = VOLUME_SCREEN_INDICES;
+            draw.first_index = quads + VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES;
         }
         push.draws.at[index] = draw;
     }

@@ -14,6 +14,17 @@
 /* A rectangle on the screen instead, for any light: four vertices after those of the solids. */
 #define VOLUME_QUAD_VERTEX (VOLUME_SPHERE_VERTICES + 2u * VOLUME_RING)
 #define VOLUME_QUAD_INDICES 6u
+/* Or an octagon round its ellipse, or the whole screen. */
+#define VOLUME_OCTAGON_VERTEX (VOLUME_QUAD_VERTEX + 4u)
+#define VOLUME_OCTAGON_INDICES 18u
+#define VOLUME_SCREEN_VERTEX (VOLUME_OCTAGON_VERTEX + 8u)
+#define VOLUME_SCREEN_INDICES 3u
+/* What is drawn for a light; the values of fnl_volume_shape. */
+#define VOLUME_SOLIDS 0u
+#define VOLUME_QUADS 1u
+#define VOLUME_SCREEN 2u
+#define VOLUME_ELLIPSE 3u
+#define VOLUME_DEPTH_BOUNDS 4u
 /* The farthest face of the sphere's solid is this far from the middle when its vertices are at 1, and the cosine of pi / VOLUME_RING. */
 #define VOLUME_SPHERE_INSIDE 0.92475f
 #define VOLUME_CONE_INSIDE 0.92387f
@@ -27,9 +38,18 @@ struct gpu_volumes_push {
     ADDRESS(volume_draws) draws;
     uint light_count;           /* local lights */
     uint cull;                  /* 0: lights out of the view are drawn too */
-    uint quads;                 /* 1: rectangles for all, sorted as spheres are */
+    uint shape;                 /* VOLUME_…; flat ones are sorted as spheres are */
 };
 
+/* What the vertex shader reads: push constants of all that draws volumes begin with it. */
+struct gpu_volume_head {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(const_uint_array) ids;
+    ADDRESS(uint_array) counters;
+};
+
+/* The same, and more. */
 struct gpu_volume_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) list;

@@ -66,24 +66,32 @@ static void test_solids(void **state) {
 
 /* ---- pictures ---- */
 
-/* Rectangles instead of solids: the same picture, again without a light missing anywhere. */
-static void check_quads(struct stage *stage, const struct shot *all, const char *what) {
+/* Whatever is drawn instead of solids: the same picture, again without a light missing anywhere, none twice. */
+static void check_shapes(struct stage *stage, const struct shot *all, uint64_t solids, const char *what) {
+    uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT] = {solids};
     fnl_frame frame = stage->frame;
     frame.count_lights = true;
     frame.lists = FNL_LISTS_ALL;
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
-    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
-    struct shot quads = stage_shoot(stage, &frame), again = stage_shoot(stage, &frame);
-    print_message("  %s, rectangles: %d/255, %llu evaluations\n", what, greatest_difference(&all->color, &quads.color),
-                  (unsigned long long)quads.stats.evaluations);
-    assert_int_equal(count_broken(&quads.radiance), 0);
-    assert_true(greatest_difference(&all->color, &quads.color) <= 2);
-    assert_int_equal(quads.stats.evaluations_useful, all->stats.evaluations_useful);
-    assert_true(quads.stats.evaluations >= quads.stats.evaluations_useful);
-    assert_true(quads.stats.evaluations <= all->stats.evaluations);
-    assert_int_equal(count_differing(&quads.radiance, &again.radiance), 0);
-    shot_free(&quads);
-    shot_free(&again);
+    for (uint32_t i = 1; i < FNL_VOLUME_SHAPE_COUNT; i++) {
+        frame.list_options.volume_shape = (fnl_volume_shape)i;
+        struct shot shape = stage_shoot(stage, &frame), again = stage_shoot(stage, &frame);
+        evaluations[i] = shape.stats.evaluations;
+        print_message("  %s, %s: %d/255, %llu evaluations\n", what, fnl_volume_shape_name((fnl_volume_shape)i),
+                      greatest_difference(&all->color, &shape.color), (unsigned long long)shape.stats.evaluations);
+        assert_int_equal(count_broken(&shape.radiance), 0);
+        assert_true(greatest_difference(&all->color, &shape.color) <= 2);
+        assert_int_equal(shape.stats.evaluations_useful, all->stats.evaluations_useful);
+        assert_true(shape.stats.evaluations >= shape.stats.evaluations_useful);
+        assert_true(shape.stats.evaluations <= all->stats.evaluations);
+        assert_int_equal(count_differing(&shape.radiance, &again.radiance), 0);
+        shot_free(&shape);
+        shot_free(&again);
+    }
+    /* Whatever the view, one shape lies within the other. */
+    assert_true(evaluations[FNL_VOLUME_FULLSCREEN] >= evaluations[FNL_VOLUME_QUADS]);
+    assert_true(evaluations[FNL_VOLUME_QUADS] >= evaluations[FNL_VOLUME_ELLIPSE]);
+    assert_true(evaluations[FNL_VOLUME_SOLIDS] >= evaluations[FNL_VOLUME_DEPTH_BOUNDS]);
 }
 
 /* Shoots both orders. Every light that reaches a surface is found there (SUP): the useful evaluations are the same. */
@@ -108,14 +116,14 @@ static void check(struct stage *stage, const char *what) {
     struct shot unculled = stage_shoot(stage, &frame);
     assert_int_equal(count_differing(&volumes.radiance, &unculled.radiance), 0);
     assert_true(unculled.stats.lights_in_view >= volumes.stats.lights_in_view);
-    check_quads(stage, &all, what);
+    check_shapes(stage, &all, volumes.stats.evaluations, what);
     shot_free(&all);
     shot_free(&volumes);
     shot_free(&again);
     shot_free(&unculled);
 }
 
-static void test_scenes_TD_3_MP_22(void **state) {
+static void test_scenes_ES_14_ES_15_ES_17_TD_3_MP_22(void **state) {
     UNUSED(state);
     static const struct {
         const char *source;
@@ -133,7 +141,7 @@ static void test_scenes_TD_3_MP_22(void **state) {
     }
 }
 
-static void test_cameras_TD_3_ES_16_MP_22(void **state) {
+static void test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22(void **state) {
     UNUSED(state);
     static const char *const names[] = {"in many lights",       "orthographic", "off axis",
                                         "upside down and wide", "one pixel",    "at the rim"};
@@ -307,7 +315,7 @@ static void test_rectangles_MP_22(void **state) {
 }
 
 /* Lights in the open: all pixels, rectangles, solids, from most to least. Lights behind a wall: rectangles cost nothing, solids do. */
-static void test_order_of_evaluations_MP_22(void **state) {
+static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
     UNUSED(state);
     for (int hidden = 0; hidden < 2; hidden++) {
         struct stage stage = stage_open("builtin:wall?test=1&lights=0", 0);
@@ -328,25 +336,86 @@ static void test_order_of_evaluations_MP_22(void **state) {
         struct shot all = stage_shoot(&stage, &frame);
         frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
         struct shot solids = stage_shoot(&stage, &frame);
+        frame.list_options.volume_shape = FNL_VOLUME_DEPTH_BOUNDS;
+        struct shot bounds = stage_shoot(&stage, &frame);
+        frame.list_options.volume_shape = FNL_VOLUME_FULLSCREEN;
+        struct shot screen = stage_shoot(&stage, &frame);
+        frame.list_options.volume_shape = FNL_VOLUME_ELLIPSE;
+        struct shot ellipses = stage_shoot(&stage, &frame);
         frame.list_options.volume_shape = FNL_VOLUME_QUADS;
         struct shot quads = stage_shoot(&stage, &frame);
+        print_message("  %s: screen %llu, rectangles %llu, ellipses %llu, solids %llu, depth bounds %llu\n",
+                      hidden ? "hidden" : "open", (unsigned long long)screen.stats.evaluations,
+                      (unsigned long long)quads.stats.evaluations, (unsigned long long)ellipses.stats.evaluations,
+                      (unsigned long long)solids.stats.evaluations, (unsigned long long)bounds.stats.evaluations);
         print_message("  %s: all %llu, rectangles %llu, solids %llu evaluations\n", hidden ? "hidden" : "open",
                       (unsigned long long)all.stats.evaluations, (unsigned long long)quads.stats.evaluations,
                       (unsigned long long)solids.stats.evaluations);
         assert_true(greatest_difference(&all.color, &quads.color) <= 2 &&
                     greatest_difference(&all.color, &solids.color) <= 2);
         assert_true(all.stats.evaluations > 10 * quads.stats.evaluations);
+        assert_true(screen.stats.evaluations > quads.stats.evaluations);
         if (hidden) {
+            assert_int_equal(bounds.stats.evaluations, 0);
             assert_int_equal(quads.stats.evaluations, 0);
             assert_true(solids.stats.evaluations > 1000);
         } else {
             assert_true(quads.stats.evaluations >= solids.stats.evaluations && solids.stats.evaluations > 1000);
+            assert_true(quads.stats.evaluations > ellipses.stats.evaluations);
+            assert_true(ellipses.stats.evaluations >= solids.stats.evaluations);
+            assert_true(solids.stats.evaluations > bounds.stats.evaluations && bounds.stats.evaluations > 1000);
+            /* Surfaces fill the screen: every pixel for every light in view. */
+            assert_int_equal(screen.stats.evaluations, (uint64_t)screen.stats.lights_in_view * frame.width * frame.height);
         }
+        shot_free(&bounds);
+        shot_free(&screen);
+        shot_free(&ellipses);
         shot_free(&all);
         shot_free(&solids);
         shot_free(&quads);
         stage_close(&stage);
     }
+}
+
+/* Ten thousand random spheres round the viewer, many through the near plane: no pixel that one covers is outside of its shape. */
+static void test_random_spheres_ES_15(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    struct random_state random = {21};
+    const vec3 eye = stage.frame.camera.position;
+    for (uint32_t i = 0; i < 10000; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        float spread = i % 3 ? 12 : 2;
+        light.position = (fnl_vec3){eye.x + random_range(&random, -spread, spread), eye.y + random_range(&random, -spread, spread),
+                                    eye.z + random_range(&random, -spread, spread)};
+        light.range = random_range(&random, 0.1f, i % 7 ? 2 : 6);
+        light.intensity = 0.01f;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    fnl_frame frame = stage.frame;
+    frame.width = 64;
+    frame.height = 37;
+    frame.count_lights = true;
+    frame.lists = FNL_LISTS_ALL;
+    frame.shading = FNL_SHADING_DEFERRED;
+    struct shot all = stage_shoot(&stage, &frame);
+    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT];
+    for (uint32_t i = 0; i < FNL_VOLUME_SHAPE_COUNT; i++) {
+        frame.list_options.volume_shape = (fnl_volume_shape)i;
+        struct shot shape = stage_shoot(&stage, &frame);
+        evaluations[i] = shape.stats.evaluations;
+        print_message("  %s: %llu evaluations, %llu of use\n", fnl_volume_shape_name((fnl_volume_shape)i),
+                      (unsigned long long)shape.stats.evaluations, (unsigned long long)shape.stats.evaluations_useful);
+        assert_int_equal(shape.stats.evaluations_useful, all.stats.evaluations_useful);
+        shot_free(&shape);
+    }
+    assert_true(all.stats.evaluations_useful > 20000);
+    assert_true(evaluations[FNL_VOLUME_ELLIPSE] < evaluations[FNL_VOLUME_QUADS]);
+    assert_true(evaluations[FNL_VOLUME_QUADS] < evaluations[FNL_VOLUME_FULLSCREEN]);
+    shot_free(&all);
+    stage_close(&stage);
 }
 
 /* Lights in the air before far surfaces: rectangles cannot tell, tiles of 16 pixels with depth bounds can. */
@@ -403,12 +472,13 @@ static void test_heat_map_TD_12(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_solids, harness_check),
-        cmocka_unit_test_teardown(test_scenes_TD_3_MP_22, harness_check),
-        cmocka_unit_test_teardown(test_cameras_TD_3_ES_16_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_scenes_ES_14_ES_15_ES_17_TD_3_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22, harness_check),
         cmocka_unit_test_teardown(test_shapes_TD_3_MP_22, harness_check),
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
         cmocka_unit_test_teardown(test_rectangles_MP_22, harness_check),
-        cmocka_unit_test_teardown(test_order_of_evaluations_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_random_spheres_ES_15, harness_check),
         cmocka_unit_test_teardown(test_tiles_against_rectangles_MP_23, harness_check),
         cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
     };

@@ -1,0 +1,41 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// What one light adds to the two sums of light of a pixel.
+#include "common.glsl"
+#include "gbuffer.glsl"
+#include "passes/shade/light_prepass.glsl"
+#include "passes/shade/volumes.glsl"
+#include "passes/shade/pre_lighting_shared.h"
+
+layout(early_fragment_tests) in;
+layout(push_constant, scalar) uniform push_block { gpu_pre_lighting_push push; };
+
+layout(location = 0) flat in uint in_light;
+layout(location = 0) out vec4 out_diffuse;
+layout(location = 1) out vec4 out_specular;
+
+// Sums of millions of these are finite.
+const vec4 MOST = vec4(1e30);
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    view_block v = push.head.view;
+    float depth = texelFetch(textures[push.surfaces.depth], pixel, 0).r;
+    if (depth <= 0.0) discard; // sky
+    uint counter = (uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u;
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter], 1u);
+    vec3 position = gbuffer_position(v, pixel, view_depth_of(v, depth));
+    vec3 to_light;
+    vec3 illuminance = illuminate(push.head.list, push.head.list.list.directional_count + in_light, position, to_light);
+    if (illuminance == vec3(0.0)) discard;
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
+    light_surface s = light_surface_of(push.surfaces, pixel, position);
+    surface shape;
+    shape.normal = s.normal;
+    shape.roughness = s.roughness;
+    light_sums sums = light_sums_none();
+    light_sums_add(sums, s, brdf_prepare(shape, to_viewer(v, position)), to_light, illuminance);
+    out_diffuse = min(sums.at[0], MOST);
+    out_specular = min(sums.at[1], MOST);
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_PRE_LIGHTING_SHARED_H
+#define FNL_PASSES_PRE_LIGHTING_SHARED_H
+
+#include "passes/shade/light_prepass_shared.h"
+#include "passes/shade/volumes_shared.h"
+
+struct gpu_pre_lighting_push {
+    STRUCT(gpu_volume_head) head;
+    STRUCT(gpu_light_surfaces) surfaces;
+};
+
+#endif
