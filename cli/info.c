@@ -84,6 +84,13 @@ static void print_counts(const fnl_scene_info *info) {
                              fnl_light_kind_name((fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
+    used = 0;
+    for (int i = 0; i < FNL_DECAL_KIND_COUNT; i++)
+        if (info->decal_kind_counts[i])
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", used ? ", " : "(", info->decal_kind_counts[i],
+                             fnl_decal_kind_name((fnl_decal_kind)i));
+    snprintf(note + used, sizeof note - (size_t)used, ")");
+    if (info->decal_count) print_count("decals", info->decal_count, note);
     print_count("cameras", info->camera_count, "");
     print_count("animations", info->animation_count, "");
     print_count("skins", info->skin_count, "");
@@ -216,6 +223,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
     json_object_set_new(object, "materials", json_count(info->material_count));
     json_object_set_new(object, "images", json_count(info->image_count));
     json_object_set_new(object, "lights", json_count(info->light_count));
+    json_object_set_new(object, "decals", json_count(info->decal_count));
     json_object_set_new(object, "cameras", json_count(info->camera_count));
     json_object_set_new(object, "animations", json_count(info->animation_count));
     json_object_set_new(object, "skins", json_count(info->skin_count));

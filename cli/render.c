@@ -68,7 +68,8 @@ static void print_help(void) {
          "                             (compact)\n"
          "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
          "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
-         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists)\n"
+         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
+         "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
          "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
          "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
          "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
@@ -193,6 +194,20 @@ enum {
     O_PLAN
 };
 
+/* "gbuffer,no-mip-fix": the way, and a switch that shows what it would be without. */
+static bool parse_decals(const char *text, fnl_frame *frame) {
+    static const char suffix[] = ",no-mip-fix";
+    char way[32];
+    size_t length = strlen(text), without = length >= sizeof suffix - 1 ? length - (sizeof suffix - 1) : 0;
+    bool plain = !without || strcmp(text + without, suffix) != 0;
+    snprintf(way, sizeof way, "%.*s", (int)(plain ? length : without), text);
+    int index;
+    if (!argument_name("decals", way, decals_name, &index)) return false;
+    frame->decals = (fnl_decals)index;
+    frame->decal_mip_fix = plain;
+    return true;
+}
+
 static bool parse_option(struct render_options *o, int option, const char *value) {
     long long integer;
     double number;
@@ -262,9 +277,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->frame.transparency = (fnl_transparency)index;
         return true;
     case O_DECALS:
-        if (!argument_name("decals", value, decals_name, &index)) return false;
-        o->frame.decals = (fnl_decals)index;
-        return true;
+        return parse_decals(value, &o->frame);
     case O_AA:
         if (!argument_name("aa", value, antialiasing_name, &index)) return false;
         o->frame.aa = (fnl_antialiasing)index;

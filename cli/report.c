@@ -75,6 +75,9 @@ void report_print(const struct render_report *r) {
         for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
         puts(" (the last: nothing to shade)");
     }
+    if (s->decals_total)
+        printf("  decals %u; boxes in view %u; entries %" PRIu64 "; overflow %u\n", s->decals_total, s->decals_in_view,
+               s->decal_entries, s->decal_overflow);
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
@@ -128,6 +131,14 @@ static json_t *make_json(const struct render_report *r) {
                      "peak_bytes", integer(s->device_peak_bytes));
 }
 
+static void add_decals(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    json_object_set_new(json, "decals",
+                        json_pack("{s:s,s:o,s:o,s:o,s:o}", "way", fnl_decals_name(r->frame.decals), "total",
+                                  integer(s->decals_total), "in_view", integer(s->decals_in_view), "entries",
+                                  integer(s->decal_entries), "overflow", integer(s->decal_overflow)));
+}
+
 static void add_transparency(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     json_object_set_new(json, "transparency",
@@ -159,6 +170,7 @@ static void add_traffic(json_t *json, const struct render_report *r) {
 bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
     add_gbuffer(json, r);
+    add_decals(json, r);
     add_transparency(json, r);
     add_traffic(json, r);
     char temporary[4096] = "";

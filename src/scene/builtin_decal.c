@@ -46,7 +46,8 @@ static struct dab dab_graffiti(float u, float v, uint32_t seed) {
     float shade = scrawl(u - 0.022f, v - 0.022f, seed) + wobble, mist = noise_fractal(u, v, 24, 24, 3, seed + 1);
     float fill = smooth_step(0.040f, 0.034f, d), line = smooth_step(0.054f, 0.049f, d),
           drop = smooth_step(0.054f, 0.049f, shade);
-    vec3 top = hue(noise_hash(0, 7, seed)), low = hue(noise_hash(0, 7, seed) + 0.25f);
+    float tint = (float)(seed % 7) / 7;
+    vec3 top = hue(tint), low = hue(tint + 0.3f);
     vec3 color = vec3_lerp(top, low, smooth_step(0.3f, 0.7f, v + 0.1f * mist));
     color = vec3_lerp(color, vec3_make(0.95f, 0.95f, 0.95f),
                       0.8f * smooth_step(0.012f, 0.006f, fabsf(d - 0.018f)) * smooth_step(0.5f, 0.3f, v));

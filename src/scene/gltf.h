@@ -268,6 +268,7 @@ void gltf_load_scenes(struct gltf *g);  /* gltf_scene.c */
 void gltf_load_instances(struct gltf *g, json_t *extension, const struct at *at, struct scene_node *node);
 void gltf_load_skins(struct gltf *g);      /* skins, and whether the skinned meshes fit them (gltf_skin.c) */
 void gltf_place(struct gltf *g);           /* puts cameras and lights on the shown nodes (gltf_light.c) */
+void gltf_load_decals(struct gltf *g);     /* FNL_decal of the shown nodes (gltf_decal.c) */
 void gltf_load_animations(struct gltf *g); /* gltf_animation.c */
 
 #endif

@@ -28,6 +28,7 @@ static const struct known_extension known_extensions[] = {
     {"EXT_meshopt_compression", FULL, true, {"/bufferViews/#", "/buffers/#"}},
     {"EXT_mesh_gpu_instancing", FULL, true, {"/nodes/#"}},
     {"EXT_texture_webp", FULL, true, {"/textures/#"}},
+    {"FNL_decal", FULL, true, {"/nodes/#"}},
     {"KHR_materials_anisotropy", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_clearcoat", MATERIAL_FALLBACK, true, {"/materials/#"}},
     {"KHR_materials_diffuse_transmission", MATERIAL_FALLBACK, true, {"/materials/#"}},
