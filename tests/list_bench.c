@@ -396,6 +396,11 @@ void unpack_normal(const uint16_t in[4], double n[3]) {
     for (int i = 0; i < 3; i++) n[i] /= length;
 }
 
+uint32_t list_slice_at(const struct gpu_light_list *g, double depth) {
+    double slice = (g->linear ? depth : log2(fmax(depth, 1e-30))) * (double)g->slice_scale + (double)g->slice_bias;
+    return (uint32_t)fmin(fmax(slice, 0), g->slices - 1);
+}
+
 static const double FAR_AWAY = 1e9;
 
 static double slice_start(const struct gpu_light_list *grid, double slice) {

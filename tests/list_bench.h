@@ -97,6 +97,9 @@ bool list_equal(const struct list_copy *a, const struct list_copy *b);
 /** The cells in which a point on this pixel may look itself up: two where the depth is on a slice's border. */
 void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double view_depth, uint32_t out[2]);
 
+/** The slice of clusters that a view depth falls into. */
+uint32_t list_slice_at(const struct gpu_light_list *grid, double view_depth);
+
 /* ---- the reference, in double ---- */
 
 struct reference_cell {

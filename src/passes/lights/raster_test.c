@@ -4,130 +4,13 @@
  * the checklist are those of the digest of "Clustered Shading: Assigning Lights Using Conservative Rasterization in DirectX 12".
  */
 #include "passes/lights/light_proxy.h"
-#include "passes/lights/raster.h"
 #include "passes/lights/raster_mesh.h"
-#include "tests/list_bench.h"
+#include "tests/raster_bench.h"
 
 enum { LIGHTS = 300, MOST = 65536, WIDTH = 301, HEIGHT = 173 };
 
 static fnl_light_params params[MOST];
 static struct gpu_light lights[MOST];
-
-/* ---- building ---- */
-
-struct raster_request {
-    struct gpu_view view;
-    uint32_t light_count;
-    struct raster_params raster;
-    const struct gpu_raster_mesh *meshes; /* or NULL */
-    const vec3 *points;
-    uint32_t point_count;
-};
-
-struct raster_copy {
-    struct list_copy list; /* linked lists walked into arrays */
-    uint32_t *words;       /* the pool as it is */
-    uint32_t word_count, *heads;
-    struct gpu_raster_light *rectangles;
-    struct gpu_raster_slot *slots;
-    uint32_t *slot_sums, *visible;
-    uint64_t byte_count;
-    uint32_t kind;
-};
-
-/* Turns linked lists into arrays; fails on links that leave the pool and on lists that are longer than the pool. */
-static void walk_links(struct raster_copy *copy, uint32_t nodes, uint32_t capacity) {
-    struct list_copy *list = &copy->list;
-    list->cells = malloc(list->cell_count * sizeof *list->cells);
-    list->ids = malloc(MAX(capacity, 1u) * 4ull);
-    assert_true(list->cells && list->ids);
-    uint32_t total = 0;
-    for (uint32_t c = 0; c < list->cell_count; c++) {
-        uint32_t node = copy->heads[c];
-        list->cells[c] = (struct gpu_cell){total, GPU_CELL_ALL};
-        if (node == GPU_NODE_ALL) continue;
-        list->cells[c].count = 0;
-        while (node != GPU_NODE_END) {
-            assert_true(node < capacity && total < capacity);
-            uint32_t word = copy->words[nodes == GPU_NODES_64 ? 2 * node : node];
-            list->ids[total++] = nodes == GPU_NODES_64 ? word & 0xffffff : word >> 20;
-            if (nodes == GPU_NODES_64) {
-                assert_int_equal(word >> 24, lights[word & 0xffffff].kind);
-                node = copy->words[2 * node + 1];
-            } else {
-                node = (word & GPU_NODE_32_END) == GPU_NODE_32_END ? GPU_NODE_END : word & GPU_NODE_32_END;
-            }
-            list->cells[c].count++;
-        }
-    }
-}
-
-static struct gpu_buffer upload(const char *name, const void *data, uint64_t size) {
-    struct gpu_buffer buffer;
-    assert_int_equal(gpu_buffer_create(harness_device(), name, size, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
-    if (size) memcpy(buffer.mapped, data, size);
-    return buffer;
-}
-
-static struct raster_copy build(const struct raster_request *request) {
-    struct list_lab lab = list_lab_open(&request->view, lights, request->light_count);
-    struct gpu_buffer meshes = {0}, points = {0};
-    struct raster_params raster = request->raster;
-    raster.near = request->view.near_distance;
-    if (request->meshes) {
-        meshes = upload("test meshes", request->meshes, request->light_count * sizeof *request->meshes);
-        points = upload("test points", request->points, request->point_count * sizeof(vec3));
-        raster.meshes = meshes.address;
-        raster.points = points.address;
-    }
-    list_lab_begin(&lab);
-    struct raster_list built = raster_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &raster);
-    list_lab_run(&lab,
-                 (graph_buffer[]){built.list.cells, built.list.ids, built.list.totals, built.rectangles, built.slots,
-                                  built.slot_sums, lab.in_view.ids},
-                 7);
-    struct raster_copy copy = {.byte_count = built.list.byte_count, .kind = built.list.kind};
-    copy.list.grid.local_count = request->light_count;
-    clustered_grid(&copy.list.grid, request->view.size.x, request->view.size.y, &raster.grid);
-    copy.list.cell_count = built.list.cell_count;
-    memcpy(&copy.list.totals, lab.reads.buffers[2].mapped, sizeof copy.list.totals);
-    uint32_t nodes = raster_nodes(&raster, request->light_count);
-    if (nodes == GPU_NODES_ARRAY) {
-        copy.list.cells = list_reads_take(&lab.reads, 0);
-        copy.list.ids = list_reads_take(&lab.reads, 1);
-    } else {
-        copy.word_count = (uint32_t)(lab.reads.buffers[1].size / 4);
-        copy.heads = list_reads_take(&lab.reads, 0);
-        copy.words = list_reads_take(&lab.reads, 1);
-        walk_links(&copy, nodes, copy.word_count / (nodes == GPU_NODES_64 ? 2 : 1));
-    }
-    copy.rectangles = list_reads_take(&lab.reads, 3);
-    copy.slots = list_reads_take(&lab.reads, 4);
-    copy.slot_sums = list_reads_take(&lab.reads, 5);
-    copy.visible = list_reads_take(&lab.reads, 6);
-    list_lab_close(&lab);
-    gpu_buffer_destroy(harness_device(), &meshes);
-    gpu_buffer_destroy(harness_device(), &points);
-    return copy;
-}
-
-static void copy_free(struct raster_copy *copy) {
-    list_free(&copy->list);
-    free(copy->words);
-    free(copy->heads);
-    free(copy->rectangles);
-    free(copy->slots);
-    free(copy->slot_sums);
-    free(copy->visible);
-}
-
-/* ---- made-up lights of all kinds ---- */
-
-static struct raster_request request_of(const struct gpu_view *view, uint32_t light_count) {
-    struct raster_request r = {.view = *view, .light_count = light_count, .raster = raster_params_default()};
-    r.raster.grid.tile_size = 32;
-    return r;
-}
 
 /* ---- the oracle: a mesh in tiles, in double ---- */
 
@@ -215,19 +98,14 @@ static struct tile_range mesh_in_tile(const struct gpu_view *v, const vec3 *corn
     return range;
 }
 
-static uint32_t slice_at(const struct gpu_light_list *g, double depth) {
-    double slice = (g->linear ? depth : log2(fmax(depth, 1e-30))) * (double)g->slice_scale + (double)g->slice_bias;
-    return (uint32_t)fmin(fmax(slice, 0), g->slices - 1);
-}
-
 /* ---- checks ---- */
 
 /* Whether the cells in which a point may look itself up hold the light: two where its depth is on the border of slices. */
 static bool holds_at(const struct list_copy *list, double x, double y, double depth, uint32_t light) {
     const struct gpu_light_list *g = &list->grid;
     uint32_t tile = (uint32_t)y / g->tile_size * g->tiles_x + (uint32_t)x / g->tile_size, tiles = g->tiles_x * g->tiles_y;
-    return list_holds(list, slice_at(g, depth * (1 - 2e-6)) * tiles + tile, light) &&
-           list_holds(list, slice_at(g, depth * (1 + 2e-6)) * tiles + tile, light);
+    return list_holds(list, list_slice_at(g, depth * (1 - 2e-6)) * tiles + tile, light) &&
+           list_holds(list, list_slice_at(g, depth * (1 + 2e-6)) * tiles + tile, light);
 }
 
 /* No light misses a point that it reaches: points in the lights themselves. Returns how many of them are seen. */
@@ -297,8 +175,8 @@ static void check_tight(const struct raster_request *r, const struct list_copy *
                                          0.05, near);
                     known = true;
                 }
-                if (range.near > range.far || slice < slice_at(g, range.near * (1 - 3e-4) - 1e-4) ||
-                    slice > slice_at(g, range.far * (1 + 3e-4) + 1e-4))
+                if (range.near > range.far || slice < list_slice_at(g, range.near * (1 - 3e-4) - 1e-4) ||
+                    slice > list_slice_at(g, range.far * (1 + 3e-4) + 1e-4))
                     fail_msg("light %u of kind %u does not touch tile %u, slice %u (%g .. %g)", i, lights[i].kind, tile,
                              slice, range.near, range.far);
             }
@@ -392,15 +270,15 @@ static void test_never_misses_and_tight_CL_2_CL_3_ES_60(void **state) {
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH - 3 * kind, HEIGHT + kind);
         list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
+        struct raster_request r = raster_request_of(&view, lights, LIGHTS);
         r.raster.grid.linear = kind == 2;
-        struct raster_copy copy = build(&r), again = build(&r);
+        struct raster_copy copy = raster_build(&r), again = raster_build(&r);
         list_check_form(&copy.list, LIGHTS);
         assert_true(list_equal(&copy.list, &again.list));
         seen += check_reached(&r, &copy.list, &random, 200);
         check_tight(&r, &copy.list, &listed, &spheres, true);
-        copy_free(&copy);
-        copy_free(&again);
+        raster_copy_free(&copy);
+        raster_copy_free(&again);
     }
     print_message("%llu points seen; spots: %llu entries, %llu by bounding spheres\n", (unsigned long long)seen,
                   (unsigned long long)listed, (unsigned long long)spheres);
@@ -433,12 +311,12 @@ static void test_small_and_edge_on_ES_60(void **state) {
         }
         lights[i] = device_light(&params[i]);
     }
-    struct raster_request r = request_of(&view, LIGHTS);
-    struct raster_copy copy = build(&r);
+    struct raster_request r = raster_request_of(&view, lights, LIGHTS);
+    struct raster_copy copy = raster_build(&r);
     assert_true(check_reached(&r, &copy.list, &random, 300) > 5000);
     uint64_t listed = 0, spheres = 0;
     check_tight(&r, &copy.list, &listed, &spheres, false);
-    copy_free(&copy);
+    raster_copy_free(&copy);
 }
 
 /* First and last slice that the shell of a light gives a tile of its rectangle; first > last: none. */
@@ -486,10 +364,10 @@ static void test_centers_miss_CL_4(void **state) {
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
         list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
-        struct raster_copy software = build(&r);
+        struct raster_request r = raster_request_of(&view, lights, LIGHTS);
+        struct raster_copy software = raster_build(&r);
         r.raster.centers = true;
-        struct raster_copy centers = build(&r);
+        struct raster_copy centers = raster_build(&r);
         list_check_form(&centers.list, LIGHTS);
         missing += check_within(&r, &centers, &software, &tiles, &looser);
         for (uint32_t k = 0; k < 30000; k++) {
@@ -503,8 +381,8 @@ static void test_centers_miss_CL_4(void **state) {
             assert_true(holds_at(&software.list, x, y, depth, i));
             lit_missing += !holds_at(&centers.list, x, y, depth, i);
         }
-        copy_free(&centers);
-        copy_free(&software);
+        raster_copy_free(&centers);
+        raster_copy_free(&software);
     }
     print_message("of %u tiles under lights, middles miss %u and cut %u short; %u lit points lose their light\n", tiles,
                   missing, looser, lit_missing);
@@ -523,17 +401,17 @@ static void test_hardware_shells(void **state) {
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
         list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
-        struct raster_copy hardware = build(&r);
+        struct raster_request r = raster_request_of(&view, lights, LIGHTS);
+        struct raster_copy hardware = raster_build(&r);
         assert_true(raster_on_hardware(harness_device(), &r.raster));
         r.raster.path = RASTER_PATH_SOFTWARE;
-        struct raster_copy software = build(&r);
+        struct raster_copy software = raster_build(&r);
         assert_true(check_reached(&r, &hardware.list, &random, 100) > 1000);
         /* Where either finds a tile that the other does not, the triangle only touches its widened edge. */
         uint32_t missing = check_within(&r, &hardware, &software, &tiles, &looser);
         assert_true(missing + looser <= tiles / 100);
-        copy_free(&hardware);
-        copy_free(&software);
+        raster_copy_free(&hardware);
+        raster_copy_free(&software);
     }
 }
 
@@ -545,9 +423,9 @@ static void test_software_shells(void **state) {
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
         list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
+        struct raster_request r = raster_request_of(&view, lights, LIGHTS);
         r.raster.path = RASTER_PATH_SOFTWARE;
-        struct raster_copy copy = build(&r);
+        struct raster_copy copy = raster_build(&r);
         const struct gpu_light_list *g = &copy.list.grid;
         double near = (double)view.near_distance / 2;
         for (uint32_t i = 0; i < copy.list.totals.in_view; i++) {
@@ -564,8 +442,8 @@ static void test_software_shells(void **state) {
                     more += found[0] <= found[1]; /* it touches the tile's widened edge */
                     continue;
                 }
-                uint32_t first = MAX(slice_at(g, exact.near), q.slices & 0xffff),
-                         last = MIN(slice_at(g, exact.far), q.slices >> 16);
+                uint32_t first = MAX(list_slice_at(g, exact.near), q.slices & 0xffff),
+                         last = MIN(list_slice_at(g, exact.far), q.slices >> 16);
                 if (first > last)
                     continue; /* only the part of the mesh that sticks out of the light's sphere is in the tile */
                 tiles++;
@@ -573,7 +451,7 @@ static void test_software_shells(void **state) {
                 more += found[0] < first || found[1] > last;
             }
         }
-        copy_free(&copy);
+        raster_copy_free(&copy);
     }
     print_message("of %u tiles under lights %u have more slices than the mesh, by rounding\n", tiles, more);
     assert_true(tiles > 2000 && more <= tiles / 200);
@@ -593,287 +471,17 @@ static void test_grids_CL_5(void **state) {
             params[i].box_size = vec3_scale(params[i].box_size, 0.15f);
             lights[i] = device_light(&params[i]);
         }
-        struct raster_request r = request_of(&view, count);
+        struct raster_request r = raster_request_of(&view, lights, count);
         r.raster.grid.tile_size = grids[k % 6][0];
         r.raster.grid.slices = grids[k % 6][1];
         r.raster.grid.linear = k / 6 % 2;
         r.raster.grid.pool_capacity = 1u << 23;
-        struct raster_copy copy = build(&r);
+        struct raster_copy copy = raster_build(&r);
         assert_int_equal(copy.list.grid.tiles_x, 1536 / grids[k % 6][0]);
         assert_int_equal(copy.list.totals.overflow_cells, 0);
         list_check_form(&copy.list, count);
         assert_true(check_reached(&r, &copy.list, &random, 4) > 500);
-        copy_free(&copy);
-    }
-}
-
-/* ---- lights per pixel ---- */
-
-static double mean_per_pixel(const struct list_copy *list, const struct gpu_view *view, const float *depth) {
-    uint64_t sum = 0, pixels = 0;
-    for (uint32_t y = 1; y < view->size.y; y += 5)
-        for (uint32_t x = 1; x < view->size.x; x += 5) {
-            float d = depth[(size_t)y * view->size.x + x];
-            uint32_t cells[2];
-            if (d <= 0) continue;
-            list_cells_of(list, x, y,
-                          ((double)view->depth_decode.x + (double)view->depth_decode.y * (double)d) /
-                              ((double)view->depth_decode.z + (double)view->depth_decode.w * (double)d),
-                          cells);
-            sum += list->cells[cells[0]].count;
-            pixels++;
-        }
-    return (double)sum / (double)pixels;
-}
-
-static void test_lights_per_pixel(void **state) {
-    UNUSED(state);
-    enum { COUNT = 512, W = 1536, H = 768 };
-    struct random_state random = {9};
-    double ratio[2];
-    for (int spots = 0; spots < 2; spots++) {
-        struct gpu_view view = list_random_view(0, &random, W, H);
-        float *depth = list_random_depth(&view, &random);
-        for (uint32_t i = 0; i < COUNT; i++) {
-            double at[3], world[3];
-            view_of_pixel(&view, (double)random_range(&random, 0, W), (double)random_range(&random, 0, H),
-                          (double)random_range(&random, 1, 60), at);
-            view_to_world(&view, at, world);
-            params[i] = fnl_light_params_default();
-            params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
-            params[i].range = random_range(&random, 1, 4);
-            if (spots || i % 2) {
-                params[i].kind = FNL_LIGHT_SPOT;
-                params[i].direction = vec3_normalize(
-                    vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
-                params[i].outer_cone_angle = 0.4f;
-            }
-            lights[i] = device_light(&params[i]);
-        }
-        struct raster_request r = request_of(&view, COUNT);
-        r.raster.grid.tile_size = 64; /* 24 x 12 x 128 */
-        r.raster.grid.slices = 128;
-        struct raster_copy copy = build(&r);
-        struct list_request tiles = {.builder = LIST_TILED,
-                                     .view = view,
-                                     .lights = lights,
-                                     .light_count = COUNT,
-                                     .depth = depth,
-                                     .tiled = tiled_params_default(),
-                                     .clustered = clustered_params_default()};
-        tiles.tiled.cone_tests = false; /* as in the source */
-        struct list_copy tiled = list_build(&tiles);
-        double clustered_mean = mean_per_pixel(&copy.list, &view, depth), tiled_mean = mean_per_pixel(&tiled, &view, depth);
-        ratio[spots] = clustered_mean / tiled_mean;
-        print_message("lights per pixel, %s: %.2f in clusters, %.2f in tiles\n", spots ? "spots" : "points and spots",
-                      clustered_mean, tiled_mean);
-        list_free(&tiled);
-        copy_free(&copy);
-        free(depth);
-    }
-    assert_true(ratio[0] < 1);
-    assert_true(ratio[1] < 0.7);
-}
-
-/* ---- depth ---- */
-
-static void test_slices_CL_9(void **state) {
-    UNUSED(state);
-    /* The source's f ends the last slice, ours begins it: one step of the same row of depths further. */
-    const double n = 200, f = 3000, c = 64;
-    struct clustered_params p = clustered_params_default();
-    p.slices = 64;
-    p.near = (float)n;
-    p.far = (float)(n * pow(f / n, (c - 2) / (c - 1)));
-    struct gpu_light_list grid = {0};
-    clustered_grid(&grid, 1536, 768, &p);
-    assert_float_equal((double)grid.slice_scale * log2(n) + (double)grid.slice_bias, 1, 1e-4);
-    assert_float_equal((double)grid.slice_scale * log2(f) + (double)grid.slice_bias, c, 1e-4);
-    assert_float_equal(grid.slice_scale, (c - 1) / (log2(f) - log2(n)), 1e-4);
-
-    /* Tiny lights at random depths: the shell puts each into the slice that the formula gives, and into no other by more than a rounding. */
-    struct random_state random = {3};
-    fnl_camera camera = fnl_camera_default();
-    camera.position = vec3_make(0, 0, 0);
-    camera.target = vec3_make(0, 0, -1);
-    camera.near_distance = 0.01f;
-    struct gpu_view view = view_from_camera(&camera, 64, 64);
-    uint32_t doubled = 0;
-    for (int linear = 0; linear < 2; linear++) {
-        for (uint32_t i = 0; i < MOST; i++) {
-            double depth = i < 8 ? (double)(0.02f + (float)i) : exp2((double)random_range(&random, -5, 13));
-            params[i] = fnl_light_params_default();
-            params[i].position = vec3_make(0, 0, (float)-depth);
-            params[i].range = (float)(1e-6 * depth);
-            lights[i] = device_light(&params[i]);
-        }
-        struct raster_request r = request_of(&view, MOST);
-        r.raster.grid = p;
-        r.raster.grid.linear = linear;
-        r.raster.grid.tile_size = 64;
-        struct raster_copy copy = build(&r);
-        list_check_form(&copy.list, MOST);
-        for (uint32_t i = 0; i < MOST; i++) {
-            double depth = -(double)params[i].position.z;
-            uint32_t low = slice_at(&copy.list.grid, depth * (1 - 6e-5)),
-                     high = slice_at(&copy.list.grid, depth * (1 + 6e-5));
-            assert_true(list_holds(&copy.list, slice_at(&copy.list.grid, depth), i));
-            assert_true(low == 0 || !list_holds(&copy.list, low - 1, i));
-            assert_true(high == 63 || !list_holds(&copy.list, high + 1, i));
-            doubled += low != high;
-        }
-        assert_true(copy.list.cells[0].count > 1000 && copy.list.cells[63].count > 1000); /* clamped at both ends */
-        copy_free(&copy);
-    }
-    assert_true(doubled < MOST / 50);
-}
-
-/* ---- pools ---- */
-
-static void test_overflow_CL_10(void **state) {
-    UNUSED(state);
-    struct random_state random = {14};
-    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    list_random_shapes(&view, &random, LIGHTS, params, lights);
-    for (uint32_t nodes = GPU_NODES_ARRAY; nodes <= GPU_NODES_32; nodes++) {
-        struct raster_request r = request_of(&view, LIGHTS);
-        r.raster.nodes = nodes;
-        struct raster_copy whole = build(&r);
-        assert_int_equal(whole.list.totals.overflow_cells, 0);
-        uint32_t entries = whole.list.totals.entries;
-        for (uint32_t k = 0; k < 3; k++) {
-            r.raster.grid.pool_capacity = k == 0 ? 1 : k == 1 ? entries / 2 : entries - 1;
-            struct raster_copy over = build(&r);
-            assert_int_equal(over.list.totals.entries, entries); /* exact all the same */
-            assert_true(over.list.totals.overflow_cells > 0);
-            uint32_t all = 0;
-            for (uint32_t c = 0; c < over.list.cell_count; c++) {
-                if (over.list.cells[c].count == GPU_CELL_ALL) {
-                    all++;
-                    continue;
-                }
-                assert_int_equal(over.list.cells[c].count, whole.list.cells[c].count);
-                assert_memory_equal(over.list.ids + over.list.cells[c].offset, whole.list.ids + whole.list.cells[c].offset,
-                                    over.list.cells[c].count * 4);
-            }
-            assert_int_equal(all, over.list.totals.overflow_cells);
-            struct raster_copy again = build(&r); /* the dark blocks that the source would show are where they were */
-            assert_true(list_equal(&over.list, &again.list));
-            copy_free(&over);
-            copy_free(&again);
-        }
-        copy_free(&whole);
-    }
-}
-
-/* Lights whose shells find no place are in all slices of all tiles of their rectangle: more than they need, and none is lost. */
-static void test_slots_overflow_CL_10(void **state) {
-    UNUSED(state);
-    struct random_state random = {15};
-    struct gpu_view view = list_random_view(3, &random, WIDTH, HEIGHT);
-    list_random_shapes(&view, &random, LIGHTS, params, lights);
-    struct raster_request r = request_of(&view, LIGHTS);
-    struct raster_copy whole = build(&r);
-    uint32_t wanted = whole.slot_sums[LIGHTS];
-    assert_true(wanted > 500 && wanted < r.raster.slot_capacity);
-    for (uint32_t k = 0; k < 3; k++) {
-        r.raster.slot_capacity = k == 0 ? 1 : k == 1 ? wanted / 2 : wanted;
-        struct raster_copy some = build(&r);
-        list_check_form(&some.list, LIGHTS);
-        assert_int_equal(some.slot_sums[LIGHTS], wanted);
-        for (uint32_t c = 0; c < whole.list.cell_count; c++)
-            for (uint32_t i = 0; i < whole.list.cells[c].count; i++)
-                assert_true(list_holds(&some.list, c, whole.list.ids[whole.list.cells[c].offset + i]));
-        assert_true(k == 2 ? list_equal(&some.list, &whole.list) : some.list.totals.entries > whole.list.totals.entries);
-        copy_free(&some);
-    }
-    copy_free(&whole);
-}
-
-static void test_nodes_CL_11_CL_12(void **state) {
-    UNUSED(state);
-    struct random_state random = {16};
-    for (uint32_t kind = 0; kind < 2; kind++) {
-        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
-        list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
-        struct raster_copy copies[3];
-        for (uint32_t nodes = 0; nodes < 3; nodes++) {
-            r.raster.nodes = nodes;
-            copies[nodes] = build(&r);
-            assert_int_equal(copies[nodes].kind, nodes ? GPU_LIST_LINKS : GPU_LIST_CLUSTERS);
-            list_check_form(&copies[nodes].list, LIGHTS); /* ascending, without cycles: the walk ends */
-            assert_true(list_equal(&copies[0].list, &copies[nodes].list));
-        }
-        for (uint32_t nodes = 0; nodes < 3; nodes++) copy_free(&copies[nodes]);
-    }
-    /* Limits: 12 bits of light, 20 of link with one value for the end. */
-    struct raster_params p = raster_params_default();
-    p.nodes = GPU_NODES_32;
-    p.grid.pool_capacity = 1u << 20;
-    assert_int_equal(raster_nodes(&p, 4096), GPU_NODES_32);
-    assert_int_equal(raster_memory(&p, 64, 64, 4096).list, 4 * 1048575);
-    assert_int_equal(raster_nodes(&p, 4097), GPU_NODES_64);
-    assert_int_equal(raster_memory(&p, 64, 64, 4097).list, 8 * 1048576);
-    p.grid.pool_capacity++;
-    assert_int_equal(raster_nodes(&p, 4), GPU_NODES_64);
-    p.nodes = GPU_NODES_64;
-    assert_int_equal(raster_nodes(&p, 1 << 24), GPU_NODES_64);
-    p.nodes = GPU_NODES_ARRAY;
-    assert_int_equal(raster_nodes(&p, 9), GPU_NODES_ARRAY);
-    /* No lights; and nothing in most clusters. */
-    struct gpu_view view = list_random_view(0, &random, 1, 1);
-    for (uint32_t count = 0; count < 2; count++)
-        for (uint32_t nodes = 0; nodes < 3; nodes++) {
-            if (count) list_random_lights(&view, &random, 1, params, lights);
-            struct raster_request r = request_of(&view, count);
-            r.raster.nodes = nodes;
-            r.raster.grid.slices = 7;
-            struct raster_copy copy = build(&r);
-            list_check_form(&copy.list, count);
-            assert_int_equal(copy.list.cell_count, 7);
-            if (!count) assert_int_equal(copy.list.totals.entries, 0);
-            copy_free(&copy);
-        }
-}
-
-static void test_memory_CL_14(void **state) {
-    UNUSED(state);
-    static const struct {
-        uint32_t tile_size, slices, total64;
-    } table[] = {{64, 32, 4608000},  {64, 64, 6856704},  {64, 128, 11354112},
-                 {32, 32, 18432000}, {32, 64, 27426816}, {32, 128, 45416448}};
-    for (uint32_t i = 0; i < COUNT_OF(table); i++) {
-        uint32_t tiles = 1536 / table[i].tile_size * (768 / table[i].tile_size), clusters = tiles * table[i].slices;
-        struct raster_params p = raster_params_default();
-        p.grid.tile_size = table[i].tile_size;
-        p.grid.slices = table[i].slices;
-        p.grid.pool_capacity = clusters * 30;
-        p.nodes = GPU_NODES_64;
-        /* The source keeps two bytes for each tile and each of 4096 lights; here a slot is eight bytes for each tile that a light covers. */
-        p.slot_capacity = tiles * 4096 / 4;
-        struct raster_memory m = raster_memory(&p, 1536, 768, 4096);
-        assert_int_equal(m.offsets, clusters * 4);
-        assert_int_equal(m.list, clusters * 30 * 8);
-        assert_int_equal(m.shells, tiles * 4096 * 2);
-        assert_int_equal(m.offsets + m.list + m.shells, table[i].total64);
-        p.nodes = GPU_NODES_32;
-        bool fits = clusters * 30 <= 1 << 20;
-        assert_int_equal(raster_memory(&p, 1536, 768, 4096).list, clusters * 30 * (fits ? 4 : 8));
-    }
-    /* And the list says the same of itself. */
-    struct random_state random = {1};
-    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
-    list_random_shapes(&view, &random, 50, params, lights);
-    for (uint32_t nodes = 0; nodes < 3; nodes++) {
-        struct raster_request r = request_of(&view, 50);
-        r.raster.nodes = nodes;
-        r.raster.grid.pool_capacity = 12345;
-        struct raster_copy copy = build(&r);
-        struct raster_memory m = raster_memory(&r.raster, WIDTH, HEIGHT, 50);
-        assert_int_equal(copy.byte_count, m.offsets + m.list);
-        assert_int_equal(m.offsets, 10 * 6 * 32 * (nodes ? 4 : 8));
-        copy_free(&copy);
+        raster_copy_free(&copy);
     }
 }
 
@@ -886,18 +494,18 @@ static void test_gradients_ES_61(void **state) {
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
         list_random_shapes(&view, &random, LIGHTS, params, lights);
-        struct raster_request r = request_of(&view, LIGHTS);
-        struct raster_copy exact = build(&r);
+        struct raster_request r = raster_request_of(&view, lights, LIGHTS);
+        struct raster_copy exact = raster_build(&r);
         r.raster.gradient = true;
-        struct raster_copy gradient = build(&r);
+        struct raster_copy gradient = raster_build(&r);
         list_check_form(&gradient.list, LIGHTS);
         for (uint32_t c = 0; c < exact.list.cell_count; c++)
             for (uint32_t i = 0; i < exact.list.cells[c].count; i++)
                 assert_true(list_holds(&gradient.list, c, exact.list.ids[exact.list.cells[c].offset + i]));
         exact_entries += exact.list.totals.entries;
         gradient_entries += gradient.list.totals.entries;
-        copy_free(&exact);
-        copy_free(&gradient);
+        raster_copy_free(&exact);
+        raster_copy_free(&gradient);
     }
     print_message("gradients: %.3f of the exact entries\n", (double)gradient_entries / (double)exact_entries);
     assert_true(gradient_entries > exact_entries && (double)gradient_entries < 1.5 * (double)exact_entries);
@@ -959,17 +567,17 @@ static void test_shadow_meshes_ES_63(void **state) {
     camera.position = vec3_make(8, 4, 9);
     camera.target = vec3_make(0, 2, 0);
     struct gpu_view view = view_from_camera(&camera, WIDTH, HEIGHT);
-    struct raster_request r = request_of(&view, 1);
+    struct raster_request r = raster_request_of(&view, lights, 1);
     r.raster.grid.tile_size = 8;
     r.raster.grid.slices = 64;
     r.raster.grid.near = 2;
     r.raster.grid.far = 40;
-    struct raster_copy cone = build(&r);
+    struct raster_copy cone = raster_build(&r);
     struct gpu_raster_mesh mesh = {0, triangles};
     r.meshes = &mesh;
     r.points = corners;
     r.point_count = triangles * 3;
-    struct raster_copy shadowed = build(&r);
+    struct raster_copy shadowed = raster_build(&r);
     list_check_form(&shadowed.list, 1);
     struct random_state random = {8};
     uint32_t lit = 0;
@@ -996,8 +604,8 @@ static void test_shadow_meshes_ES_63(void **state) {
     params[0].kind = FNL_LIGHT_POINT;
     struct gpu_light point_light = device_light(&params[0]);
     assert_int_equal(light_mesh_from_depth(&point_light, depth, SIZE, BLOCKS, corners), 0);
-    copy_free(&cone);
-    copy_free(&shadowed);
+    raster_copy_free(&cone);
+    raster_copy_free(&shadowed);
 }
 
 /* A light that a convex hull bounds is drawn as that hull. */
@@ -1031,14 +639,14 @@ static void test_hull_meshes_CL_2(void **state) {
         uint32_t triangles = light_mesh_from_planes(origin, planes, hull->plane_count, 20, corners);
         assert_true(triangles >= 4 && triangles <= 4 * hull->plane_count * hull->plane_count);
         assert_int_equal(light_mesh_from_planes(origin, planes, 3, 20, corners + 3 * triangles), 0); /* never closed */
-        struct raster_request r = request_of(&view, 1);
+        struct raster_request r = raster_request_of(&view, lights, 1);
         r.raster.grid.tile_size = 16;
-        struct raster_copy sphere = build(&r);
+        struct raster_copy sphere = raster_build(&r);
         struct gpu_raster_mesh mesh = {0, triangles};
         r.meshes = &mesh;
         r.points = corners;
         r.point_count = triangles * 3;
-        struct raster_copy exact = build(&r);
+        struct raster_copy exact = raster_build(&r);
         list_check_form(&exact.list, 1);
         for (uint32_t p = 0; p < 4000; p++) { /* points between the hull's corners */
             vec3 in = points[p % 14];
@@ -1054,62 +662,10 @@ static void test_hull_meshes_CL_2(void **state) {
         }
         smaller += exact.list.totals.entries * 2 < sphere.list.totals.entries;
         free(hull);
-        copy_free(&sphere);
-        copy_free(&exact);
+        raster_copy_free(&sphere);
+        raster_copy_free(&exact);
     }
     assert_true(smaller >= 10);
-}
-
-/* ---- pictures ---- */
-
-static void test_pictures_CL_1(void **state) {
-    UNUSED(state);
-    static const fnl_shading orders[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED};
-    struct stage stage = stage_open("builtin:glass?lights=60", 40);
-    stage.frame.width = 97;
-    stage.frame.height = 61;
-    for (uint32_t s = 0; s < 2; s++) {
-        stage.frame.shading = orders[s];
-        stage.frame.lists = FNL_LISTS_ALL;
-        struct shot all = stage_shoot(&stage, &stage.frame);
-        stage.frame.lists = FNL_LISTS_RASTER;
-        uint64_t entries = 0;
-        for (uint32_t k = 0; k < 6; k++) {
-            fnl_list_options *o = &stage.frame.list_options;
-            *o = fnl_list_options_default();
-            o->raster_nodes = (fnl_raster_nodes)(k % 3);
-            o->distribution = k >= 3 ? FNL_SLICES_LINEAR : FNL_SLICES_EXPONENTIAL;
-            o->raster_path = k == 4 ? FNL_RASTER_SOFTWARE : FNL_RASTER_AUTO;
-            if (k >= 3) o->cluster_size = 16;
-            struct shot shot = stage_shoot(&stage, &stage.frame);
-            assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
-            assert_int_equal(shot.stats.overflow_cells, 0);
-            assert_true(shot.stats.list_entries > 100);
-            if (k % 3) assert_int_equal(shot.stats.list_entries, entries);
-            entries = shot.stats.list_entries;
-            shot_free(&shot);
-        }
-        shot_free(&all);
-    }
-    stage_close(&stage);
-}
-
-/* More than 4096 lights do not fit into 32-bit nodes: 64-bit ones are taken, and the picture is right. */
-static void test_node_limits_in_frames_CL_11(void **state) {
-    UNUSED(state);
-    struct stage stage = stage_open("builtin:onetile?lights=0", 4200);
-    stage.frame.width = 40;
-    stage.frame.height = 24;
-    stage.frame.lists = FNL_LISTS_ALL;
-    struct shot all = stage_shoot(&stage, &stage.frame);
-    stage.frame.lists = FNL_LISTS_RASTER;
-    stage.frame.list_options.raster_nodes = FNL_RASTER_LINKS32;
-    struct shot shot = stage_shoot(&stage, &stage.frame);
-    assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
-    assert_int_equal(shot.stats.list_bytes - shot.stats.cells * 4, 8ull * stage.renderer->pool_capacity);
-    shot_free(&all);
-    shot_free(&shot);
-    stage_close(&stage);
 }
 
 int main(void) {
@@ -1121,17 +677,9 @@ int main(void) {
         cmocka_unit_test_teardown(test_software_shells, harness_check),
         cmocka_unit_test_teardown(test_hardware_shells, harness_check),
         cmocka_unit_test_teardown(test_grids_CL_5, harness_check),
-        cmocka_unit_test_teardown(test_lights_per_pixel, harness_check),
-        cmocka_unit_test_teardown(test_slices_CL_9, harness_check),
-        cmocka_unit_test_teardown(test_overflow_CL_10, harness_check),
-        cmocka_unit_test_teardown(test_slots_overflow_CL_10, harness_check),
-        cmocka_unit_test_teardown(test_nodes_CL_11_CL_12, harness_check),
-        cmocka_unit_test_teardown(test_memory_CL_14, harness_check),
         cmocka_unit_test_teardown(test_gradients_ES_61, harness_check),
         cmocka_unit_test_teardown(test_shadow_meshes_ES_63, harness_check),
         cmocka_unit_test_teardown(test_hull_meshes_CL_2, harness_check),
-        cmocka_unit_test_teardown(test_pictures_CL_1, harness_check),
-        cmocka_unit_test_teardown(test_node_limits_in_frames_CL_11, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

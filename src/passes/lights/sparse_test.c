@@ -104,11 +104,6 @@ static double depth_at(const struct scene_data *s, uint32_t x, uint32_t y) {
     return d <= 0 ? 0 : ((double)m->x + (double)m->y * d) / ((double)m->z + (double)m->w * d);
 }
 
-static uint32_t slice_at(const struct gpu_light_list *g, double depth) {
-    double slice = (g->linear ? depth : log2(depth)) * (double)g->slice_scale + (double)g->slice_bias;
-    return (uint32_t)fmin(fmax(slice, 0), g->slices - 1);
-}
-
 /* Keys that pixels must occupy, and those that rounding allows them to. */
 static void mark_keys(const struct scene_data *s, const struct sparse_copy *c, bool *must, bool *may) {
     const struct gpu_light_list *g = &c->list.grid;
@@ -124,7 +119,7 @@ static void mark_keys(const struct scene_data *s, const struct sparse_copy *c, b
                 for (int k = 0; k < 3; k++) m[k] += (shift >> k & 1 ? 1 : -1) * slack;
                 uint32_t bucket = s->normals ? bucket_of(m) : 0;
                 for (int side = -1; side <= 1; side++) {
-                    uint32_t key = (slice_at(g, depth * (1 + 2e-4 * side)) * tiles + tile) * c->buckets + bucket;
+                    uint32_t key = (list_slice_at(g, depth * (1 + 2e-4 * side)) * tiles + tile) * c->buckets + bucket;
                     may[key] = true;
                     double exact[3] = {n[0], n[1], n[2]};
                     if (shift == 8 && side == 0 && bucket == (s->normals ? bucket_of(exact) : 0)) must[key] = true;
@@ -213,7 +208,7 @@ static void test_tight_lists_ES_54_ES_56(void **state) {
                     if (with_normals) unpack_normal(normals + 4 * ((size_t)y * s.view.size.x + x), n);
                     uint32_t tile = y / c.list.grid.tile_size * c.list.grid.tiles_x + x / c.list.grid.tile_size;
                     uint32_t key =
-                        (slice_at(&c.list.grid, depth) * c.list.grid.tiles_x * c.list.grid.tiles_y + tile) * c.buckets;
+                        (list_slice_at(&c.list.grid, depth) * c.list.grid.tiles_x * c.list.grid.tiles_y + tile) * c.buckets;
                     if (with_normals) key += bucket_of(n);
                     for (uint32_t i = 0; i < LIGHTS; i++) {
                         if (!light_reaches(&params[i], point)) continue;
