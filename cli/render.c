@@ -54,6 +54,7 @@ static void print_help(void) {
          "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
          "  --light-lod PIXELS         lights of a smaller radius on the screen are drawn as points and light nothing (0: "
          "off)\n"
+         "  --deferred-pass KIND       what runs deferred lighting: compute fragment, the latter behind a stencil (compute)\n"
          "  --gbuffer LAYOUT           of deferred orders: default siege killzone2 frostbite2 stalker clear-sky engel destiny;\n"
          "                             'fanal info --gbuffers' tells what each holds (default)\n"
          "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
@@ -105,6 +106,7 @@ static const char *transparency_name(int i) { return fnl_transparency_name((fnl_
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
+static const char *deferred_pass_name(int i) { return fnl_deferred_pass_name((fnl_deferred_pass)i); }
 static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
 static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
@@ -164,6 +166,7 @@ enum {
     O_MOBILE_LAYOUT,
     O_TRAFFIC,
     O_TRANSPARENCY,
+    O_DEFERRED_PASS,
     O_GBUFFER,
     O_NORMALS,
     O_CHROMA,
@@ -281,6 +284,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_AA:
         if (!argument_name("aa", value, antialiasing_name, &index)) return false;
         o->frame.aa = (fnl_antialiasing)index;
+        return true;
+    case O_DEFERRED_PASS:
+        if (!argument_name("deferred-pass", value, deferred_pass_name, &index)) return false;
+        o->frame.deferred_pass = (fnl_deferred_pass)index;
         return true;
     case O_GBUFFER:
         if (!argument_name("gbuffer", value, gbuffer_name, &index)) return false;
@@ -406,6 +413,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
                                              {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
                                              {"aa", required_argument, NULL, O_AA},
+                                             {"deferred-pass", required_argument, NULL, O_DEFERRED_PASS},
                                              {"gbuffer", required_argument, NULL, O_GBUFFER},
                                              {"normals", required_argument, NULL, O_NORMALS},
                                              {"chroma", no_argument, NULL, O_CHROMA},

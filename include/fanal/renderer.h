@@ -134,6 +134,13 @@ typedef enum fnl_gbuffer {
     FNL_GBUFFER_COUNT
 } fnl_gbuffer;
 
+/** What runs deferred lighting. Both give the same bits. */
+typedef enum fnl_deferred_pass {
+    FNL_DEFERRED_COMPUTE = 0, /**< a dispatch; each thread looks whether its pixel is to be lit */
+    FNL_DEFERRED_FRAGMENT,    /**< a full-screen draw behind a stencil; compute where the device has no stencil format of its own */
+    FNL_DEFERRED_PASS_COUNT
+} fnl_deferred_pass;
+
 /** How normals are stored in the G-buffer. Where each is good and how good: docs/techniques/gbuffer.md. */
 typedef enum fnl_normal_encoding {
     FNL_NORMALS_LAYOUT = 0, /**< as the layout has them */
@@ -321,6 +328,7 @@ FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
 FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
+FNL_API const char *fnl_deferred_pass_name(fnl_deferred_pass pass);
 FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
 FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
 FNL_API const char *fnl_light_buffer_name(fnl_light_buffer buffer);
@@ -411,6 +419,7 @@ typedef struct fnl_frame {
      * light nothing; up to twice the size they fade. 0 (default): off.
      */
     float light_lod;
+    fnl_deferred_pass deferred_pass; /**< deferred, with class_blocks 0 and 1 sample; default compute */
     fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
     fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
     bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */

@@ -237,9 +237,14 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
     VkRenderingAttachmentInfo colors[GPU_MAX_COLORS], depth;
     for (uint32_t i = 0; i < rendering->color_count; i++)
         colors[i] = attachment_info(&rendering->colors[i], VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    bool is_stencil = rendering->depth.image && rendering->depth.image->params.format == VK_FORMAT_S8_UINT;
     if (rendering->depth.image) {
-        depth = attachment_info(&rendering->depth, rendering->depth.read_only ? VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL
-                                                                              : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        VkImageLayout layout =
+            rendering->depth.read_only ? VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+        if (is_stencil)
+            layout = rendering->depth.read_only ? VK_IMAGE_LAYOUT_STENCIL_READ_ONLY_OPTIMAL
+                                                : VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL;
+        depth = attachment_info(&rendering->depth, layout);
         if (rendering->depth.read_only) depth.storeOp = VK_ATTACHMENT_STORE_OP_NONE; /* STORE would count as a write */
     }
     VkRect2D area = {{0, 0}, {rendering->width, rendering->height}};
@@ -249,7 +254,8 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
         .layerCount = MAX(1u, rendering->layers),
         .colorAttachmentCount = rendering->color_count,
         .pColorAttachments = colors,
-        .pDepthAttachment = rendering->depth.image ? &depth : NULL,
+        .pDepthAttachment = rendering->depth.image && !is_stencil ? &depth : NULL,
+        .pStencilAttachment = is_stencil ? &depth : NULL,
     };
     vk->CmdBeginRendering(commands->handle, &info);
     VkViewport viewport = {0, (float)rendering->height, (float)rendering->width, -(float)rendering->height, 0, 1};

@@ -178,6 +178,14 @@ enum gpu_blend {
     GPU_BLEND_ADD,
 };
 
+/** Compares the stencil with a reference, all bits; fragments that pass change it, with a stencil format that is not read-only. */
+struct gpu_stencil {
+    uint32_t test; /* 1, or 0: none */
+    VkCompareOp compare;
+    VkStencilOp pass;
+    uint32_t reference;
+};
+
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
     uint32_t features;                          /* specialisation constant GPU_FEATURES_ID of both stages */
@@ -189,7 +197,8 @@ struct gpu_graphics_params {
     uint32_t color_count;
     VkFormat color_formats[GPU_MAX_COLORS];
     enum gpu_blend blends[GPU_MAX_COLORS];
-    VkFormat depth_format; /* UNDEFINED: none */
+    VkFormat depth_format; /* UNDEFINED: none; S8_UINT: a stencil and no depth */
+    struct gpu_stencil stencil;
     bool depth_test, depth_write, depth_clamp;
     bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
     VkCompareOp depth_compare;
@@ -252,7 +261,7 @@ struct gpu_attachment {
 struct gpu_rendering {
     uint32_t width, height, layers, color_count;
     struct gpu_attachment colors[GPU_MAX_COLORS];
-    struct gpu_attachment depth; /* image NULL: none */
+    struct gpu_attachment depth; /* image NULL: none; of S8_UINT: the stencil */
 };
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);

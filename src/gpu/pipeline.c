@@ -169,11 +169,17 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
         .rasterizationSamples = (VkSampleCountFlagBits)params->samples,
     };
+    VkStencilOpState stencil = {
+        VK_STENCIL_OP_KEEP, params->stencil.pass,     VK_STENCIL_OP_KEEP, params->stencil.compare, UINT8_MAX,
+        UINT8_MAX,          params->stencil.reference};
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = params->depth_test || params->depth_write, /* Vulkan writes only where it tests */
         .depthWriteEnable = params->depth_write,
         .depthCompareOp = params->depth_test ? params->depth_compare : VK_COMPARE_OP_ALWAYS,
+        .stencilTestEnable = params->stencil.test,
+        .front = stencil,
+        .back = stencil,
     };
     VkPipelineColorBlendAttachmentState attachments[GPU_MAX_COLORS];
     for (uint32_t i = 0; i < params->color_count; i++) attachments[i] = blend_state(params->blends[i]);
@@ -192,7 +198,8 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
         .colorAttachmentCount = params->color_count,
         .pColorAttachmentFormats = params->color_formats,
-        .depthAttachmentFormat = params->depth_format,
+        .depthAttachmentFormat = params->depth_format == VK_FORMAT_S8_UINT ? VK_FORMAT_UNDEFINED : params->depth_format,
+        .stencilAttachmentFormat = params->depth_format == VK_FORMAT_S8_UINT ? VK_FORMAT_S8_UINT : VK_FORMAT_UNDEFINED,
     };
     VkGraphicsPipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,

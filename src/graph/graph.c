@@ -74,7 +74,9 @@ static VkImageLayout layout_of(enum use_layout layout, VkFormat format) {
     return VK_IMAGE_LAYOUT_UNDEFINED;
 }
 
-bool graph_is_depth_format(VkFormat format) { return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT; }
+bool graph_is_depth_format(VkFormat format) { return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_S8_UINT; }
+
+static bool is_stencil(VkFormat format) { return format == VK_FORMAT_S8_UINT; }
 
 /* ---- errors and handles ---- */
 
@@ -489,14 +491,19 @@ static void add_depth(struct graph_pass *pass, graph_image image, VkAttachmentLo
                                                  .resolve = GRAPH_NONE,
                                                  .load = load,
                                                  .read_only = read_only};
-    pass->depth.clear.depthStencil.depth = clear_depth;
+    bool stencil = is_stencil(resource->params.format);
+    if (stencil)
+        pass->depth.clear.depthStencil.stencil = (uint32_t)clear_depth;
+    else
+        pass->depth.clear.depthStencil.depth = clear_depth;
+    VkImageLayout writing = stencil ? VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
+    VkImageLayout reading = stencil ? VK_IMAGE_LAYOUT_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL;
     VkAccessFlags2 write = read_only ? 0 : ACCESS(DEPTH_STENCIL_ATTACHMENT_WRITE);
     add_use(pass, resource,
             &(struct graph_access){.stages = STAGE(EARLY_FRAGMENT_TESTS) | STAGE(LATE_FRAGMENT_TESTS),
                                    .access = ACCESS(DEPTH_STENCIL_ATTACHMENT_READ) | write,
                                    .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                                   .layout = read_only ? VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL
-                                                       : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                   .layout = read_only ? reading : writing,
                                    .reads = load == VK_ATTACHMENT_LOAD_OP_LOAD,
                                    .writes = !read_only,
                                    .discards = load_discards(resource, load)});

@@ -223,7 +223,8 @@ static void add_image(struct graph *graph, struct graph_barriers *barriers, cons
 
 static bool is_attachment_layout(VkImageLayout layout) {
     return layout == VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL || layout == VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL ||
-           layout == VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+           layout == VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL ||
+           layout == VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL;
 }
 
 static bool modifies(const struct graph_resource *resource, const struct graph_access *use) {

@@ -67,8 +67,9 @@ static uint32_t bucket_bits(const struct scene_material *m, uint32_t forward_lay
     bool blend = m->alpha_mode == FNL_ALPHA_BLEND, sorted = blend && topology == SCENE_TOPOLOGY_TRIANGLES;
     /* Blended triangles form one bucket at the end: they are drawn in one order over all states. */
     if (sorted) return BUCKET_SORTED;
-    return (blend ? 0 : forward_layouts) << BUCKET_LAYOUTS | (uint32_t)topology << BUCKET_TOPOLOGY | (uint32_t)blend << 3 | (uint32_t)(m->alpha_mode == FNL_ALPHA_MASK) << 2 |
-           (uint32_t)m->double_sided << 1 | (uint32_t)(mirrored && !m->double_sided);
+    return (blend ? 0 : forward_layouts) << BUCKET_LAYOUTS | (uint32_t)topology << BUCKET_TOPOLOGY | (uint32_t)blend << 3 |
+           (uint32_t)(m->alpha_mode == FNL_ALPHA_MASK) << 2 | (uint32_t)m->double_sided << 1 |
+           (uint32_t)(mirrored && !m->double_sided);
 }
 
 static int compare_groups(const void *a, const void *b) {
@@ -139,7 +140,8 @@ static fnl_result upload_groups(struct item_walk *w) {
         const struct scene_primitive *source = &scene->primitives.data[w->sources[key]];
         const struct scene_material *material = material_of(scene, source, &standard);
         uint32_t id = source->material == SCENE_NONE ? scene->materials.count : source->material;
-        group.bucket = bucket_bits(material, device_material_forward_layouts(d, material, id), source->topology, group.mirrored);
+        group.bucket =
+            bucket_bits(material, device_material_forward_layouts(d, material, id), source->topology, group.mirrored);
         item_count += group.count;
         const struct gpu_primitive *primitive = &w->primitives[group.primitive];
         d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);

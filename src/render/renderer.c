@@ -89,6 +89,12 @@ const char *fnl_light_buffer_name(fnl_light_buffer buffer) {
     return NAME_OF(names, buffer);
 }
 
+const char *fnl_deferred_pass_name(fnl_deferred_pass pass) {
+    static const char *const names[] = {"compute", "fragment"};
+    _Static_assert(COUNT_OF(names) == FNL_DEFERRED_PASS_COUNT, "each has a name");
+    return NAME_OF(names, pass);
+}
+
 const char *fnl_gbuffer_name(fnl_gbuffer layout) {
     return (uint32_t)layout < FNL_GBUFFER_COUNT ? gbuffer_layouts[layout].name : NULL;
 }
@@ -309,6 +315,12 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
     REQUIRE(host, (uint32_t)frame->normals < FNL_NORMALS_COUNT);
+    REQUIRE(host, (uint32_t)frame->deferred_pass < FNL_DEFERRED_PASS_COUNT);
+    if (frame->deferred_pass == FNL_DEFERRED_FRAGMENT && frame->shading == FNL_SHADING_DEFERRED &&
+        (frame->class_blocks || frame->msaa > 1)) {
+        log_error(host, "deferred lighting in a fragment pass has no classes and 1 sample a pixel");
+        return FNL_ERROR_UNSUPPORTED;
+    }
     bool plain = frame->gbuffer == FNL_GBUFFER_DEFAULT && frame->normals == FNL_NORMALS_LAYOUT && !frame->chroma;
     bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
     if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;

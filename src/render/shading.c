@@ -7,6 +7,7 @@
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
+#include "passes/shade/deferred_screen.h"
 #include "passes/shade/gbuffer_layouts.h"
 #include "passes/shade/pre_lighting.h"
 #include "passes/shade/regroup.h"
@@ -113,7 +114,10 @@ static void add_deferred(struct frame_state *f, struct shade_input *input, bool 
         classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
         f->class_counts = classes.counts;
     }
-    deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+    if (f->frame->deferred_pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
+        f->radiance = deferred_screen_add(f->graph, input, &gbuffer, f->radiance);
+    else
+        deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
     hybrid_add(f->graph, input, &gbuffer, f->radiance);
     f->gbuffer = gbuffer;
 }

@@ -559,6 +559,41 @@ static void test_lit_once_FP_8(void **state) {
     stage_close(&stage);
 }
 
+/* A full-screen draw behind a stencil gives the bits of the dispatch that looks at depth and mask, and visits as many lights. */
+static void test_stencil_FP_15(void **state) {
+    UNUSED(state);
+    static const fnl_gbuffer layouts[] = {FNL_GBUFFER_DEFAULT, FNL_GBUFFER_ENGEL};
+    static const fnl_light_lists lists[] = {FNL_LISTS_ALL, FNL_LISTS_TILED, FNL_LISTS_FINE};
+    static const char *const scenes[] = {"builtin:spheres?lights=12", "builtin:glass"};
+    for (uint32_t s = 0; s < COUNT_OF(scenes); s++) {
+        struct stage stage = stage_open(scenes[s], 0);
+        fnl_frame frame = stage.frame;
+        frame.width = 101;
+        frame.height = 59;
+        frame.count_lights = true;
+        for (uint32_t i = 0; i < COUNT_OF(layouts); i++)
+            for (uint32_t l = 0; l < COUNT_OF(lists); l++) {
+                frame.gbuffer = layouts[i];
+                frame.lists = lists[l];
+                frame.deferred_pass = FNL_DEFERRED_COMPUTE;
+                struct shot compute = stage_shoot(&stage, &frame);
+                frame.deferred_pass = FNL_DEFERRED_FRAGMENT;
+                struct shot fragment = stage_shoot(&stage, &frame);
+                char plan[65536];
+                assert_true(fnl_renderer_print_plan(stage.renderer, plan, sizeof plan) < sizeof plan);
+                assert_non_null(strstr(plan, "'deferred stencil'"));
+                assert_int_equal(count_differing(&compute.radiance, &fragment.radiance), 0);
+                assert_int_equal(compute.stats.evaluations, fragment.stats.evaluations);
+                assert_int_equal(compute.stats.max_per_pixel, fragment.stats.max_per_pixel);
+                shot_free(&compute);
+                shot_free(&fragment);
+            }
+        frame.class_blocks = 8;
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+        stage_close(&stage);
+    }
+}
+
 /* ---- views, sizes ---- */
 
 static void test_views_and_errors(void **state) {
@@ -614,6 +649,7 @@ int main(void) {
         TEST("ES-13: no chroma over edges of depth", test_no_bleeding_ES_13),
         TEST("ES-11, MP-21: neighbours of different materials, 256 of them", test_material_ids_ES_11_MP_21),
         TEST("FP-8: every pixel is lit once", test_lit_once_FP_8),
+        TEST("FP-15: the same bits behind a stencil", test_stencil_FP_15),
         TEST("ES-10, MP-20: views and sizes", test_views_and_errors),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
