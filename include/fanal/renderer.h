@@ -368,7 +368,8 @@ typedef enum fnl_output {
     FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
     /**
      * RGBA32F: by how many pixels, right and down, an opaque surface or the background was elsewhere in the last frame; its view depth then,
-     * metres, 1e30 for an empty background; 1, or 0 where it was behind the camera or there was no last frame. No MSAA.
+     * metres, 1e30 for an empty background; 1 and the part of the motion, in pixels, that is not the camera's, or 0 where it was behind the
+     * camera or there was no last frame. No MSAA.
      */
     FNL_OUTPUT_MOTION = 32
 } fnl_output;

@@ -286,6 +286,8 @@ static void test_motion_of_objects_ES_21(void **state) {
             test_render_frame(renderer, &frame);
             fnl_image motion = test_read(renderer, FNL_OUTPUT_MOTION);
             assert_pixel(&motion, (uint32_t)(32 + places[i] * 32), 32, expected[i], 0, 4.5, 1e-4);
+            float own = test_pixel(&motion, (uint32_t)(32 + places[i] * 32), 32)[3];
+            assert_true(fabs(own - (i ? 1 + fabsf(expected[i]) : 0)) < 1e-3);
             assert_pixel(&motion, 5, 5, 0, 0, 5, 1e-4);
             free_picture(&motion);
         }
@@ -342,6 +344,39 @@ static void test_no_trail_after_four_frames_ES_21(void **state) {
         fnl_renderer_destroy(&renderer);
         fnl_scene_destroy(&scene);
     }
+}
+
+/* A grey square leaves a wall of black and white stripes, all within their spread of colours: depth alone tells that it is gone. */
+static void test_no_trail_within_the_spread_ES_21(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material grey = test_unlit(0.25f, 0.25f, 0.25f), white = test_unlit(0.7f, 0.7f, 0.7f);
+    uint32_t moving = test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &grey)), (vec3){-0.6f, 0, 2},
+                                 (vec3){0.2f, 0.9f, 1});
+    uint32_t stripe = test_quad_mesh(scene, scene_add_material(scene, &white));
+    for (int i = 0; i < 16; i++)
+        test_place(scene, stripe, (vec3){-0.96875f + 0.125f * (float)i, 0, 0}, (vec3){0.03125f, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+    frame.aa = FNL_ANTIALIASING_TAA;
+    fnl_image last = {0};
+    for (int i = 0; i < 13; i++) {
+        mat4 m =
+            mat4_from_trs((vec3){i < 9 ? -0.6f + 0.0625f * (float)i : 0.5f, 0, 2}, quat_identity(), (vec3){0.2f, 0.9f, 1});
+        scene_move_node(scene, moving, &m);
+        test_render_frame(renderer, &frame);
+        free_picture(&last);
+        last = test_read(renderer, FNL_OUTPUT_COLOR);
+    }
+    /* Stripes are two pixels wide: their middle lies on the border of the two, and jitter never reaches the neighbours'. */
+    for (uint32_t y = 12; y < 52; y++)
+        for (uint32_t x = 26; x < 38; x++) {
+            double value = decode(test_pixel8(&last, x, y)[0] / 255.0), expected = x % 4 < 2 ? 0.7 : 0;
+            assert_true(fabs(value - expected) < 0.02);
+        }
+    free_picture(&last);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
 }
 
 /* While the camera moves pictures are nearer to supersampled ones than without. */
@@ -487,6 +522,7 @@ int main(void) {
         cmocka_unit_test(test_motion_of_the_camera_ES_21),
         cmocka_unit_test(test_motion_of_objects_ES_21),
         cmocka_unit_test(test_no_trail_after_four_frames_ES_21),
+        cmocka_unit_test(test_no_trail_within_the_spread_ES_21),
         cmocka_unit_test(test_moving_camera_ES_21),
         cmocka_unit_test(test_history_resets_ES_21),
         cmocka_unit_test(test_sequences_repeat_ES_21),

@@ -33,7 +33,8 @@ struct motion_input {
 
 /**
  * RGBA32F: motion in pixels, right and down, from this frame's place to the last one's, both without jitter; view depth in the last frame,
- * metres, 1e30 for an empty sky; 1, or 0 where it was behind the camera or there was no last frame (motion is 0 then).
+ * metres, 1e30 for an empty sky; 1 and by how many pixels the object itself has moved, or 0 where it was behind the camera or there was no
+ * last frame (motion is 0 then).
  */
 graph_image motion_add(struct graph *graph, gpu_device *device, const struct motion_input *input);
 

@@ -53,7 +53,7 @@ graph_image taa_add(struct graph *graph, graph_image radiance, const struct taa_
     image.format = VK_FORMAT_R32G32B32A32_SFLOAT;
     data.color = graph_history(graph, &image);
     image.name = "collected depth";
-    image.format = VK_FORMAT_R32G32_SFLOAT;
+    image.format = VK_FORMAT_R16G16B16A16_SFLOAT;
     data.depth = graph_history(graph, &image);
     data.params.keeps = params->keeps && data.color.previous.id && data.depth.previous.id;
     struct graph_pass *pass = graph_add_pass(graph, "taa", GRAPH_QUEUE_GRAPHICS, execute_taa, &data, sizeof data);

@@ -53,12 +53,14 @@ vec3 clipped(vec3 color, vec3 mean, vec3 spread) {
     return most > 1.0 ? mean + off / most : color;
 }
 
-// Did the last frame see a surface of this depth at or next to the place?
-bool was_seen(vec2 place, float view_depth) {
-    ivec2 center = ivec2(floor(place));
+// Did the last frame see what is at q where it was, or next to it, by its depth?
+bool was_seen(ivec2 q, vec4 motion) {
+    ivec2 center = ivec2(floor(vec2(q) + 0.5 + motion.xy));
+    float depth = min(motion.z, TAA_FARTHEST);
+    if (motion.w <= 0.0) return false;
     for (int i = 0; i < 9; i++) {
         float was = texelFetch(textures[push.history_depth], inside(center + ivec2(i % 3, i / 3) - 1), 0).x;
-        if (abs(was - view_depth) <= TAA_DEPTH_TOLERANCE * min(was, view_depth)) return true;
+        if (abs(was - depth) <= TAA_DEPTH_TOLERANCE * min(was, depth)) return true;
     }
     return false;
 }
@@ -71,7 +73,8 @@ void main() {
     vec4 raw = texelFetch(textures[push.radiance], p, 0);
     float depth = depth_at(p);
     bool sky = depth <= 0.0 && push.view.view.orthographic < 0.5;
-    float view_depth = sky ? 1e30 : view_depth_of(push.view, depth);
+    float view_depth = sky ? TAA_FARTHEST : min(view_depth_of(push.view, depth), TAA_FARTHEST);
+    vec4 motion = vec4(0.0);
     vec4 result = raw, old = vec4(0.0), old_raw = vec4(0.0);
     float count = 0.0;
 
@@ -95,16 +98,25 @@ void main() {
                 nearest = q;
             }
         }
-        vec4 motion = texelFetch(textures[push.motion], nearest, 0);
+        // Edges move with what is in front; where that was not seen before, thin as it may be, with what the pixel itself shows.
+        motion = texelFetch(textures[push.motion], nearest, 0);
+        bool seen = was_seen(nearest, motion);
+        if (!seen) {
+            motion = texelFetch(textures[push.motion], p, 0);
+            seen = was_seen(p, motion);
+        }
         vec2 place = vec2(p) + 0.5 + motion.xy;
-        bool known = motion.w > 0.0 && all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(size)));
-        if (known && was_seen(vec2(nearest) + 0.5 + motion.xy, motion.z)) {
+        if (seen && all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(size)))) {
             vec4 mean = sum / 9.0, spread = TAA_SPREAD * sqrt(max(squares / 9.0 - mean * mean, vec4(0.0)));
             old = history_at(place);
             old.rgb = max(from_ycocg(clipped(to_ycocg(old.rgb), mean.rgb, spread.rgb)), vec3(0.0));
             old.a = clamp(old.a, mean.a - spread.a, mean.a + spread.a);
             old_raw = texelFetch(textures[push.history], ivec2(place), 0);
-            count = min(texelFetch(textures[push.history_depth], ivec2(place), 0).y, TAA_MOVING);
+            // Each fetch between texels blurs a little: the faster, the sooner samples are replaced.
+            float most = mix(TAA_SLOW, TAA_FAST, clamp(length(motion.xy), 0.0, 1.0));
+            vec4 before = texelFetch(textures[push.history_depth], ivec2(place), 0);
+            // What moved at another speed of its own in the last frame was something else, though a pixel beside was this.
+            count = abs(before.z - (motion.w - 1.0)) > 1.0 ? 0.0 : min(before.y, most);
         }
     }
     if (count > 0.0) {
@@ -114,5 +126,5 @@ void main() {
         result = beyond ? mix(old_raw, raw, part) : untone(mix(old, tone(raw), part));
     }
     imageStore(images[push.target], p, result);
-    imageStore(images[push.target_depth], p, vec4(view_depth, count + 1.0, 0.0, 0.0));
+    imageStore(images[push.target_depth], p, vec4(view_depth, min(count + 1.0, 2048.0), clamp(motion.w - 1.0, 0.0, 6e4), 0.0));
 }

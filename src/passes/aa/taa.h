@@ -4,9 +4,10 @@
  * motion.
  *
  * While nothing moves, a pixel is the plain mean of all frames since then. Otherwise what was collected is fetched from where the
- * nearest surface of the 3x3 pixels was (cubic, Catmull-Rom), dropped where no depth of the last frame at that place fits, clipped to
- * the spread of colours of the 3x3 pixels in this frame (mean and standard deviation in YCoCg), and counts for at most TAA_MOVING
- * frames. Means are taken of what the tone mapper makes of radiance, so that bright edges stay smooth and a still picture becomes the mean
+ * nearest surface of the 3x3 pixels was (cubic, Catmull-Rom), dropped where the last frame saw nothing of that depth or motion there, clipped to
+ * the spread of colours of the 3x3 pixels in this frame (mean and standard deviation in YCoCg), and counts for at most 16 frames, 6 where it
+ * moves by a pixel a frame or more, as each fetch between texels blurs a little. Means are
+taken of what the tone mapper makes of radiance, so that bright edges stay smooth and a still picture becomes the mean
  * of its frames' pictures; what is stored and returned is the radiance that maps to it (tone_space.glsl: exact for no operator and for
  * Khronos neutral, near for the others).
  *
