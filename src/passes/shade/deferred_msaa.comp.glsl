@@ -35,7 +35,7 @@ surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
     }
     float r2 = min(dot(normal, normal), 1.0), r = sqrt(r2);
     // Below that length only rounding differs.
-    if (r2 < 0.99999) others.x += 2.0 * (1.0 - r2) / max(r * (3.0 - r2), 1e-4);
+    if (METHOD == MSAA_AGGREGATE && r2 < 0.99999) others.x += 2.0 * (1.0 - r2) / max(r * (3.0 - r2), 1e-4);
     mean.normal = r > 1e-3 ? normal / r : first_normal;
     mean.base_color = color.rgb;
     mean.metallic = color.a;

@@ -219,12 +219,13 @@ static void test_edges_of_one_material(void **state) {
     }
 }
 
-/* A slope that is seen at a flat angle is no edge, although depth differs much within a pixel. */
-static void test_planes_have_no_edges(void **state) {
+/* A slope that is seen at a flat angle is no edge, although depth differs by eight widths of a pixel within each. Seen without perspective:
+ * lavapipe takes 1 / w from another point than what it divides where it interpolates at centroids. */
+static void test_slopes_have_no_edges(void **state) {
     UNUSED(state);
     if (!has_samples(4)) skip();
     fnl_scene *scene = empty_scene();
-    fnl_material_id material = add_material(scene, 0.5f, 0.5f, 0.5f);
+    fnl_material_id material = add_material(scene, 0.6f, 0.5f, 0.4f);
     static const float positions[] = {-80, -80, 0, 240, -80, 0, -80, 240, 0};
     static const uint32_t indices[] = {0, 1, 2};
     fnl_mesh_params mesh = {
@@ -232,20 +233,18 @@ static void test_planes_have_no_edges(void **state) {
     fnl_mesh_id mesh_id;
     fnl_instance_id instance;
     assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &mesh_id), FNL_OK);
-    fnl_mat4 matrix = mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(0, 0, 1), 0.7f), vec3_make(1, 1, 1));
+    fnl_mat4 matrix =
+        mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_normalize(vec3_make(0.2f, 1, 0)), 1.45f), vec3_make(1, 1, 1));
     assert_int_equal(fnl_scene_add_instance(scene, mesh_id, &matrix, &instance), FNL_OK);
     struct stage stage = stage_open_scene(scene);
     fnl_frame frame = msaa_frame(&stage, 4);
-    frame.camera = fnl_camera_default();
-    frame.camera.position = vec3_make(0.3f, 0.1f, 0.4f);
-    frame.camera.target = vec3_make(10, 3, 0);
-    frame.camera.up = vec3_make(0, 0, 1);
+    look_down(&frame);
+    frame.camera.position.z = 300;
+    frame.camera.far_distance = 600;
     struct shot shot = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
-    /* Only the horizon: its row or two. */
-    print_message("%u edge pixels of %u\n", shot.stats.msaa_edge_pixels, shot.stats.msaa_pixels);
-    assert_true(shot.stats.msaa_pixels > 6000);
-    assert_true(shot.stats.msaa_edge_pixels <= 2 * frame.width);
-    assert_int_equal(shot.stats.msaa_surfaces, shot.stats.msaa_pixels);
+    assert_int_equal(shot.stats.msaa_pixels, frame.width * frame.height);
+    assert_int_equal(shot.stats.msaa_edge_pixels, 0);
+    assert_int_equal(shot.stats.msaa_shaded, shot.stats.msaa_pixels);
     shot_free(&shot);
     stage_close(&stage);
 }
@@ -478,7 +477,7 @@ int main(void) {
         EXACT("one pixel", "builtin:spheres?lights=8", 1, 1, false),
         {"ES-20: cameras", test_cameras, NULL, harness_check, NULL},
         {"ES-20: edges of one material are those of the geometry", test_edges_of_one_material, NULL, harness_check, NULL},
-        {"ES-20: planes have no edges", test_planes_have_no_edges, NULL, harness_check, NULL},
+        {"ES-20: slopes have no edges", test_slopes_have_no_edges, NULL, harness_check, NULL},
         FORWARD("hall", "builtin:hall?lights=64", 38),
         FORWARD("spheres", "builtin:spheres?lights=30", 38),
         FORWARD("grass", "builtin:grass?lights=128", 38),
