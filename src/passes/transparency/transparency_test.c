@@ -220,7 +220,9 @@ static void test_random_squares(void **state) {
                         fail_msg("%s, %u samples: %u of %u pixels", fnl_shading_name(frame.shading), samples, v.wrong,
                                  v.sure);
                 } else {
-                    assert_true(v.worst < 0.005); /* opaque colours have 8 bits */
+                    /* Opaque colours have 8 bits; approximate orders may round what is behind the glass more coarsely. */
+                    double allowed = shading_is(frame.shading, SHADING_APPROXIMATE) ? 0.05 : 0.005;
+                    if (v.worst > allowed) fail_msg("%s: off by %g", fnl_shading_name(frame.shading), v.worst);
                 }
                 if (samples == 1) assert_true(stats.blend_fragments >= v.layers && stats.blend_longest <= 20);
                 free_picture(&image);
@@ -588,6 +590,15 @@ static double glass_error(const fnl_image *radiance, const fnl_light_params *lig
     return worst;
 }
 
+static double relative_difference(const fnl_image *a, const fnl_image *b) {
+    double worst = 0;
+    for (uint32_t i = 0; i < a->width * a->height * 4; i++) {
+        double x = (double)((const float *)a->pixels)[i], y = (double)((const float *)b->pixels)[i];
+        worst = fmax(worst, fabs(x - y) / fmax(fmax(fabs(x), fabs(y)), 0.01));
+    }
+    return worst;
+}
+
 static void test_glass_lights(void **state) {
     UNUSED(state);
     fnl_scene *scene = test_scene();
@@ -633,7 +644,9 @@ static void test_glass_lights(void **state) {
                 assert_true(test_equal(&first[t], &radiance));
                 free_picture(&radiance);
             }
-        assert_true(test_difference(&first[FNL_TRANSPARENCY_SORTED], &first[FNL_TRANSPARENCY_LINKED]) < 1e-5);
+        double difference = relative_difference(&first[FNL_TRANSPARENCY_SORTED], &first[FNL_TRANSPARENCY_LINKED]);
+        if (difference > (approximate ? 0.05 : 1e-5))
+            fail_msg("%s: linked differs from sorted by %g", fnl_shading_name((fnl_shading)shading), difference);
         for (int t = 0; t < FNL_TRANSPARENCY_COUNT; t++) free_picture(&first[t]);
     }
     fnl_renderer_destroy(&renderer);
