@@ -24,7 +24,9 @@ vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     vec2 environment = environment_brdf(s.roughness, n_v);
     vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
     float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
-    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - max_component(s.dielectric_f0));
+    // What the dielectric's surface reflects from all around does not get below it.
+    float reflected = max_component(s.dielectric_f0 * environment.x + s.dielectric_f90 * environment.y);
+    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - reflected);
     vec3 ambient = diffuse * ambient_radiance(v, s.normal) +
                    (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
     return sum + ambient * s.occlusion + s.emissive;

@@ -75,10 +75,12 @@ static void add_ambient(const struct reference_surface *s, const double v[3], fn
     const double skies[3] = {sky.x, sky.y, sky.z}, grounds[3] = {ground.x, ground.y, ground.z};
     double n_v = clamp01(dot3(s->normal, v)), mirror_y = 2 * dot3(s->normal, v) * s->normal[1] - v[1];
     double r = s->roughness, rx = 1 - r, ry = 0.0425 - 0.0275 * r, rz = 1.04 - 0.572 * r, rw = 0.022 * r - 0.04;
-    double a = fmin(rx * rx, exp2(-9.28 * n_v)) * rx + ry, scale = fmax(-1.04 * a + rz, 0), bias = fmax(1.04 * a + rw, 0);
+    double a = fmin(rx * rx, exp2(-9.28 * n_v)) * rx + ry, scale = fmax(-1.04 * a + rz, 0),
+           bias = fmin(fmax(1.04 * a + rw, 0), 1 - scale);
     double f0[3], f90;
     dielectric_reflectance(s, f0, &f90);
-    double diffuse = (1 - max3(f0)) * (1 - s->metallic), grazing = f90 * (1 - s->metallic) + s->metallic;
+    double reflected = max3(f0) * scale + f90 * bias, diffuse = (1 - reflected) * (1 - s->metallic),
+           grazing = f90 * (1 - s->metallic) + s->metallic;
     for (int i = 0; i < 3; i++) {
         double along_normal = grounds[i] + (skies[i] - grounds[i]) * (s->normal[1] * 0.5 + 0.5);
         double mirrored = grounds[i] + (skies[i] - grounds[i]) * (mirror_y * 0.5 + 0.5);
