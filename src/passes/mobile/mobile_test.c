@@ -2,6 +2,8 @@
 /** The order mobile: merged or not the same pixels, what it stores, its layouts, glass and tone mapping inside the scope. */
 #include "tests/render_harness.h"
 
+#include <math.h>
+
 static const char *const SCENE = "builtin:glass?lights=48";
 
 static fnl_frame mobile_frame(const struct stage *stage) {
@@ -111,7 +113,7 @@ static void test_every_list_leaves_the_same_bits_MB_1(void **state) {
 
 /* ---- what is stored ---- */
 
-static void test_only_the_picture_is_stored_MB_2_MB_3(void **state) {
+static void test_only_the_picture_is_stored_MB_2_MB_3_ES_68(void **state) {
     UNUSED(state);
     struct stage stage = stage_open(SCENE, 0);
     static const uint64_t bytes[] = {16, 20, 32, 32}; /* of a pixel's targets */
@@ -324,6 +326,196 @@ static void test_light_beyond_the_accumulator_MB_13(void **state) {
     stage_close(&stage);
 }
 
+/* ---- materials ---- */
+
+/* Spheres whose materials are `edit`ed, in even light from all around and in that of lights. */
+static struct stage edited_spheres(const char *source, void (*edit)(struct scene_material *material, uint32_t index)) {
+    fnl_scene *scene = NULL;
+    assert_int_equal(fnl_scene_load(NULL, source, &scene), FNL_OK);
+    for (uint32_t i = 0; i < scene->materials.count; i++) edit(&scene->materials.data[i], i);
+    return stage_open_scene(scene);
+}
+
+static void make_pure(struct scene_material *m, uint32_t index) {
+    for (uint32_t t = 0; t < COUNT_OF(m->textures); t++) m->textures[t].image = SCENE_NONE;
+    m->metallic = (float)(index % 2);
+    m->specular = 1;
+    m->ior = 1.5f;
+    m->specular_color = (vec3){1, 1, 1};
+}
+
+/* Metals and dielectrics come out alike whether their colour and metalness are kept or their diffuse and specular colours. */
+static void test_metallic_and_specular_layouts_agree_MB_5(void **state) {
+    UNUSED(state);
+    struct stage stage = edited_spheres("builtin:spheres?lights=60", make_pure);
+    for (int wide = 0; wide < 2; wide++) {
+        fnl_frame frame = mobile_frame(&stage);
+        frame.ev = 3;
+        frame.mobile.layout = wide ? FNL_MOBILE_METALLIC_256 : FNL_MOBILE_METALLIC_128;
+        struct shot metallic = stage_shoot(&stage, &frame);
+        frame.mobile.layout = wide ? FNL_MOBILE_SPECULAR_256 : FNL_MOBILE_SPECULAR_160;
+        struct shot specular = stage_shoot(&stage, &frame);
+        double mean = mean_difference(&metallic.color, &specular.color);
+        print_message("%s bits: %d/255 at most, %.3f in the mean\n", wide ? "256" : "128 and 160",
+                      greatest_difference(&metallic.color, &specular.color), mean);
+        /* Packed floats keep normals in six bits and less, which moves highlights. */
+        assert_true(mean < (wide ? 0.5 : 0.05));
+        assert_true(wide ? count_beyond(&metallic.color, &specular.color, 16) < 150
+                         : greatest_difference(&metallic.color, &specular.color) <= 3);
+        shot_free(&metallic);
+        shot_free(&specular);
+    }
+    stage_close(&stage);
+}
+
+static float furnace_metallic, furnace_roughness;
+
+static void make_white(struct scene_material *m, uint32_t index) {
+    UNUSED(index);
+    for (uint32_t t = 0; t < COUNT_OF(m->textures); t++) m->textures[t].image = SCENE_NONE;
+    m->base_color = (vec4){1, 1, 1, 1};
+    m->emissive = (vec3){0, 0, 0};
+    m->metallic = furnace_metallic;
+    m->roughness = furnace_roughness;
+    m->specular = 1;
+    m->ior = 1.5f;
+    m->specular_color = (vec3){1, 1, 1};
+    m->occlusion_strength = 0;
+}
+
+/* The brightest pixel, and the mean of those that are not black. */
+static float brightest(struct stage *stage, fnl_frame frame, double *mean) {
+    frame.exposure = FNL_EXPOSURE_NONE;
+    frame.outputs = FNL_OUTPUT_RADIANCE;
+    float most = 0;
+    struct shot shot = stage_shoot(stage, &frame);
+    assert_int_equal(count_broken(&shot.radiance), 0);
+    const float *p = shot.radiance.pixels;
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < (size_t)frame.width * frame.height; i++) {
+        most = fmaxf(most, fmaxf(p[4 * i], fmaxf(p[4 * i + 1], p[4 * i + 2])));
+        sum += (double)p[4 * i];
+        count += p[4 * i] > 0;
+    }
+    *mean = sum / fmax(count, 1);
+    shot_free(&shot);
+    return most;
+}
+
+/* White things before white, lit by white: nothing may be brighter than what lights it. Once by ambient light, once by suns all around. */
+static void test_white_furnace_MB_7(void **state) {
+    UNUSED(state);
+    enum { SUNS = 300 };
+    for (int metallic = 0; metallic <= 2; metallic++)
+        for (int roughness = 0; roughness <= 4; roughness++) {
+            furnace_metallic = 0.5f * (float)metallic;
+            furnace_roughness = 0.25f * (float)roughness;
+            struct stage stage = edited_spheres("builtin:spheres?lights=0", make_white);
+            assert_int_equal(fnl_scene_set_background(stage.scene, (vec3){1, 1, 1}), FNL_OK);
+            assert_int_equal(fnl_scene_set_ambient(stage.scene, (vec3){1, 1, 1}, (vec3){1, 1, 1}), FNL_OK);
+            fnl_frame frame = mobile_frame(&stage);
+            frame.width = 81;
+            frame.height = 45;
+            frame.mobile.layout = FNL_MOBILE_METALLIC_256;
+            double mean = 0;
+            float ambient = brightest(&stage, frame, &mean), suns = 0;
+            if (roughness >= 2) { /* smooth surfaces show each sun */
+                assert_int_equal(fnl_scene_set_ambient(stage.scene, (vec3){0, 0, 0}, (vec3){0, 0, 0}), FNL_OK);
+                assert_int_equal(fnl_scene_set_background(stage.scene, (vec3){0, 0, 0}), FNL_OK);
+                for (int i = 0; i < SUNS; i++) { /* Fibonacci's spiral */
+                    float y = 1 - (2 * (float)i + 1) / SUNS, ring = sqrtf(1 - y * y), turn = 2.3999632f * (float)i;
+                    fnl_light_params sun = fnl_light_params_default();
+                    fnl_light_id id;
+                    sun.kind = FNL_LIGHT_DIRECTIONAL;
+                    sun.direction = (vec3){ring * cosf(turn), y, ring * sinf(turn)};
+                    sun.intensity = 4 * PI / SUNS;
+                    assert_int_equal(fnl_scene_add_light(stage.scene, &sun, &id), FNL_OK);
+                }
+                suns = brightest(&stage, frame, &mean);
+            }
+            print_message("metalness %g, roughness %g: %g of ambient light, %g of suns, %g in the mean\n",
+                          (double)furnace_metallic, (double)furnace_roughness, (double)ambient, (double)suns, mean);
+            /* glTF's dielectric takes from diffuse light what is reflected at the half vector, less than is reflected on the whole where
+               one looks along the surface: it gains there, a hundredth on the whole. */
+            assert_true(ambient <= 1.001f && mean <= (metallic == 2 ? 1.001 : 1.02) && suns <= (metallic == 2 ? 1.1f : 1.3f));
+            if (roughness >= 2) assert_true(mean > 0.3);
+            stage_close(&stage);
+        }
+}
+
+/* ---- colours ---- */
+
+static double decoded(fnl_mobile_gamma gamma, double value) { /* what eight bits make of it */
+    double encoded = gamma == FNL_MOBILE_GAMMA_SQRT    ? sqrt(value)
+                     : gamma == FNL_MOBILE_GAMMA_POWER ? pow(value, 1 / 2.2)
+                     : value <= 0.0031308              ? 12.92 * value
+                                                       : 1.055 * pow(value, 1 / 2.4) - 0.055;
+    encoded = round(encoded * 255) / 255;
+    return gamma == FNL_MOBILE_GAMMA_SQRT    ? encoded * encoded
+           : gamma == FNL_MOBILE_GAMMA_POWER ? pow(encoded, 2.2)
+           : encoded <= 0.04045              ? encoded / 12.92
+                                             : pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/* A wall of one grey after another under ambient light: the radiance is its colour, as the layout keeps it, times a constant. */
+static void make_grey(struct scene_material *m, uint32_t index) {
+    make_white(m, index);
+    m->base_color = (vec4){furnace_metallic, furnace_metallic, furnace_metallic, 1};
+    m->metallic = 0;
+    m->roughness = 1;
+}
+
+static void test_gamma_of_colours_MB_11(void **state) {
+    UNUSED(state);
+    double worst[FNL_MOBILE_GAMMA_COUNT] = {0}, dark_step[FNL_MOBILE_GAMMA_COUNT] = {0};
+    for (int gamma = 0; gamma < FNL_MOBILE_GAMMA_COUNT; gamma++) {
+        double before = -1;
+        for (int i = 0; i <= 20000; i++) {
+            double value = i / 20000.0, kept = decoded((fnl_mobile_gamma)gamma, value);
+            worst[gamma] = fmax(worst[gamma], fabs(kept - value));
+            if (value < 0.02 && kept != before) dark_step[gamma] = fmax(dark_step[gamma], before < 0 ? 0 : kept - before);
+            before = kept;
+        }
+        print_message("%s: off by %.5f at most, steps of %.5f in the darkest fiftieth\n",
+                      fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), worst[gamma], dark_step[gamma]);
+        assert_true(worst[gamma] < 0.0047 && dark_step[gamma] < 0.0012); /* plain bytes: steps of 0.0039 */
+    }
+    /* And so do the shaders: a lit wall is as bright as the grey that eight bits make of it, to what the light's floats keep. */
+    for (int i = 0; i < 6; i++) {
+        furnace_metallic = (float)(0.004 + 0.16 * i);
+        struct stage stage = edited_spheres("builtin:spheres?lights=0", make_grey);
+        fnl_frame frame = mobile_frame(&stage);
+        fnl_light_params sun = fnl_light_params_default();
+        fnl_light_id id;
+        sun.kind = FNL_LIGHT_DIRECTIONAL;
+        sun.direction = (vec3){0, -1, 0};
+        sun.intensity = 100;
+        assert_int_equal(fnl_scene_set_ambient(stage.scene, (vec3){0, 0, 0}, (vec3){0, 0, 0}), FNL_OK);
+        assert_int_equal(fnl_scene_add_light(stage.scene, &sun, &id), FNL_OK);
+        frame.outputs = FNL_OUTPUT_RADIANCE;
+        frame.mobile.layout = FNL_MOBILE_METALLIC_256; /* keeps colours in floats */
+        struct shot exact = stage_shoot(&stage, &frame);
+        frame.mobile.layout = FNL_MOBILE_SPECULAR_160;
+        for (int gamma = 0; gamma < FNL_MOBILE_GAMMA_COUNT; gamma++) {
+            frame.mobile.gamma = (fnl_mobile_gamma)gamma;
+            struct shot shot = stage_shoot(&stage, &frame);
+            const float *p = exact.radiance.pixels, *q = shot.radiance.pixels;
+            double sum = 0, kept = 0;
+            for (size_t k = 0; k < (size_t)frame.width * frame.height; k++) {
+                sum += (double)p[4 * k];
+                kept += (double)q[4 * k];
+            }
+            double value = (double)furnace_metallic, expected = decoded((fnl_mobile_gamma)gamma, value) / value;
+            double off = kept / sum / expected;
+            if (value > 0.1 && (off < 0.97 || off > 1.03))
+                fail_msg("%s, %g: %g instead of %g", fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), value, kept / sum, expected);
+            shot_free(&shot);
+        }
+        shot_free(&exact);
+        stage_close(&stage);
+    }
+}
+
 /* ---- without what it needs ---- */
 
 static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
@@ -344,12 +536,13 @@ static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
     stage_close(&stage);
 }
 
-int main(void) {
+int main(int count, char **arguments) {
+    if (count > 1) cmocka_set_test_filter(arguments[1]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_merged_and_separate_are_equal_MB_1, harness_check),
         cmocka_unit_test_teardown(test_odd_frames_MB_1, harness_check),
         cmocka_unit_test_teardown(test_every_list_leaves_the_same_bits_MB_1, harness_check),
-        cmocka_unit_test_teardown(test_only_the_picture_is_stored_MB_2_MB_3, harness_check),
+        cmocka_unit_test_teardown(test_only_the_picture_is_stored_MB_2_MB_3_ES_68, harness_check),
         cmocka_unit_test_teardown(test_bits_of_the_layouts_MB_4, harness_check),
         cmocka_unit_test_teardown(test_the_picture_recycles_the_normals_MB_14, harness_check),
         cmocka_unit_test_teardown(test_tone_mapping_inside_equals_tone_mapping_after_MB_15, harness_check),
@@ -357,6 +550,9 @@ int main(void) {
         cmocka_unit_test_teardown(test_glass_between_lights_and_tone_mapping_MB_16, harness_check),
         cmocka_unit_test_teardown(test_what_does_not_fit_inside_follows_MB_16, harness_check),
         cmocka_unit_test_teardown(test_light_beyond_the_accumulator_MB_13, harness_check),
+        cmocka_unit_test_teardown(test_metallic_and_specular_layouts_agree_MB_5, harness_check),
+        cmocka_unit_test_teardown(test_white_furnace_MB_7, harness_check),
+        cmocka_unit_test_teardown(test_gamma_of_colours_MB_11, harness_check),
         cmocka_unit_test_teardown(test_without_inputs_the_passes_are_separate_MB_18, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
