@@ -34,7 +34,8 @@ static enum role role_of(const char *name) {
                     {"light materials", ROLE_SHADING}, {"light surfaces", ROLE_GEOMETRY},
                  {"sort", ROLE_GEOMETRY},          {"blend depth", ROLE_GEOMETRY}, {"gbuffer", ROLE_GEOMETRY},
                  {"depth prepass", ROLE_GEOMETRY}, {"blend sort", ROLE_GEOMETRY},  {"skin", ROLE_GEOMETRY},
-                 {"morph", ROLE_GEOMETRY},         {"meter", ROLE_REST},           {"exposure", ROLE_REST},
+                 {"morph", ROLE_GEOMETRY},         {"mobile", ROLE_SHADING},
+                 {"meter", ROLE_REST},           {"exposure", ROLE_REST},
                  {"tonemap", ROLE_REST},           {"read ", ROLE_READ},           {"to host", ROLE_READ},
                  {"counts to host", ROLE_READ}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
@@ -51,6 +52,8 @@ bool lane_init(struct lane *lane, const struct bench_case *where, const struct b
     lane->frame.msaa = where->msaa;
     lane->frame.shading = candidate->shading;
     lane->frame.lists = candidate->lists;
+    /* Metering would take tone mapping out of its scope. */
+    if (candidate->shading == FNL_SHADING_MOBILE) lane->frame.exposure = FNL_EXPOSURE_NONE;
     bool good = argument_list_options("list-option", candidate->options, &lane->frame.list_options);
     for (int m = 0; m < LANE_METRIC_COUNT; m++) {
         lane->times[m] = calloc(frames, sizeof(double));
@@ -92,6 +95,8 @@ static struct lane_pass *find_pass(struct lane *lane, const char *name, uint32_t
 }
 
 bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
+    lane->image_bytes_read = stats->image_bytes_read; /* of frames as they are timed: those that are counted keep more */
+    lane->image_bytes_written = stats->image_bytes_written;
     double sums[ROLE_COUNT] = {0};
     for (uint32_t i = 0; i < stats->pass_count; i++) {
         struct lane_pass *pass = find_pass(lane, stats->passes[i].name, i);
@@ -174,6 +179,8 @@ static void add_counts(const struct lane *lane, json_t *result) {
     set_integer(result, "cells", s->cells);
     set_integer(result, "overflow_cells", s->overflow_cells);
     set_integer(result, "dropped", s->lights_dropped);
+    set_integer(result, "image_bytes_read", lane->image_bytes_read);
+    set_integer(result, "image_bytes_written", lane->image_bytes_written);
 }
 
 static void add_comparison(const struct lane *lane, json_t *result) {

@@ -163,6 +163,7 @@ static const char *const columns[] = {
     "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median",
     "evaluations", "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel",
     "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles",
+    "image_bytes_read", "image_bytes_written",
     "equal", "differing_pixels", "max_difference"};
 /* clang-format on */
 

@@ -422,6 +422,21 @@ addPlot('memory', 'Memory of the lists', 'Reserved, and the part of it that this
       [scheme(r), bytes(r.list_used_bytes), bytes(r.list_bytes), whole(r.list_entries), whole(r.cells), whole(r.overflow_cells)])));
 });
 
+addPlot('traffic', 'Traffic of images', 'Bytes that the passes of a frame load, store, sample and write of its images, by formats and operations, ' +
+  'not measured; textures and buffers are left out.', (body) => {
+  const all = (r) => (r.image_bytes_read || 0) + (r.image_bytes_written || 0), least = (a, b) => all(a) - all(b), p = palette();
+  const names = {read: 'read', written: 'written'}, colors = {read: p[0], written: p[1]};
+  const mebibytes = (value) => (value > 0 ? value / 1048576 : null);
+  body.append(roleLegend(['read', 'written'], (k) => colors[k], names));
+  barPlot(body, 'Traffic of images', shownAt().sort(least), 'MiB', [
+    {label: names.read, color: colors.read, value: (r) => mebibytes(r.image_bytes_read)},
+    {label: names.written, color: colors.written, value: (r) => mebibytes(r.image_bytes_written)}
+  ], {format: (value) => (value === null ? 'none' : number(value) + ' MiB')});
+  body.append(table('traffic', [plural(state.lights, 'light'), 'read', 'written', 'read a pixel', 'written a pixel'],
+    atLights().sort(least).map((r) => [scheme(r), bytes(r.image_bytes_read), bytes(r.image_bytes_written),
+      bytes(r.image_bytes_read / (r.width * r.height)), bytes(r.image_bytes_written / (r.width * r.height))])));
+});
+
 /* ---- pictures ---- */
 
 function figure(uri, text, alt) {

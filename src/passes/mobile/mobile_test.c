@@ -437,7 +437,8 @@ static void test_white_furnace_MB_7(void **state) {
                           (double)furnace_metallic, (double)furnace_roughness, (double)ambient, (double)suns, mean);
             /* glTF's dielectric takes from diffuse light what is reflected at the half vector, less than is reflected on the whole where
                one looks along the surface: it gains there, a hundredth on the whole. */
-            assert_true(ambient <= 1.001f && mean <= (metallic == 2 ? 1.001 : 1.02) && suns <= (metallic == 2 ? 1.1f : 1.3f));
+            assert_true(ambient <= 1.001f && mean <= (metallic == 2 ? 1.001 : 1.02) &&
+                        suns <= (metallic == 2 ? 1.1f : 1.3f));
             if (roughness >= 2) assert_true(mean > 0.3);
             stage_close(&stage);
         }
@@ -508,7 +509,8 @@ static void test_gamma_of_colours_MB_11(void **state) {
             double value = (double)furnace_metallic, expected = decoded((fnl_mobile_gamma)gamma, value) / value;
             double off = kept / sum / expected;
             if (value > 0.1 && (off < 0.97 || off > 1.03))
-                fail_msg("%s, %g: %g instead of %g", fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), value, kept / sum, expected);
+                fail_msg("%s, %g: %g instead of %g", fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), value, kept / sum,
+                         expected);
             shot_free(&shot);
         }
         shot_free(&exact);
