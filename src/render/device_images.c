@@ -24,6 +24,12 @@ static uint32_t mip_count(uint32_t width, uint32_t height) {
     return count;
 }
 
+static int16_t common_blue(const uint8_t *pixels, uint64_t count) {
+    for (uint64_t i = 1; i < count; i++)
+        if (pixels[4 * i + 2] != pixels[2]) return -1;
+    return pixels[2];
+}
+
 static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, const void *pixels) {
     const struct scene_image *image = &d->scene->images.data[index];
     struct gpu_image_params params = {.name = image->name ? image->name : "image",
@@ -37,6 +43,7 @@ static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t wi
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(gpu_image_create(d->device, &params, &d->images.data[index]));
+    d->image_blues.data[index] = common_blue(pixels, (uint64_t)width * height);
     return gpu_upload_image(d->device, &d->images.data[index], pixels, (uint64_t)width * height * 4, true, image->color);
 }
 
@@ -59,6 +66,9 @@ fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs) {
     if (!array_reserve(&d->host, &d->images, scene->images.count)) return FNL_ERROR_MEMORY;
     if (scene->images.count) memset(d->images.data, 0, scene->images.count * sizeof *d->images.data);
     d->images.count = scene->images.count;
+    if (!array_reserve(&d->host, &d->image_blues, scene->images.count)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < scene->images.count; i++) d->image_blues.data[i] = -1;
+    d->image_blues.count = scene->images.count;
 
     bool *used = host_allocate_zero(&d->host, MAX(scene->images.count, 1u));
     if (!used) return FNL_ERROR_MEMORY;

@@ -10,14 +10,14 @@ static VkSamplerAddressMode address_mode(enum scene_wrap wrap) {
 
 static uint32_t sampler_index(struct device_scene *d, uint32_t index) {
     const struct scene_sampler *s = &d->scene->samplers.data[index];
-    struct gpu_sampler_params params = {.mag = s->mag == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
-                                        .min = s->min == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
-                                        .mip = s->mip == SCENE_FILTER_LINEAR ? VK_SAMPLER_MIPMAP_MODE_LINEAR
-                                                                             : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                                        .mipmapped = s->mipmapped,
-                                        .wrap_u = address_mode(s->wrap_u),
-                                        .wrap_v = address_mode(s->wrap_v),
-                                        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? d->scene->anisotropy : 1};
+    struct gpu_sampler_params params = {
+        .mag = s->mag == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
+        .min = s->min == SCENE_FILTER_LINEAR ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
+        .mip = s->mip == SCENE_FILTER_LINEAR ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+        .mipmapped = s->mipmapped,
+        .wrap_u = address_mode(s->wrap_u),
+        .wrap_v = address_mode(s->wrap_v),
+        .anisotropy = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? d->scene->anisotropy : 1};
     return gpu_sampler_index(d->device, &params);
 }
 
@@ -33,12 +33,15 @@ static bool has_texture(const struct device_scene *d, const struct scene_materia
 }
 
 static struct gbuffer_material gbuffer_material(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
+    /* A texture of one metalness is as good as a factor: roughness often comes with a blue of nothing but 0. */
+    bool textured = has_texture(d, m, SCENE_TEXTURE_METALLIC_ROUGHNESS);
+    int16_t blue = textured ? d->image_blues.data[m->textures[SCENE_TEXTURE_METALLIC_ROUGHNESS].image] : 255;
     return (struct gbuffer_material){.id = id,
-                                     .metallic = m->metallic,
+                                     .metallic = blue < 0 ? m->metallic : m->metallic * (float)blue / 255,
                                      .dielectric_f0 = dielectric_f0(m),
                                      .specular = m->specular,
                                      .unlit = m->unlit,
-                                     .metallic_texture = has_texture(d, m, SCENE_TEXTURE_METALLIC_ROUGHNESS),
+                                     .metallic_texture = blue < 0,
                                      .specular_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR),
                                      .specular_color_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR)};
 }
@@ -93,8 +96,7 @@ fnl_result device_materials_upload(struct device_scene *d) {
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }
-    if (result == FNL_OK)
-        result = device_upload_array(d, "materials", &d->materials, materials, count * sizeof *materials);
+    if (result == FNL_OK) result = device_upload_array(d, "materials", &d->materials, materials, count * sizeof *materials);
     if (result == FNL_OK)
         result = device_upload_array(d, "material entries", &d->material_entries, entries, count * sizeof *entries);
     if (materials) host_free(&d->host, materials, count * sizeof *materials);

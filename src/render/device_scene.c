@@ -24,7 +24,7 @@ static void free_structure(struct device_scene *d) {
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
-    d->images.count = d->buckets.count = d->node_instances.count = d->deformed.count = d->deform_vertex_counts.count = 0;
+    d->images.count = d->image_blues.count = d->buckets.count = d->node_instances.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
 }
 
@@ -34,6 +34,7 @@ void device_scene_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->faded_lights);
     array_free(&d->host, &d->bound_radii);
+    array_free(&d->host, &d->image_blues);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->node_instances);

@@ -52,6 +52,7 @@ struct device_scene {
     struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups, table, deforms,
         influences, morphs;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
+    ARRAY(int16_t) image_blues;     /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;
     ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
     ARRAY(uint32_t) node_primitives; /* first own primitive of each deforming node, or SCENE_NONE */
