@@ -19,14 +19,17 @@ static const struct method {
     fnl_shading shading;
     uint32_t msaa, frames; /* frames: until its picture is looked at */
     fnl_antialiasing aa;
+    fnl_msaa_method msaa_method;
 } methods[] = {
-    {"none", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_NONE},
-    {"mlaa", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_MLAA},
-    {"smaa", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_SMAA},
-    {"taa, 16 frames", 0, FNL_SHADING_DEFERRED, 1, COLLECTED, FNL_ANTIALIASING_TAA},
-    {"none, forward", 4, FNL_SHADING_FORWARD_PREPASS, 1, 1, FNL_ANTIALIASING_NONE},
-    {"MSAA 4, forward", 4, FNL_SHADING_FORWARD_PREPASS, 4, 1, FNL_ANTIALIASING_NONE},
-    {"MSAA 4, forward, and smaa", 4, FNL_SHADING_FORWARD_PREPASS, 4, 1, FNL_ANTIALIASING_SMAA},
+    {"none", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_COMPACT},
+    {"mlaa", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_MLAA, FNL_MSAA_COMPACT},
+    {"smaa", 0, FNL_SHADING_DEFERRED, 1, 1, FNL_ANTIALIASING_SMAA, FNL_MSAA_COMPACT},
+    {"taa, 16 frames", 0, FNL_SHADING_DEFERRED, 1, COLLECTED, FNL_ANTIALIASING_TAA, FNL_MSAA_COMPACT},
+    {"MSAA 4, compact", 0, FNL_SHADING_DEFERRED, 4, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_COMPACT},
+    {"MSAA 4, coverage", 0, FNL_SHADING_DEFERRED, 4, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_COVERAGE},
+    {"MSAA 4, aggregate", 0, FNL_SHADING_DEFERRED, 4, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_AGGREGATE},
+    {"none, forward", 7, FNL_SHADING_FORWARD_PREPASS, 1, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_COMPACT},
+    {"MSAA 4, forward", 7, FNL_SHADING_FORWARD_PREPASS, 4, 1, FNL_ANTIALIASING_NONE, FNL_MSAA_COMPACT},
 };
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };
 
@@ -133,6 +136,7 @@ static bool run_scene(fnl_device *device, const char *source, uint32_t width, ui
         s->frame.shading = methods[m].shading;
         s->frame.msaa = methods[m].msaa;
         s->frame.aa = methods[m].aa;
+        s->frame.msaa_method = methods[m].msaa_method;
         s->times = calloc(settings->frames + 1, sizeof *s->times);
         good = s->times && fnl_renderer_create(device, scene, &s->renderer) == FNL_OK;
     }

@@ -36,6 +36,8 @@ static enum role role_of(const char *name) {
                  {"depth prepass", ROLE_GEOMETRY}, {"blend sort", ROLE_GEOMETRY},  {"skin", ROLE_GEOMETRY},
                  {"morph", ROLE_GEOMETRY},         {"mobile", ROLE_SHADING},
                  {"meter", ROLE_REST},           {"exposure", ROLE_REST},
+                 {"mlaa", ROLE_REST},              {"smaa", ROLE_REST},            {"motion", ROLE_REST},
+                 {"taa", ROLE_REST},               {"keep previous", ROLE_GEOMETRY},
                  {"tonemap", ROLE_REST},           {"read ", ROLE_READ},           {"to host", ROLE_READ},
                  {"counts to host", ROLE_READ}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)

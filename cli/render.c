@@ -34,7 +34,7 @@ static void print_help(void) {
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces layers motion decals, instead of the picture\n"
-         "  --aov LIST                 depth,normal,albedo,roughness,id,position: more channels in the .exr\n"
+         "  --aov LIST                 depth,normal,albedo,roughness,id,position,motion: more channels in the .exr\n"
          "\n"
          "Scene\n"
          "  --lights N                 scatters N point and spot lights through the scene\n"
@@ -112,7 +112,7 @@ static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_no
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
-    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position"};
+    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion"};
     return i < RENDER_AOV_COUNT ? names[i] : NULL;
 }
 

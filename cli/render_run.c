@@ -127,12 +127,13 @@ static uint32_t wanted_outputs(const struct render_options *o) {
     if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
     if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
+    if (o->aovs & 1u << RENDER_AOV_MOTION) outputs |= FNL_OUTPUT_MOTION;
     return outputs;
 }
 
 /* Pictures read back so far, by bit number of fnl_output. */
 struct pictures {
-    fnl_image images[5];
+    fnl_image images[6];
 };
 
 static bool save_exr(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
@@ -154,7 +155,9 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
                   {"id.Y", RENDER_AOV_ID, 4, 3},
                   {"position.X", RENDER_AOV_POSITION, 4, 0},
                   {"position.Y", RENDER_AOV_POSITION, 4, 1},
-                  {"position.Z", RENDER_AOV_POSITION, 4, 2}};
+                  {"position.Z", RENDER_AOV_POSITION, 4, 2},
+                  {"motion.X", RENDER_AOV_MOTION, 5, 0},
+                  {"motion.Y", RENDER_AOV_MOTION, 5, 1}};
     fnl_exr_channel channels[sizeof layout / sizeof *layout];
     uint32_t count = 0;
     for (size_t i = 0; i < sizeof layout / sizeof *layout; i++)
@@ -169,7 +172,7 @@ static bool save_outputs(const struct render_options *o, const fnl_host *host, f
     struct pictures p = {0};
     uint32_t outputs = wanted_outputs(o);
     bool good = true;
-    for (int i = 0; i < 5 && good; i++)
+    for (int i = 0; i < 6 && good; i++)
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
@@ -181,7 +184,7 @@ static bool save_outputs(const struct render_options *o, const fnl_host *host, f
     }
     if (!good) /* all or nothing: the last one counted was not written */
         for (int i = 0; i + 1 < written; i++) unlink(o->outputs[i]);
-    for (int i = 0; i < 5; i++) fnl_image_free(host, &p.images[i]);
+    for (int i = 0; i < 6; i++) fnl_image_free(host, &p.images[i]);
     return good;
 }
 

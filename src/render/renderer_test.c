@@ -407,7 +407,7 @@ static void test_misuse(void **state) {
     BAD(tonemap = FNL_TONEMAP_COUNT);
     BAD(exposure = (fnl_exposure)3);
     BAD(debug = FNL_DEBUG_COUNT);
-    BAD(outputs = 32);
+    BAD(outputs = 64);
     BAD(camera.position.x = NAN);
     BAD(camera.target = good.camera.position);
     BAD(camera.near_distance = 0);

@@ -296,6 +296,58 @@ static void test_motion_of_objects_ES_21(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* A square that its morph target and its node move at once, and one beside it that only its target moves. */
+static void test_motion_of_deformed_vertices_ES_21(void **state) {
+    UNUSED(state);
+    static const vec3 positions[4] = {{-0.2f, -0.2f, 0}, {0.2f, -0.2f, 0}, {0.2f, 0.2f, 0}, {-0.2f, 0.2f, 0}},
+                      moves[4] = {{0.25f, 0.125f, 0}, {0.25f, 0.125f, 0}, {0.25f, 0.125f, 0}, {0.25f, 0.125f, 0}};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    static const struct scene_morph_target target = {moves, NULL, NULL};
+    fnl_scene *scene = test_scene();
+    struct scene_material white = test_unlit(1, 1, 1);
+    struct scene_primitive p = {.material = scene_add_material(scene, &white),
+                                .vertex_count = 4,
+                                .index_count = 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .morph_targets = &target,
+                                .morph_target_count = 1};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    uint32_t mesh = scene_add_mesh(scene, "", &p, 1), nodes[2];
+    scene->meshes.data[mesh].morph_target_count = 1;
+    for (int i = 0; i < 2; i++) {
+        nodes[i] = test_place(scene, mesh, (vec3){-0.4f, i ? -0.5f : 0.3f, 0}, (vec3){1, 1, 1});
+        scene->nodes.data[nodes[i]].morph_weights = ARENA_ARRAY(&scene->arena, float, 1);
+        scene->nodes.data[nodes[i]].morph_weights[0] = 0;
+    }
+    scene_update_transforms(scene);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_MOTION);
+    static const float weights[4] = {0, 0.5f, 1, 1};
+    for (int i = 0; i < 4; i++) {
+        float x = -0.4f + 0.125f * (float)i;
+        for (int n = 0; n < 2; n++) {
+            scene->nodes.data[nodes[n]].morph_weights[0] = weights[i];
+            scene->nodes.data[nodes[n]].moved_version = scene->transform_version + 1;
+        }
+        mat4 m = mat4_from_trs((vec3){x, 0.3f, 0}, quat_identity(), (vec3){1, 1, 1});
+        scene->nodes.data[nodes[0]].local = m;
+        scene->nodes.data[nodes[0]].has_matrix = true;
+        scene_update_transforms(scene);
+        test_render_frame(renderer, &frame);
+        fnl_image motion = test_read(renderer, FNL_OUTPUT_MOTION);
+        /* 32 pixels a unit; a half of the target is 4 pixels to the right and 2 up, the node's step 4 to the right. */
+        float morph = i == 1 || i == 2 ? 1.0f : 0.0f, shift = weights[i] * 0.25f, rise = weights[i] * 0.125f;
+        assert_pixel(&motion, (uint32_t)(32 + (x + shift) * 32), (uint32_t)(32 - (0.3f + rise) * 32), i ? -4 - 4 * morph : 0,
+                     2 * morph, 5, 1e-3);
+        assert_pixel(&motion, (uint32_t)(32 + (-0.4f + shift) * 32), (uint32_t)(32 - (-0.5f + rise) * 32), -4 * morph,
+                     2 * morph, 5, 1e-3);
+        free_picture(&motion);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* A bright square crosses a dark striped wall; four frames after it left a pixel, nothing of it is to be seen. */
 static void test_no_trail_after_four_frames_ES_21(void **state) {
     UNUSED(state);
@@ -521,6 +573,7 @@ int main(void) {
         cmocka_unit_test(test_near_vertical_edge_ramps_ES_21),
         cmocka_unit_test(test_motion_of_the_camera_ES_21),
         cmocka_unit_test(test_motion_of_objects_ES_21),
+        cmocka_unit_test(test_motion_of_deformed_vertices_ES_21),
         cmocka_unit_test(test_no_trail_after_four_frames_ES_21),
         cmocka_unit_test(test_no_trail_within_the_spread_ES_21),
         cmocka_unit_test(test_moving_camera_ES_21),

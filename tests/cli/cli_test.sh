@@ -33,6 +33,11 @@ expect 2 "size: '12' is not a size" render builtin:spheres --size 12 -o "$work/a
 expect 2 "shading: 'x' is not one of forward forward-prepass deferred" render builtin:spheres --shading x -o "$work/a.png"
 expect 2 "lists: 'x' is not one of all tiled" render builtin:spheres --lists x -o "$work/a.png"
 expect 2 "msaa: '3'" render builtin:spheres --msaa 3 -o "$work/a.png"
+expect 2 "aa: 'x' is not one of none mlaa smaa taa" render builtin:spheres --aa x -o "$work/a.png"
+expect 2 'supersample is no --aa taa' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
+expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%s.png"
+expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%d-%d.png"
+expect 2 'frame-time is for sequences' render builtin:spheres --frame-time 0.1 -o "$work/a.png"
 expect 2 "tonemap: 'x'" render builtin:spheres --tonemap x -o "$work/a.png"
 expect 2 "exposure: 'bright'" render builtin:spheres --exposure bright -o "$work/a.png"
 expect 2 'ends in .png or .exr' render builtin:spheres -o "$work/a.jpg"
@@ -53,6 +58,15 @@ expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" -o "
 absent "$work/a.png" "$work"/*part*
 expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --stats "$work/none/s.json"
 absent "$work/a.png"
+
+# Collected frames come near the mean of as many; a sequence has a picture for each frame, and its names are what was asked for.
+expect 0 '' render builtin:spheres $small --lists clustered --supersample 16 -q -o "$work/mean.png"
+expect 0 '' render builtin:spheres $small --lists clustered --aa taa -q -o "$work/taa.png"
+expect 0 '' compare "$work/mean.png" "$work/taa.png" --mean-diff 1/255
+expect 0 '' render builtin:spheres $small --lists clustered --aa smaa -q -o "$work/smaa.png" -o "$work/motion.exr" --aov motion
+expect 0 '' render builtin:spheres $small --lists clustered --frames 3 --frame-time 0.1 -q -o "$work/walk-%03d.png"
+for i in 0 1 2; do [ -s "$work/walk-00$i.png" ] || fail "picture $i of a sequence is missing"; done
+absent "$work/walk-003.png"
 
 # The main job, twice: equal bytes; every output at once; numbers that are there.
 expect 0 'light evaluations' render builtin:spheres $small --lists clustered -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2

@@ -55,7 +55,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
     UNUSED(data);
 }
 
-static struct picture antialias(const struct picture *in, enum method method, bool swap) {
+static struct picture antialias_as(const struct picture *in, enum method method, struct morphological_params shapes) {
     struct gpu_image image;
     struct gpu_buffer buffer;
     struct graph *graph;
@@ -77,7 +77,6 @@ static struct picture antialias(const struct picture *in, enum method method, bo
     graph_begin(graph);
     graph_image picture = graph_import_image(graph, &image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                                              VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    struct morphological_params shapes = {.swap = swap};
     graph_image result = method == MLAA ? mlaa_add(graph, picture, &shapes) : smaa_add(graph, picture, &shapes);
     struct copy_data copy = {result, graph_import_buffer(graph, "result", &buffer)};
     struct graph_pass *pass = graph_add_pass(graph, "read", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
@@ -95,6 +94,10 @@ static struct picture antialias(const struct picture *in, enum method method, bo
     gpu_buffer_destroy(test_device, &buffer);
     gpu_image_destroy(test_device, &image);
     return out;
+}
+
+static struct picture antialias(const struct picture *in, enum method method, bool swap) {
+    return antialias_as(in, method, (struct morphological_params){.swap = swap});
 }
 
 /* ---- the reference: one pixel after the other, one edge after the other ---- */
@@ -248,6 +251,11 @@ static void test_step_of_eight_ramps_by_the_formula_MP_25(void **state) {
                 before = upper + lower;
             }
         }
+        /* Values of a linear picture are light already. */
+        struct picture linear = antialias_as(&in, m, (struct morphological_params){.linear = true});
+        for (uint32_t i = 0; i < in.width * in.height; i++)
+            assert_true(fabs(linear.pixels[i * 4] / 255.0 - decode(out.pixels[i * 4] / 255.0)) < 0.006);
+        free(linear.pixels);
         free(out.pixels);
     }
     free(in.pixels);
