@@ -80,14 +80,16 @@ vec3 decal_blend(uint blend, vec3 base, vec3 color, float alpha) {
     return rest + color;
 }
 
-// A mapped normal on a surface with this one, in the decal's directions.
-vec3 decal_bend(vec3 normal, vec3 mapped, decal_place p) {
-    vec3 t = p.side - normal * dot(normal, p.side);
+// A mapped normal upon a surface's present one. The picture's directions lie in the plane of the surface without its maps, and turn with the
+// normal by the least rotation (Barre-Brisebois and Hill 2012): unlike a projection that has no pole that steep layers could come near.
+vec3 decal_bend(vec3 normal, vec3 mapped, decal_place p, vec3 facing) {
+    vec3 t = p.side - facing * dot(facing, p.side);
     float t2 = dot(t, t);
-    if (t2 < 1e-10) return normal;
+    if (t2 < 1e-12) return normal;
     t *= inversesqrt(t2);
+    t -= (normal + facing) * (dot(normal, t) / max(1.0 + dot(normal, facing), 1e-3));
     vec3 b = cross(normal, t);
-    if (dot(b, p.up) < 0.0) b = -b;
+    if (dot(cross(facing, p.side), p.up) < 0.0) b = -b; // a mirrored picture
     vec3 bent = mapped.x * t + mapped.y * b + mapped.z * normal;
     float length2 = dot(bent, bent);
     return length2 > 1e-12 ? bent * inversesqrt(length2) : normal;
@@ -164,7 +166,7 @@ void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_i
     if ((flags & GPU_DECAL_METALLIC) != 0u) s.metallic = mix(s.metallic, look.metallic, alpha);
     if ((flags & GPU_DECAL_EMISSION) != 0u) s.emissive = mix(s.emissive, look.emissive, alpha);
     if ((flags & GPU_DECAL_NORMAL) != 0u) {
-        vec3 bent = decal_bend((flags & GPU_DECAL_FLATTEN) != 0u ? facing : s.normal, look.mapped, p);
+        vec3 bent = decal_bend((flags & GPU_DECAL_FLATTEN) != 0u ? facing : s.normal, look.mapped, p, facing);
         vec3 mixed = mix(s.normal, bent, alpha);
         float length2 = dot(mixed, mixed);
         if (length2 > 1e-12) s.normal = mixed * inversesqrt(length2);
@@ -192,13 +194,14 @@ decal_place decal_place_on_mesh(decal_array decals, uint index, vec3 q, decal_po
     return place;
 }
 
-// One of the boxes and volumes, if it holds the point.
-void decal_at_point(inout surface s, decal_block d, uint index, decal_point p) {
+// One of the boxes and volumes, if it holds the point; whether it does.
+bool decal_at_point(inout surface s, decal_block d, uint index, decal_point p) {
     decal_array decals = d.set.decals;
     vec3 q = decal_cube(decals, index, p.position);
-    if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) return;
+    if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) return false;
     decal_place place = decal_place_at(decals, index, q, p);
     decal_apply(s, decals, index, d.set.sampler_index, place, p.facing);
+    return true;
 }
 
 // All boxes and volumes of the list, in order.

@@ -486,7 +486,7 @@ typedef struct fnl_frame_stats {
         msaa_samples,       /**< samples that show a surface */
         msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
     uint32_t decals_total, decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
-    uint64_t decal_entries;                /**< of the list over them, or fragments of the G-buffer's way */
+    uint64_t decal_entries;                /**< of the list over them, and of the tiles of the G-buffer's way */
     uint32_t decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
     /**
      * What the frame's passes move between images and memory, by formats and load and store operations and not measured: an attachment

@@ -41,120 +41,154 @@ static graph_image add_receivers(struct graph *graph, const struct shade_input *
     return image;
 }
 
-/* ---- which pixels ---- */
+/* ---- which tiles ---- */
 
-struct box_data {
+enum step { STEP_DEPTHS, STEP_COUNT, STEP_FILL, STEP_SORT };
+
+struct tiles_data {
     struct light_input boxes;
     struct lights_in_view in_view;
     struct gpu_slice commands; /* an indirect draw without instances, then indices */
-    graph_buffer draw, sums, cursors, fragments, totals, decals;
-    graph_image depth, receivers;
+    graph_buffer draw, depths, sums, cursors, entries, totals, decals;
+    graph_image depth;
     VkDeviceAddress set;
-    uint32_t pixel_count, capacity;
-    bool fills;
+    uvec2 tiles;
+    uint32_t tile_count, capacity;
+    enum step step;
 };
 
+/* The number of boxes in view goes where the draw expects it. */
 static void execute_begin(const struct graph_context *context, const void *data) {
-    const struct box_data *d = data;
+    const struct tiles_data *d = data;
     if (!d->commands.data) return; /* the device carries a sticky error */
     const struct gpu_buffer *draw = graph_get_buffer(context, d->draw);
-    gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset, draw, 0, sizeof(struct gpu_draw));
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->sums), 0, (d->pixel_count + 1) * 4ull, 0);
+    const uint64_t before = offsetof(struct gpu_draw, instance_count), behind = before + 4;
+    gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset, draw, 0, before);
+    gpu_copy_buffer(context->commands, d->commands.buffer, d->commands.offset + behind, draw, behind,
+                    sizeof(struct gpu_draw) - behind);
+    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull, draw, before,
+                    4);
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->sums), 0, (d->tile_count + 1) * 4ull, 0);
 }
 
-/* The number of boxes in view goes where the draw expects it. */
-static void execute_instances(const struct graph_context *context, const void *data) {
-    const struct box_data *d = data;
-    gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull,
-                    graph_get_buffer(context, d->draw), offsetof(struct gpu_draw, instance_count), 4);
+static struct gpu_decals_box_push tiles_push(const struct tiles_data *d) {
+    return (struct gpu_decals_box_push){.view = d->boxes.view, .set = d->set, .tiles = d->tiles, .capacity = d->capacity};
+}
+
+static void execute_compute(const struct graph_context *context, const void *data) {
+    const struct tiles_data *d = data;
+    bool sorts = d->step == STEP_SORT;
+    struct gpu_compute_params params = {.shader = sorts ? &shader_decals_sort_comp : &shader_decals_depths_comp};
+    struct gpu_decals_box_push push = tiles_push(d);
+    if (sorts) {
+        push.counts = graph_address(context, d->sums);
+        push.entries = graph_address(context, d->entries);
+    } else {
+        push.depth = graph_sampled(context, d->depth);
+        push.depths = graph_address(context, d->depths);
+    }
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    if (sorts)
+        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->tile_count, 64u));
+    else
+        gpu_dispatch(context->commands, DIVIDE_UP(d->tiles.x, 8u), DIVIDE_UP(d->tiles.y, 8u), 1);
 }
 
 static void execute_boxes(const struct graph_context *context, const void *data) {
-    const struct box_data *d = data;
+    const struct tiles_data *d = data;
     if (!d->commands.data) return;
-    /* Back faces, so that the viewer may be inside, and only those that are not in front of the surface. Depth is reversed. */
+    bool fills = d->step == STEP_FILL;
+    /* Back faces, so that the viewer may be inside. */
     struct gpu_graphics_params state = {.vertex = &shader_decals_box_vert,
                                         .fragment = &shader_decals_box_frag,
                                         .constant_count = 2,
-                                        .constants = {GPU_LIST_ALL, d->fills},
+                                        .constants = {GPU_LIST_ALL, fills},
                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                         .cull = VK_CULL_MODE_FRONT_BIT,
-                                        .depth_format = GEOMETRY_DEPTH_FORMAT,
-                                        .depth_test = true,
+                                        .color_count = 1,
+                                        .color_formats = {VK_FORMAT_R8_UNORM},
                                         .depth_clamp = true,
-                                        .depth_compare = VK_COMPARE_OP_LESS_OR_EQUAL,
                                         .samples = 1};
-    struct gpu_decals_box_push push = {.view = d->boxes.view,
-                                       .set = d->set,
-                                       .ids = graph_address(context, d->in_view.ids),
-                                       .counts = graph_address(context, d->fills ? d->cursors : d->sums),
-                                       .fragments = d->fills ? graph_address(context, d->fragments) : 0,
-                                       .depth = graph_sampled(context, d->depth),
-                                       .receivers = graph_sampled(context, d->receivers),
-                                       .capacity = d->capacity};
-    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
+    struct gpu_decals_box_push push = tiles_push(d);
+    push.ids = graph_address(context, d->in_view.ids);
+    push.counts = graph_address(context, fills ? d->cursors : d->sums);
+    push.entries = fills ? graph_address(context, d->entries) : 0;
+    push.depths = graph_address(context, d->depths);
+    gpu_bind(context->commands, graph_pipeline(context, &state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_bind_indices(context->commands, d->commands.buffer, d->commands.offset + sizeof(struct gpu_draw));
     gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, d->draw), 0, 1);
 }
 
 static void execute_cursors(const struct graph_context *context, const void *data) {
-    const struct box_data *d = data;
+    const struct tiles_data *d = data;
     const struct gpu_buffer *sums = graph_get_buffer(context, d->sums), *totals = graph_get_buffer(context, d->totals);
-    gpu_copy_buffer(context->commands, sums, 0, graph_get_buffer(context, d->cursors), 0, d->pixel_count * 4ull);
-    gpu_copy_buffer(context->commands, sums, d->pixel_count * 4ull, totals,
-                    offsetof(struct decals_gbuffer_totals, fragments), 4);
+    gpu_copy_buffer(context->commands, sums, 0, graph_get_buffer(context, d->cursors), 0, d->tile_count * 4ull);
+    gpu_copy_buffer(context->commands, sums, d->tile_count * 4ull, totals, offsetof(struct decals_gbuffer_totals, entries),
+                    4);
     gpu_fill_buffer(context->commands, totals, offsetof(struct decals_gbuffer_totals, overflow_pixels), 4, 0);
     gpu_copy_buffer(context->commands, graph_get_buffer(context, d->in_view.sums), d->boxes.local_count * 4ull, totals,
                     offsetof(struct decals_gbuffer_totals, in_view), 4);
-    /* Fragments are written where they are counted; the graph sees them begin here. */
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->fragments), 0, 4, 0);
+    /* Entries are written where they are counted; the graph sees them begin here. */
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->entries), 0, 4, 0);
 }
 
-static void add_boxes(struct graph *graph, const char *name, struct box_data *data) {
+/* Drawn to an image of a texel a tile that nobody reads: it gives the grid its size. */
+static void add_boxes(struct graph *graph, const char *name, const char *image_name, struct tiles_data *data) {
+    graph_image grid = graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = image_name, .format = VK_FORMAT_R8_UNORM, .width = data->tiles.x, .height = data->tiles.y});
+    bool fills = data->step == STEP_FILL;
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_boxes, data, sizeof *data);
     graph_use_buffer(pass, data->draw, GRAPH_INDIRECT);
     graph_use_buffer(pass, data->in_view.ids, GRAPH_READ_VERTEX);
-    graph_use_buffer(pass, data->decals, GRAPH_READ_GRAPHICS);
-    graph_use_buffer(pass, data->fills ? data->cursors : data->sums, GRAPH_READ_WRITE_FRAGMENT);
-    if (data->fills) graph_use_buffer(pass, data->fragments, GRAPH_READ_WRITE_FRAGMENT);
-    graph_use_image(pass, data->receivers, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, data->depth, GRAPH_SAMPLE_FRAGMENT);
-    graph_depth_read_only(pass, data->depth);
+    graph_use_buffer(pass, data->decals, GRAPH_READ_VERTEX);
+    graph_use_buffer(pass, data->depths, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, fills ? data->cursors : data->sums, GRAPH_READ_WRITE_FRAGMENT);
+    if (fills) graph_use_buffer(pass, data->entries, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, grid, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0});
 }
 
 /* Faces seen from outside are counter-clockwise; corner i is at (i & 1, i >> 1 & 1, i >> 2). */
 static const uint32_t box_indices[BOX_INDICES] = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
                                                   2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
 
-static void add_fragments(struct graph *graph, gpu_device *device, struct box_data *data) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("decal pixels");
+static void add_tiles(struct graph *graph, gpu_device *device, struct tiles_data *data) {
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("decal tiles");
     data->commands = gpu_frame_allocate(device, sizeof(struct gpu_draw) + sizeof box_indices);
     if (data->commands.data) {
         *(struct gpu_draw *)data->commands.data = (struct gpu_draw){.index_count = BOX_INDICES};
         memcpy((char *)data->commands.data + sizeof(struct gpu_draw), box_indices, sizeof box_indices);
     }
     data->draw = graph_create_buffer(graph, "decal draw", sizeof(struct gpu_draw));
-    data->sums = graph_create_buffer(graph, "decal pixel sums", (data->pixel_count + 1) * 4ull);
-    data->cursors = graph_create_buffer(graph, "decal pixel cursors", data->pixel_count * 4ull);
-    data->fragments = graph_create_buffer(graph, "decal fragments", data->capacity * 4ull);
+    data->depths = graph_create_buffer(graph, "decal tile depths", data->tile_count * 8ull);
+    data->sums = graph_create_buffer(graph, "decal tile sums", (data->tile_count + 1) * 4ull);
+    data->cursors = graph_create_buffer(graph, "decal tile cursors", data->tile_count * 4ull);
+    data->entries = graph_create_buffer(graph, "decal tile entries", data->capacity * 4ull);
     data->totals = graph_create_buffer(graph, "decal totals", sizeof(struct decals_gbuffer_totals));
     struct graph_pass *pass = graph_add_pass(graph, "decals begin", GRAPH_QUEUE_GRAPHICS, execute_begin, data, sizeof *data);
-    graph_use_buffer(pass, data->draw, GRAPH_COPY_TO);
-    graph_use_buffer(pass, data->sums, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, "decals instances", GRAPH_QUEUE_GRAPHICS, execute_instances, data, sizeof *data);
     graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data->draw, GRAPH_COPY_TO);
-    add_boxes(graph, "decals count", data);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->sums, data->pixel_count + 1);
+    graph_use_buffer(pass, data->sums, GRAPH_COPY_TO);
+    pass = graph_add_pass(graph, "decals depths", GRAPH_QUEUE_GRAPHICS, execute_compute, data, sizeof *data);
+    graph_use_image(pass, data->depth, GRAPH_SAMPLE_COMPUTE);
+    graph_use_buffer(pass, data->depths, GRAPH_WRITE_COMPUTE);
+    data->step = STEP_COUNT;
+    add_boxes(graph, "decals count", "decal grid", data);
+    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->sums, data->tile_count + 1);
     pass = graph_add_pass(graph, "decals cursors", GRAPH_QUEUE_GRAPHICS, execute_cursors, data, sizeof *data);
     graph_use_buffer(pass, data->sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data->cursors, GRAPH_COPY_TO);
     graph_use_buffer(pass, data->totals, GRAPH_COPY_TO);
-    graph_use_buffer(pass, data->fragments, GRAPH_COPY_TO);
-    data->fills = true;
-    add_boxes(graph, "decals fill", data);
+    graph_use_buffer(pass, data->entries, GRAPH_COPY_TO);
+    data->step = STEP_FILL;
+    add_boxes(graph, "decals fill", "decal grid 2", data);
+    data->step = STEP_SORT;
+    pass = graph_add_pass(graph, "decals sort", GRAPH_QUEUE_GRAPHICS, execute_compute, data, sizeof *data);
+    graph_use_buffer(pass, data->sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->entries, GRAPH_READ_WRITE_COMPUTE);
 }
 
 /* ---- what becomes of them ---- */
@@ -184,9 +218,9 @@ static graph_image add_copy(struct graph *graph, struct copies_data *copies, gra
 struct merge_data {
     struct gbuffer copy;
     graph_image receivers, radiance;
-    graph_buffer sums, fragments, totals;
+    graph_buffer sums, entries, totals;
     VkDeviceAddress set;
-    uint32_t capacity;
+    uint32_t capacity, tiles_x;
     bool mip_fix;
     struct gpu_graphics_params state;
 };
@@ -196,25 +230,27 @@ static void execute_merge(const struct graph_context *context, const void *data)
     struct gpu_decals_merge_push push = {.gbuffer = gbuffer_handles(context, &d->copy),
                                          .set = d->set,
                                          .sums = graph_address(context, d->sums),
-                                         .fragments = graph_address(context, d->fragments),
+                                         .entries = graph_address(context, d->entries),
                                          .totals = graph_address(context, d->totals),
                                          .receivers = graph_sampled(context, d->receivers),
                                          .radiance = d->radiance.id ? graph_sampled(context, d->radiance) : 0,
                                          .capacity = d->capacity,
-                                         .mip_fix = d->mip_fix};
+                                         .mip_fix = d->mip_fix,
+                                         .tiles_x = d->tiles_x};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &d->state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, 1, 0, 0);
 }
 
-static void add_merge(struct graph *graph, const struct decals_gbuffer_input *decals, const struct box_data *boxes,
-                      const struct gbuffer *gbuffer, graph_image radiance) {
+static void add_merge(struct graph *graph, const struct decals_gbuffer_input *decals, const struct tiles_data *tiles,
+                      graph_image receivers, const struct gbuffer *gbuffer, graph_image radiance) {
     struct copies_data copies = {.count = 0};
     struct merge_data merge = {.copy = *gbuffer,
-                               .receivers = boxes->receivers,
-                               .sums = boxes->sums,
-                               .fragments = boxes->fragments,
-                               .totals = boxes->totals,
+                               .receivers = receivers,
+                               .sums = tiles->sums,
+                               .entries = tiles->entries,
+                               .totals = tiles->totals,
+                               .tiles_x = tiles->tiles.x,
                                .set = decals->set,
                                .capacity = decals->pool_capacity,
                                .mip_fix = decals->mip_fix};
@@ -245,9 +281,9 @@ static void add_merge(struct graph *graph, const struct decals_gbuffer_input *de
     gbuffer_use(pass, &merge.copy, GRAPH_SAMPLE_FRAGMENT);
     if (merge.radiance.id) graph_use_image(pass, merge.radiance, GRAPH_SAMPLE_FRAGMENT);
     graph_use_image(pass, merge.receivers, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_buffer(pass, boxes->decals, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, tiles->decals, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, merge.sums, GRAPH_READ_FRAGMENT);
-    graph_use_buffer(pass, merge.fragments, GRAPH_READ_WRITE_FRAGMENT);
+    graph_use_buffer(pass, merge.entries, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, merge.totals, GRAPH_READ_WRITE_FRAGMENT);
     for (uint32_t i = 0; i < merge.state.color_count; i++)
         graph_color(pass, targets[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
@@ -256,15 +292,16 @@ static void add_merge(struct graph *graph, const struct decals_gbuffer_input *de
 graph_buffer decals_gbuffer_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
                                 const struct decals_gbuffer_input *decals, const struct gbuffer *gbuffer,
                                 graph_image radiance) {
-    struct box_data boxes = {.boxes = decals->boxes,
-                             .in_view = decals->in_view,
-                             .decals = decals->decals,
-                             .depth = gbuffer->depth,
-                             .set = decals->set,
-                             .pixel_count = input->width * input->height,
-                             .capacity = decals->pool_capacity};
-    boxes.receivers = add_receivers(graph, input, gbuffer->depth);
-    add_fragments(graph, device, &boxes);
-    add_merge(graph, decals, &boxes, gbuffer, radiance);
-    return boxes.totals;
+    struct tiles_data tiles = {.boxes = decals->boxes,
+                               .in_view = decals->in_view,
+                               .decals = decals->decals,
+                               .depth = gbuffer->depth,
+                               .set = decals->set,
+                               .tiles = {DIVIDE_UP(input->width, DECAL_TILE), DIVIDE_UP(input->height, DECAL_TILE)},
+                               .capacity = decals->pool_capacity};
+    tiles.tile_count = tiles.tiles.x * tiles.tiles.y;
+    graph_image receivers = add_receivers(graph, input, gbuffer->depth);
+    add_tiles(graph, device, &tiles);
+    add_merge(graph, decals, &tiles, receivers, gbuffer, radiance);
+    return tiles.totals;
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Decals in the G-buffer (RTR4 20.2; Persson 2011): boxes are drawn once it is laid, and change what it says before it is lit. A box's back faces
- * find the pixels whose surface it holds, which are counted, summed up and filled into a list for each pixel; one pass then reads a copy of
- * the G-buffer, applies each pixel's decals in their order (sorted by index: no order of atomics shows), and packs the surface anew. So any
- * blend can be had, normals are combined in tangent space, and two runs give the same bytes. Pixels without decals keep their bits.
+ * are drawn to a grid of tiles of 8x8 pixels, a little larger, and find those that it touches between their least and greatest depth; decals
+ * are counted, summed up, filled into a list for each tile, and sorted by index, so that no order of atomics shows. One pass then reads a
+ * copy of the G-buffer, applies to each pixel the decals of its tile that hold its surface, and packs it anew. So any blend can be had, normals are
+ * combined in tangent space, and two runs give the same bytes. Pixels without decals keep their bits.
  *
- * Cost: geometry once more at equal depth (receivers and true normals: 8 bytes a pixel), two fragments without textures and 4 bytes for each
- * pixel of a box, a copy of the G-buffer. The G-buffer must have one sample a pixel.
+ * Cost: geometry once more at equal depth (receivers and true normals: 8 bytes a pixel), two fragments and 4 bytes for each tile of a box, a
+ * copy of the G-buffer, a test of each pixel against the boxes of its tile. The G-buffer must have one sample a pixel.
  */
 #ifndef FNL_PASSES_DECALS_GBUFFER_H
 #define FNL_PASSES_DECALS_GBUFFER_H
@@ -20,12 +21,12 @@ struct decals_gbuffer_input {
     VkDeviceAddress set;    /* struct gpu_decal_set */
     bool emits;             /* some decal changes emission */
     bool mip_fix;           /* see fnl_frame.decal_mip_fix */
-    uint32_t pool_capacity; /* fragments; pixels that do not fit go through all decals */
+    uint32_t pool_capacity; /* entries of all tiles; pixels of tiles that do not fit go through all decals */
 };
 
 /** What the frame's counts are copied from. */
 struct decals_gbuffer_totals {
-    uint32_t fragments, overflow_pixels, in_view;
+    uint32_t entries, overflow_pixels, in_view;
 };
 
 /** Changes the targets of `gbuffer`, and radiance where decals emit. Returns a struct decals_gbuffer_totals. */

@@ -40,24 +40,16 @@ vec3 step_on_plane(view_block v, vec3 view_position, vec3 view_face, vec2 pixel)
     return length2 > footprint * footprint ? way * (footprint * inversesqrt(length2)) : way;
 }
 
-void sort_fragments(uint first, uint end) {
-    for (uint i = first + 1u; i < end; i++) {
-        uint id = push.fragments.at[i], k = i;
-        for (; k > first && push.fragments.at[k - 1u] > id; k--) push.fragments.at[k] = push.fragments.at[k - 1u];
-        push.fragments.at[k] = id;
-    }
-}
-
 void main() {
     view_block v = push.gbuffer.view;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    uint at = uint(pixel.y) * v.view.size.x + uint(pixel.x);
+    uint tile = uint(pixel.y) / DECAL_TILE * push.tiles_x + uint(pixel.x) / DECAL_TILE;
     float depth = gbuffer_depth(push.gbuffer, pixel), view_depth = view_depth_of(v, max(depth, 1e-30));
     decal_point p;
     p.position = gbuffer_position(v, pixel, view_depth);
     p.dx = dFdx(p.position);
     p.dy = dFdy(p.position);
-    uint first = push.sums.at[at], end = push.sums.at[at + 1u];
+    uint first = push.sums.at[tile], end = push.sums.at[tile + 1u];
     if (depth <= 0.0 || first == end) discard;
 
     uvec2 packed = texelFetch(textures_uint[push.receivers], pixel, 0).xy;
@@ -74,14 +66,20 @@ void main() {
     uint form = gbuffer_form(push.gbuffer);
     vec3 emissive = EMITS == 1u ? texelFetch(textures[push.radiance], pixel, 0).rgb : vec3(0.0);
     surface s = gbuffer_surface(push.gbuffer, pixel, p.position, emissive);
+    bool any = false;
     if (end > push.capacity) {
         uint count = push.set.set.count;
-        for (uint i = 0u; i < count; i++) decal_at_point(s, push.set, i, p);
+        for (uint i = 0u; i < count; i++) any = decal_at_point(s, push.set, i, p) || any;
         atomicAdd(push.totals.at[1], 1u);
     } else {
-        sort_fragments(first, end);
-        for (uint i = first; i < end; i++) decal_at_point(s, push.set, push.fragments.at[i], p);
+        uint last = 0xffffffffu;
+        for (uint i = first; i < end; i++) {
+            uint id = push.entries.at[i];
+            if (id != last) any = decal_at_point(s, push.set, id, p) || any;
+            last = id;
+        }
     }
+    if (!any) discard; // keeps its bits
 
     uint id = 0u;
     gpu_material_entry entry;

@@ -37,7 +37,7 @@ void main() {
 
     surface s;
     s.position = in_position;
-    s.normal = decal_bend(p.facing, look.mapped, place);
+    s.normal = decal_bend(p.facing, look.mapped, place, p.facing);
     s.base_color = look.color.rgb / look.color.a;
     s.alpha = look.color.a;
     s.metallic = look.metallic;
