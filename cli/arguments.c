@@ -89,6 +89,7 @@ static const char *slices_name(int i) { return fnl_slices_name((fnl_slices)i); }
 static const char *raster_path_name(int i) { return fnl_raster_path_name((fnl_raster_path)i); }
 static const char *raster_nodes_name(int i) { return fnl_raster_nodes_name((fnl_raster_nodes)i); }
 static const char *volume_shape_name(int i) { return fnl_volume_shape_name((fnl_volume_shape)i); }
+static const char *light_packing_name(int i) { return fnl_light_packing_name((fnl_light_packing)i); }
 static const char *light_buffer_name(int i) { return fnl_light_buffer_name((fnl_light_buffer)i); }
 
 enum setting_kind { SETTING_INTEGER, SETTING_NUMBER, SETTING_SWITCH, SETTING_NAME };
@@ -134,6 +135,10 @@ static const struct setting {
      0, 0, volume_shape_name},
     {"light-buffer", "auto, rgba, two or four: sums of light that light-prepass and low-res keep (auto)", FIELD(light_buffer),
      SETTING_NAME, 0, 0, light_buffer_name},
+    {"light-packing", "ids, shift or max: how light-indexed writes down the lights of a pixel (ids)", FIELD(light_packing),
+     SETTING_NAME, 0, 0, light_packing_name},
+    {"light-layers", "1 .. 16: room for lights in a pixel, light-indexed and (up to 8) zioma (8)", FIELD(light_layers),
+     SETTING_INTEGER, 1, 16, NULL},
     {"light-scale", "2 or 4: pixels along a side of what low-res lights once (2)", FIELD(light_scale), SETTING_INTEGER, 2, 4,
      NULL},
 #undef FIELD

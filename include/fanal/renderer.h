@@ -27,6 +27,10 @@ typedef enum fnl_shading {
     FNL_SHADING_PRE_LIGHTING,
     /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
     FNL_SHADING_LOW_RES,
+    /** Depth first; volumes of lights write ids into each pixel, which forward shading reads; lists serve only transparent surfaces; no MSAA. */
+    FNL_SHADING_LIGHT_INDEXED,
+    /** The same, but the volumes leave direction, colour and attenuation of each light, in layers. */
+    FNL_SHADING_ZIOMA,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
@@ -110,6 +114,14 @@ typedef enum fnl_light_buffer {
     FNL_LIGHT_BUFFER_COUNT
 } fnl_light_buffer;
 
+/** How light-indexed writes down the lights of a pixel. Pixels that more reach use all lights and count in overflow_cells. */
+typedef enum fnl_light_packing {
+    FNL_LIGHT_PACKING_IDS = 0, /**< four 16-bit ids a layer, by integer atomics */
+    FNL_LIGHT_PACKING_SHIFT,   /**< a layer for each 255 lights in view: four 8-bit ids in RGBA8, by blending that shifts bits */
+    FNL_LIGHT_PACKING_MAX,     /**< the same layers: the greatest and the least id by blending, twice */
+    FNL_LIGHT_PACKING_COUNT
+} fnl_light_packing;
+
 /** Where the axis of the cone round a tile's normals comes from. */
 typedef enum fnl_backface_axis {
     FNL_BACKFACE_AXIS_SAMPLES = 0, /**< the mean of four pixels */
@@ -185,6 +197,8 @@ typedef struct fnl_list_options {
     fnl_raster_nodes raster_nodes; /**< default array. raster */
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
     fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass and low-res */
+    fnl_light_packing light_packing; /**< default ids. The shading order light-indexed */
+    uint32_t light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 8 */
     uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading order low-res */
 } fnl_list_options;
 
@@ -331,6 +345,7 @@ FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_deferred_pass_name(fnl_deferred_pass pass);
 FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
 FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
+FNL_API const char *fnl_light_packing_name(fnl_light_packing packing);
 FNL_API const char *fnl_light_buffer_name(fnl_light_buffer buffer);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);

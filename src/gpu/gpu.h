@@ -176,6 +176,8 @@ enum gpu_blend {
     GPU_BLEND_NONE,
     GPU_BLEND_ALPHA, /* premultiplied: source + destination * (1 - source alpha) */
     GPU_BLEND_ADD,
+    GPU_BLEND_MAX,     /* of each channel */
+    GPU_BLEND_QUARTER, /* source + destination / 4 */
 };
 
 /** Compares the stencil with a reference, all bits; fragments that pass change it, with a stencil format that is not read-only. */

@@ -125,15 +125,18 @@ static fnl_result create_compute(gpu_device *device, const struct gpu_compute_pa
 }
 
 static VkPipelineColorBlendAttachmentState blend_state(enum gpu_blend blend) {
-    VkBlendFactor destination = blend == GPU_BLEND_ALPHA ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE;
+    VkBlendFactor destination = blend == GPU_BLEND_ALPHA     ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA
+                                : blend == GPU_BLEND_QUARTER ? VK_BLEND_FACTOR_CONSTANT_COLOR
+                                                             : VK_BLEND_FACTOR_ONE;
+    VkBlendOp operation = blend == GPU_BLEND_MAX ? VK_BLEND_OP_MAX : VK_BLEND_OP_ADD;
     return (VkPipelineColorBlendAttachmentState){
         .blendEnable = blend != GPU_BLEND_NONE,
         .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstColorBlendFactor = destination,
-        .colorBlendOp = VK_BLEND_OP_ADD,
+        .colorBlendOp = operation,
         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstAlphaBlendFactor = destination,
-        .alphaBlendOp = VK_BLEND_OP_ADD,
+        .alphaBlendOp = operation,
         .colorWriteMask =
             VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT,
     };
@@ -187,6 +190,7 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = params->color_count,
         .pAttachments = attachments,
+        .blendConstants = {0.25f, 0.25f, 0.25f, 0.25f}, /* GPU_BLEND_QUARTER */
     };
     VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
     VkPipelineDynamicStateCreateInfo dynamic = {

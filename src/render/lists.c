@@ -37,6 +37,8 @@ fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
     REQUIRE(host, (uint32_t)o->raster_nodes < FNL_RASTER_NODES_COUNT);
     REQUIRE(host, (uint32_t)o->volume_shape < FNL_VOLUME_SHAPE_COUNT);
     REQUIRE(host, (uint32_t)o->light_buffer < FNL_LIGHT_BUFFER_COUNT);
+    REQUIRE(host, (uint32_t)o->light_packing < FNL_LIGHT_PACKING_COUNT);
+    REQUIRE(host, o->light_layers >= 1 && o->light_layers <= 16);
     REQUIRE(host, o->light_scale == 2 || o->light_scale == 4);
     REQUIRE(host, o->cluster_near > 0 && o->cluster_far > 0); /* no NaN */
     REQUIRE(host, isinf(o->cluster_near) || isinf(o->cluster_far) || o->cluster_near < o->cluster_far);

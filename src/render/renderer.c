@@ -12,7 +12,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
-                                        "light-prepass", "pre-lighting", "low-res", "visibility", "mobile", "auto"};
+                                        "light-prepass", "pre-lighting", "low-res", "light-indexed", "zioma", "visibility", "mobile", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -81,6 +81,12 @@ const char *fnl_antialiasing_name(fnl_antialiasing aa) {
     static const char *const names[] = {"none", "mlaa", "smaa", "taa"};
     _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");
     return NAME_OF(names, aa);
+}
+
+const char *fnl_light_packing_name(fnl_light_packing packing) {
+    static const char *const names[] = {"ids", "shift", "max"};
+    _Static_assert(COUNT_OF(names) == FNL_LIGHT_PACKING_COUNT, "each has a name");
+    return NAME_OF(names, packing);
 }
 
 const char *fnl_light_buffer_name(fnl_light_buffer buffer) {
@@ -153,6 +159,7 @@ fnl_list_options fnl_list_options_default(void) {
                               .cluster_size = 64,
                               .slices = 32,
                               .light_scale = 2,
+                              .light_layers = 8,
                               .cluster_near = INFINITY,
                               .cluster_far = INFINITY};
 }

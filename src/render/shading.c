@@ -9,9 +9,11 @@
 #include "passes/shade/deferred_msaa.h"
 #include "passes/shade/deferred_screen.h"
 #include "passes/shade/gbuffer_layouts.h"
+#include "passes/shade/light_indexed.h"
 #include "passes/shade/pre_lighting.h"
 #include "passes/shade/regroup.h"
 #include "passes/shade/volumes.h"
+#include "passes/shade/zioma.h"
 #include "passes/visibility/visibility.h"
 
 static bool has_blend(const struct frame_state *f) {
@@ -322,6 +324,30 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     if (!has_blend(f)) count_volumes(f, &volumes);
 }
 
+/* ---- lights written into pixels ---- */
+
+_Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX,
+               "light_indexed_shared.h has the values of fnl_light_packing");
+
+static void add_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    add_blend_lists(f);
+    struct volumes volumes = prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
+    struct indexed_params params = {(uint32_t)f->frame->list_options.light_packing, f->frame->list_options.light_layers};
+    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params);
+    input->lights = &f->lights;
+    forward_add(f->graph, input, GEOMETRY_OPAQUE, true, f->radiance, f->depth);
+}
+
+static void add_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    add_blend_lists(f);
+    struct volumes volumes = prepare_volumes(f, VOLUME_SOLIDS);
+    zioma_add(f->graph, input, &volumes, MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS), f->radiance, f->depth);
+    f->lights.totals = volumes.totals;
+    f->lights.totals_known = false;
+}
+
 static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
 }
@@ -339,6 +365,8 @@ static const struct order {
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES},
     [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
     [FNL_SHADING_PRE_LIGHTING] = {add_pre_lighting, SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES},
+    [FNL_SHADING_LIGHT_INDEXED] = {add_light_indexed, SHADING_PREPASS | SHADING_VOLUMES},
+    [FNL_SHADING_ZIOMA] = {add_zioma, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {add_visibility, SHADING_ITEMS | SHADING_APPROXIMATE},

@@ -151,10 +151,12 @@ void volumes_draw(const struct graph_context *context, const struct volumes *vol
     state->topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     state->cull = solid ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_NONE;
     state->depth_format = GEOMETRY_DEPTH_FORMAT;
-    state->depth_test = volumes->shape != VOLUME_SCREEN;
     state->depth_clamp = true;
-    state->depth_compare = solid ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
     state->samples = 1;
+    if (!state->depth_write) {
+        state->depth_test = volumes->shape != VOLUME_SCREEN;
+        state->depth_compare = solid ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
+    }
     push->list = volumes->list.header;
     push->ids = graph_address(context, volumes->ids);
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, state));

@@ -37,7 +37,7 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
 /** Declares that a pass draws them; it has the depth of what is seen attached. */
 void volumes_use(struct graph_pass *pass, const struct volumes *volumes);
 /**
- * Inside such a pass: sets vertex shader, topology, culling and depth test of `state` and draws every volume once. `push` begins with a
+ * Inside such a pass: sets vertex shader, topology, culling and (unless it writes depth) depth test of `state` and draws every volume once. `push` begins with a
  * struct gpu_volume_head, of which the view and the counters are already set, and has `size` bytes; it is changed.
  */
 void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,

@@ -10,6 +10,7 @@
 layout(push_constant, scalar) uniform push_block { gpu_volume_head push; };
 
 layout(location = 0) flat out uint out_light;
+layout(location = 2) flat out uint out_rank; // place of the light among those drawn
 layout(location = 1) flat out vec2 out_depths; // view depths that the light lies between
 
 // Metres that a pixel is wide at a point: what rasterisation may lose at the edge of a solid.
@@ -85,6 +86,7 @@ void main() {
     uint id = push.ids.at[gl_InstanceIndex], vertex = uint(gl_VertexIndex);
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + id];
     out_light = id;
+    out_rank = gl_InstanceIndex;
     out_depths = depths_of(light);
     if (vertex >= VOLUME_SCREEN_VERTEX) {
         gl_Position = vec4(vec2(vertex - VOLUME_SCREEN_VERTEX & 1u, vertex - VOLUME_SCREEN_VERTEX >> 1) * 4.0 - 1.0, 1.0, 1.0);

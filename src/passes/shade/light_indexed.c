@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/shade/light_indexed.h"
+
+#include "shaders.h"
+
+struct indexed_data {
+    struct volumes volumes;
+    VkDeviceAddress view;
+    graph_image depth, first;
+    graph_buffer counts, slots;
+    uint32_t packing, capacity, batch, layers, step;
+};
+
+static void execute_ids(const struct graph_context *context, const void *data) {
+    const struct indexed_data *d = data;
+    bool images = d->packing != INDEXED_IDS;
+    struct gpu_graphics_params state = {.fragment = &shader_light_indexed_frag,
+                                        .constant_count = 15,
+                                        .constants = {GPU_LIST_ALL, [13] = d->packing, [14] = d->step},
+                                        .color_count = images,
+                                        .color_formats = {images ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_UNDEFINED},
+                                        .blends = {d->packing == INDEXED_SHIFT ? GPU_BLEND_QUARTER
+                                                   : images                    ? GPU_BLEND_MAX
+                                                                               : GPU_BLEND_NONE}};
+    struct gpu_indexed_push push = {.head = {.view = d->view},
+                                    .counts = graph_address(context, d->counts),
+                                    .slots = d->slots.id ? graph_address(context, d->slots) : 0,
+                                    .depth = graph_sampled(context, d->depth),
+                                    .capacity = d->capacity,
+                                    .batch = d->batch,
+                                    .layers = d->layers,
+                                    .first = d->first.id ? graph_sampled(context, d->first) : 0};
+    volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
+}
+
+struct clear_data {
+    graph_buffer buffers[2];
+    uint64_t sizes[2];
+};
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct clear_data *d = data;
+    for (uint32_t i = 0; i < 2; i++)
+        if (d->buffers[i].id)
+            gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffers[i]), 0, d->sizes[i], 0);
+}
+
+struct list_data {
+    struct gpu_light_list *header;
+    VkDeviceAddress view;
+    graph_buffer ids, counts, slots, cells, list, totals;
+    graph_image images[INDEXED_LAYERS];
+    uint32_t packing, layers, width, height;
+};
+
+static void execute_list(const struct graph_context *context, const void *data) {
+    const struct list_data *d = data;
+    struct gpu_indexed_list_push push = {.view = d->view,
+                                         .ids = graph_address(context, d->ids),
+                                         .counts = graph_address(context, d->counts),
+                                         .slots = d->slots.id ? graph_address(context, d->slots) : 0,
+                                         .cells = graph_address(context, d->cells),
+                                         .list = graph_address(context, d->list),
+                                         .totals = graph_address(context, d->totals),
+                                         .layers = d->layers};
+    for (uint32_t i = 0; i < INDEXED_LAYERS && d->images[i].id; i++) push.images[i] = graph_sampled(context, d->images[i]);
+    if (d->header) {
+        d->header->cells = push.cells;
+        d->header->ids = push.list;
+    }
+    struct gpu_compute_params params = {
+        .shader = &shader_light_indexed_list_comp, .constant_count = 3, .constants = {[2] = d->packing}};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+}
+
+#define SIXTEEN(text)                                                                                                       \
+    text, text " 1", text " 2", text " 3", text " 4", text " 5", text " 6", text " 7", text " 8", text " 9", text " 10",    \
+        text " 11", text " 12", text " 13", text " 14", text " 15"
+static const char *const first_names[INDEXED_LAYERS] = {SIXTEEN("light ids")},
+                         *const second_names[INDEXED_LAYERS] = {SIXTEEN("light ids again")};
+
+static void add_ids(struct graph *graph, const char *name, const struct indexed_data *data, graph_image target,
+                    VkAttachmentLoadOp load) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_ids, data, sizeof *data);
+    volumes_use(pass, &data->volumes);
+    graph_use_image(pass, data->depth, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_buffer(pass, data->counts, GRAPH_READ_WRITE_FRAGMENT);
+    if (data->slots.id) graph_use_buffer(pass, data->slots, GRAPH_READ_WRITE_FRAGMENT);
+    if (data->first.id) graph_use_image(pass, data->first, GRAPH_SAMPLE_FRAGMENT);
+    static const float zero[4];
+    if (target.id) graph_color(pass, target, load, zero);
+    graph_depth_read_only(pass, data->depth);
+}
+
+struct light_list light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                    const struct volumes *volumes, const struct light_input *lights, graph_image depth,
+                                    const struct indexed_params *params) {
+    const uint64_t pixels = (uint64_t)input->width * input->height;
+    bool images = params->packing != INDEXED_IDS;
+    /* No more layers than lights could fill. */
+    uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(lights->local_count, INDEXED_BATCH), 1u)) : params->layers;
+    uint32_t capacity = layers * INDEXED_LAYER_LIGHTS;
+    struct clear_data clear = {.sizes = {pixels * 4 * (images ? layers : 1), images ? 0 : pixels * (capacity + 1) / 2 * 4}};
+    clear.buffers[0] = graph_create_buffer(graph, "light id counts", clear.sizes[0]);
+    if (!images) clear.buffers[1] = graph_create_buffer(graph, "light id slots", clear.sizes[1]);
+    struct graph_pass *pass = graph_add_pass(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
+    for (uint32_t i = 0; i < 2; i++)
+        if (clear.buffers[i].id) graph_use_buffer(pass, clear.buffers[i], GRAPH_COPY_TO);
+
+    struct list_data list = {.view = input->view,
+                             .ids = volumes->ids,
+                             .counts = clear.buffers[0],
+                             .slots = clear.buffers[1],
+                             .totals = volumes->totals,
+                             .packing = params->packing,
+                             .layers = layers,
+                             .width = input->width,
+                             .height = input->height};
+    struct indexed_data ids = {.volumes = *volumes,
+                               .view = input->view,
+                               .depth = depth,
+                               .counts = clear.buffers[0],
+                               .slots = clear.buffers[1],
+                               .packing = params->packing,
+                               .capacity = capacity,
+                               .layers = layers};
+    struct graph_image_params image = {
+        .name = "light ids", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = input->width, .height = input->height};
+    if (!images) add_ids(graph, first_names[0], &ids, (graph_image){0}, VK_ATTACHMENT_LOAD_OP_LOAD);
+    for (uint32_t i = 0; images && i < layers; i++) {
+        image.name = first_names[i];
+        list.images[i] = graph_create_image(graph, &image);
+        ids.batch = i;
+        graph_image first = {0};
+        if (params->packing == INDEXED_MAX) { /* what the second step reads, it cannot write: that is another image */
+            image.name = second_names[i];
+            first = graph_create_image(graph, &image);
+            add_ids(graph, second_names[i], &ids, first, VK_ATTACHMENT_LOAD_OP_CLEAR);
+            ids.first = first;
+            ids.step = 1;
+        }
+        add_ids(graph, first_names[i], &ids, list.images[i], VK_ATTACHMENT_LOAD_OP_CLEAR);
+        ids.first = (graph_image){0};
+        ids.step = 0;
+    }
+
+    struct light_list out = {.kind = GPU_LIST_TILES,
+                             .lights = lights->buffer,
+                             .cell_count = (uint32_t)pixels,
+                             .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + clear.sizes[0] + clear.sizes[1] +
+                                           (images ? pixels * 4 * layers : 0),
+                             .totals = volumes->totals};
+    out.fixed_bytes = out.byte_count;
+    list.header = light_list_header(device, lights, &out.header);
+    if (list.header) {
+        list.header->tiles_x = input->width;
+        list.header->tiles_y = input->height;
+    }
+    out.cells = list.cells = graph_create_buffer(graph, "light id cells", pixels * sizeof(struct gpu_cell));
+    out.ids = list.list = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
+    pass = graph_add_pass(graph, "light id lists", GRAPH_QUEUE_GRAPHICS, execute_list, &list, sizeof list);
+    graph_use_buffer(pass, list.ids, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, list.counts, GRAPH_READ_COMPUTE);
+    if (list.slots.id) graph_use_buffer(pass, list.slots, GRAPH_READ_COMPUTE);
+    for (uint32_t i = 0; i < INDEXED_LAYERS && list.images[i].id; i++)
+        graph_use_image(pass, list.images[i], GRAPH_SAMPLE_COMPUTE);
+    graph_use_buffer(pass, list.cells, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, list.list, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, list.totals, GRAPH_READ_WRITE_COMPUTE);
+    return out;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Light-indexed shading (Trebilco, "Light Indexed Deferred Rendering", 2008): where depth is complete, the volumes of lights write ids, and
+ * forward shading looks its lights up in those of its pixel.
+ */
+#ifndef FNL_PASSES_LIGHT_INDEXED_H
+#define FNL_PASSES_LIGHT_INDEXED_H
+
+#include "passes/shade/light_indexed_shared.h"
+#include "passes/shade/shade.h"
+#include "passes/shade/volumes.h"
+
+struct indexed_params {
+    uint32_t packing; /* INDEXED_…; default INDEXED_IDS */
+    uint32_t layers;  /* 1 .. INDEXED_LAYERS; ids: four ids a pixel each; else an RGBA8 image for 255 lights each; default 4 */
+};
+/**
+ * A list with a cell for each pixel. Pixels that more lights may reach than fit use all lights, and count as overflow cells, exactly. Needs
+ * a complete depth. Cost: a fragment for each light and pixel that its volume covers, 8 bytes a pixel, and 6 for each light that
+ * fits (4 and 8 more a layer with images).
+ */
+struct light_list light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                    const struct volumes *volumes, const struct light_input *lights, graph_image depth,
+                                    const struct indexed_params *params);
+
+#endif

@@ -1,0 +1,59 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Reads the ids of a pixel and makes a cell of a light list of them, ascending. A pixel that more lights may reach than there is room for
+// takes all lights.
+#include "common.glsl"
+#include "view.glsl"
+#include "passes/shade/volumes.glsl"
+#include "passes/shade/light_indexed_shared.h"
+
+layout(constant_id = 2) const uint PACKING = INDEXED_IDS;
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant, scalar) uniform push_block { gpu_indexed_list_push push; };
+
+uint lights[INDEXED_LAYERS * INDEXED_LAYER_LIGHTS];
+uint count = 0u;
+
+void add(uint rank) {
+    uint light = push.ids.at[rank], i = count++;
+    for (; i > 0u && lights[i - 1u] > light; i--) lights[i] = lights[i - 1u];
+    lights[i] = light;
+}
+
+void main() {
+    uvec2 pixel = gl_GlobalInvocationID.xy, size = push.view.view.size;
+    if (any(greaterThanEqual(pixel, size))) return;
+    uint at = pixel.y * size.x + pixel.x;
+    uint capacity = push.layers * INDEXED_LAYER_LIGHTS;
+    bool full = false;
+    if (PACKING == INDEXED_IDS) {
+        uint here = push.counts.at[at], words = (capacity + 1u) / 2u;
+        full = here > capacity;
+        for (uint i = 0u; i < here && !full; i++) add((push.slots.at[at * words + i / 2u] >> 16u * (i & 1u) & 0xffffu) - 1u);
+    } else {
+        for (uint layer = 0u; layer < push.layers && !full; layer++) {
+            uint here = push.counts.at[layer * size.x * size.y + at];
+            full = here > INDEXED_LAYER_LIGHTS;
+            if (here == 0u || full) continue;
+            uvec4 texel = uvec4(round(texelFetch(textures[push.images[layer]], ivec2(pixel), 0) * 255.0));
+            if (PACKING == INDEXED_SHIFT) {
+                for (uint i = 0u; i < here; i++) { // the newest in the highest bits
+                    uvec4 part = texel >> 6u - 2u * i & 3u;
+                    add(layer * INDEXED_BATCH + (part.x | part.y << 2 | part.z << 4 | part.w << 6) - 1u);
+                }
+            } else { // greatest, least, and the same of the rest; of one or three the last two are the same
+                uint ids[4] = uint[4](texel.x, 255u - texel.y, texel.z, 255u - texel.w);
+                for (uint i = 0u; i < here; i++) add(layer * INDEXED_BATCH + ids[i] - 1u);
+            }
+        }
+    }
+    push.cells.at[at] = gpu_cell(at * capacity, full ? GPU_CELL_ALL : count);
+    if (full) {
+        atomicAdd(push.totals.at[2], 1u);
+        return;
+    }
+    for (uint i = 0u; i < count; i++) push.list.at[at * capacity + i] = lights[i];
+    atomicAdd(push.totals.at[1], count);
+}

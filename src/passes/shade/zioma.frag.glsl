@@ -1,0 +1,59 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Forward shading by the lights that the layers hold. Where all are taken, those that come after the last are looked for one by one.
+#include "common.glsl"
+#include "material.glsl"
+#include "decals_raster.glsl"
+#include "shade.glsl"
+#include "passes/shade/volumes.glsl"
+#include "passes/shade/zioma_shared.h"
+
+layout(early_fragment_tests) in;
+layout(push_constant, scalar) uniform push_block { gpu_zioma_material_push push; };
+
+layout(location = 0) out vec4 out_radiance;
+
+void main() {
+    material_array materials = push.geometry.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    decals_on_surface(s, push.geometry.view, push.geometry.scene);
+    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    view_block v = push.geometry.view;
+    light_list_block l = push.geometry.lights;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 to_view = to_viewer(v, s.position);
+    brdf_view b = brdf_prepare(s, to_view);
+    precise vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < l.list.directional_count; i++)
+        sum += l.list.lights.at[i].color * brdf_cos(s, b, -l.list.lights.at[i].direction);
+    uint stored = 0u, visited = 0u, useful = 0u;
+    for (; stored < push.layers; stored++) {
+        vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
+        if (ray.w == 0.0) break;
+        vec3 color = texelFetch(textures[push.colors[stored]], pixel, 0).rgb;
+        sum += color * ray.w * brdf_cos(s, b, ray.xyz);
+    }
+    useful = stored;
+    if (stored == push.layers) {
+        uint last = uint(round((1.0 - texelFetch(textures[push.last], pixel, 0).r) * 16777216.0)); // index + 1
+        for (uint i = last; i < l.list.local_count; i++) {
+            uint light = l.list.directional_count + i;
+            vec3 to_light;
+            vec3 illuminance = illuminate(l, light, s.position, to_light);
+            visited++;
+            if (illuminance == vec3(0.0)) continue;
+            sum += illuminance * brdf_cos(s, b, to_light);
+            useful++;
+        }
+    }
+    atomicAdd(push.totals.at[1], useful);
+    if (useful > stored) atomicAdd(push.totals.at[2], 1u);
+    if (COUNT_LIGHTS == 1u) {
+        uint at = (uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u;
+        atomicAdd(push.geometry.counters.at[at], visited);
+        atomicAdd(push.geometry.counters.at[at + 1u], useful);
+    }
+    vec3 radiance = shade_rest(s, v, to_view, sum);
+    out_radiance = vec4(min(radiance, vec3(v.view.hdr_max)), 1.0);
+}

@@ -1,0 +1,36 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// One layer of lights: of those that reach the pixel, the one that comes next after the layer before.
+#include "common.glsl"
+#include "gbuffer.glsl"
+#include "shade.glsl"
+#include "scene.glsl"
+#include "passes/shade/volumes.glsl"
+#include "passes/shade/zioma_shared.h"
+
+layout(constant_id = 13) const uint LAYER = 0u;
+
+layout(push_constant, scalar) uniform push_block { gpu_zioma_push push; };
+
+layout(location = 0) flat in uint in_light;
+layout(location = 0) out vec4 out_ray;
+layout(location = 1) out vec4 out_color;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    view_block v = push.head.view;
+    float depth = texelFetch(textures[push.depth], pixel, 0).r;
+    float place = 1.0 - float(in_light + 1u) / 16777216.0;
+    if (depth <= 0.0) discard; // sky
+    if (LAYER > 0u && place >= texelFetch(textures[push.previous], pixel, 0).r) discard;
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[(uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u], 1u);
+    uint light = push.head.list.list.directional_count + in_light;
+    vec3 to_light;
+    float strength = light_strength(push.head.list, light, gbuffer_position(v, pixel, view_depth_of(v, depth)), to_light);
+    vec3 color = push.head.list.list.lights.at[light].color;
+    if (strength <= 0.0 || color * strength == vec3(0.0)) discard;
+    out_ray = vec4(to_light, strength);
+    out_color = vec4(color, 0.0);
+    gl_FragDepth = place;
+}
