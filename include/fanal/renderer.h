@@ -237,7 +237,7 @@ typedef enum fnl_antialiasing {
 /** How box and volume decals get onto surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
 typedef enum fnl_decals {
     FNL_DECALS_LISTS = 0, /**< surfaces look them up in a list while they are drawn, blended ones too */
-    FNL_DECALS_GBUFFER,   /**< boxes are drawn over the finished G-buffer; blended surfaces, orders without a G-buffer and MSAA
+    FNL_DECALS_GBUFFER,   /**< boxes are drawn over the finished G-buffer (mobile: close, not equal); blended surfaces, orders without a G-buffer and MSAA
                                use lists all the same */
     FNL_DECALS_OFF,       /**< none, of no kind but those that are baked */
     FNL_DECALS_COUNT

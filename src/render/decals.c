@@ -12,6 +12,8 @@ static bool is_on(const struct frame_state *f) {
 }
 
 bool decals_in_gbuffer(const struct frame_state *f) {
+    if (f->frame->shading == FNL_SHADING_MOBILE) /* whose targets do not say what a surface receives */
+        return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER && !decals_of(f)->masks;
     return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER &&
            (f->frame->shading == FNL_SHADING_DEFERRED || f->frame->shading == FNL_SHADING_DEFERRED_VOLUMES) &&
            f->frame->msaa == 1;
@@ -49,6 +51,7 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
 
 static bool needs_list(const struct frame_state *f) {
     if (decals_of(f)->count == 0) return false;
+    if (f->frame->shading == FNL_SHADING_MOBILE) return true; /* its step walks it */
     /* Materials that a layout cannot hold are lit forward. */
     if (f->frame->gbuffer != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
@@ -116,6 +119,8 @@ void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *inpu
                                           .pool_capacity = f->r->decal_capacity};
     f->decals.fragments = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
 }
+
+bool decals_redraws(const struct frame_state *f) { return is_on(f) && decals_of(f)->draw_count > 0; }
 
 void decals_redraw(struct frame_state *f, const struct shade_input *input) {
     const struct device_decals *all = decals_of(f);

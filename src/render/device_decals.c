@@ -138,7 +138,8 @@ static fnl_result find_order(struct device_scene *d) {
     uint32_t count = 0, counts[3] = {0};
     if (!array_reserve(&d->host, &all->order, scene->decals.count * 2ull)) return FNL_ERROR_MEMORY;
     bool sorted = true;
-    all->moves = all->emits = false;
+    all->moves = all->emits = all->masks = false;
+    for (uint32_t i = 0; i < d->scene->nodes.count; i++) all->masks |= d->scene->nodes.data[i].refuses != 0;
     for (uint32_t i = 0; i < scene->decals.count; i++) {
         const struct scene_decal *decal = &scene->decals.data[i];
         uint32_t rank = kind_rank(decal->params.kind);
@@ -146,6 +147,7 @@ static fnl_result find_order(struct device_scene *d) {
         all->order.data[count++] = i;
         counts[rank]++;
         all->moves |= rank == 0 && decal->node != SCENE_NONE;
+        all->masks |= rank == 0 && decal->params.receivers != 255;
         all->emits |= rank == 0 && decal->params.channels & FNL_DECAL_EMISSION;
         sorted = sorted && (count < 2 || comes_before(scene->decals.data, all->order.data[count - 2], i));
     }

@@ -38,6 +38,7 @@ struct device_decals {
     uint32_t count, mesh_count, redraw_count;
     uint32_t draw_count; /* of redrawn decals */
     bool moves; /* some move with nodes */
+    bool masks; /* some box or volume is not on everything, or something does not receive all */
     bool emits; /* some box or volume changes emission */
     uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
     uint32_t sampler;

@@ -225,7 +225,7 @@ static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
         note_once(f->r, 0, "automatic exposure meters the whole frame, so radiance is stored; a fixed exposure spares that");
         return false;
     }
-    return frame->light_lod == 0 && (blend_inside || !has_blend(f));
+    return blend_inside || !has_blend(f);
 }
 
 static void add_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -239,13 +239,17 @@ static void add_mobile(struct frame_state *f, struct shade_input *input, bool pr
     blend.lights = &f->blend_lights;
     if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
     params.separate |= f->r->cannot_merge;
-    f->blended = has_blend(f) && f->frame->light_lod == 0 && f->frame->transparency == FNL_TRANSPARENCY_SORTED;
+    /* What is drawn over opaque surfaces comes before blended ones. */
+    bool more = f->frame->light_lod > 0 || decals_redraws(f);
+    f->blended = has_blend(f) && !more && f->frame->transparency == FNL_TRANSPARENCY_SORTED;
+    const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
     struct picture picture = frame_picture(f);
-    f->mobile_tonemapped = mobile_tonemaps(f, f->blended);
+    f->mobile_tonemapped = !more && mobile_tonemaps(f, f->blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
     if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
     struct mobile_result result =
-        mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params, &finish);
+        mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params,
+                   decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
     if (!result.merged && !f->frame->mobile.separate)

@@ -223,6 +223,45 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
         graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }
 
+/* ---- decals ---- */
+
+static bool is_light(const struct mobile_layout *layout, uint32_t target) {
+    return target == layout->lights[0] || (layout->light_count > 1 && target == layout->lights[1]);
+}
+
+static void add_decals(struct graph *graph, const struct shade_input *input, const struct mobile_params *params, bool merged,
+                       const struct mobile_decals *decals, struct targets *targets) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_decals_metallic_128_frag, &shader_mobile_decals_metallic_128_local_frag},
+        {&shader_mobile_decals_specular_160_frag, &shader_mobile_decals_specular_160_local_frag},
+        {&shader_mobile_decals_metallic_256_frag, &shader_mobile_decals_metallic_256_local_frag},
+        {&shader_mobile_decals_specular_256_frag, &shader_mobile_decals_specular_256_local_frag}};
+    const struct mobile_layout *layout = &targets->layout;
+    struct step_data data = {.targets = *targets,
+                             .merged = merged,
+                             .reads = (1u << layout->target_count) - 1,
+                             .state = screen_state(shaders[params->layout][merged])};
+    data.push.view = input->view;
+    data.state.constant_count = GAMMA_ID + 1;
+    data.state.constants[2] = data.state.constants[3] = 1;
+    data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
+    uint32_t changed[MOBILE_TARGETS], count = 0;
+    for (uint32_t i = 0; i < layout->target_count; i++)
+        if (layout->wide ? i >= 3 : i != 1) changed[count++] = i; /* positions and depth stay */
+    set_formats(&data.state, layout, changed, count);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile decals", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    light_list_use(pass, decals->list, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, decals->decals, GRAPH_READ_FRAGMENT);
+    for (uint32_t i = 0, k = 0; i < layout->target_count; i++)
+        if (k < count && changed[k] == i) {
+            targets->images[i] = graph_local_rewrite(pass, i, targets->images[i]);
+            k++;
+        } else {
+            graph_local_read(pass, i, targets->images[i]);
+        }
+}
+
 /* ---- lights ---- */
 
 static void add_lights(struct graph *graph, const struct shade_input *input, const struct mobile_params *params, bool merged,
@@ -251,9 +290,7 @@ static void add_lights(struct graph *graph, const struct shade_input *input, con
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     for (uint32_t i = 0; i < layout->target_count; i++) {
-        bool light = false;
-        for (uint32_t k = 0; k < layout->light_count; k++) light |= layout->lights[k] == i;
-        if (light)
+        if (is_light(layout, i))
             targets->images[i] = graph_local_rewrite(pass, i, targets->images[i]);
         else
             graph_local_read(pass, i, targets->images[i]);
@@ -329,7 +366,7 @@ static graph_image add_finish(struct graph *graph, const struct shade_input *inp
 
 struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct shade_input *blend,
                                 bool prepass, graph_image depth, const struct mobile_params *params,
-                                const struct mobile_finish *finish) {
+                                const struct mobile_decals *decals, const struct mobile_finish *finish) {
     struct targets targets = {.layout = mobile_layout(params->layout, params->gamma, params->float_light)};
     struct mobile_result result = {.bits = 0};
     for (uint32_t i = 0; i < targets.layout.target_count; i++) {
@@ -346,6 +383,7 @@ struct mobile_result mobile_add(struct graph *graph, const struct shade_input *i
                                              .separate = params->separate};
     result.merged = graph_begin_scope(graph, &scope);
     add_gbuffer(graph, input, prepass, depth, params, &targets);
+    if (decals) add_decals(graph, input, params, result.merged, decals, &targets);
     add_lights(graph, input, params, result.merged, &targets);
     if (blend) add_glass(graph, blend, depth, &targets);
     result.target = add_finish(graph, input, result.merged, &targets, params, finish);

@@ -52,6 +52,12 @@ struct mobile_scale mobile_scale(const struct mobile_params *params, float facto
 /** True where the formats can be drawn to; `float_light` is taken back where only that one lacks. */
 bool mobile_supported(const gpu_device *device, const struct mobile_params *params);
 
+/** Boxes and volumes that are applied to the targets, in a step of their own. */
+struct mobile_decals {
+    const struct light_list *list; /* of clusters; the view has the address of the set */
+    graph_buffer decals;
+};
+
 /** Where it ends. */
 struct mobile_finish {
     graph_image target; /* attachment of the frame's size; id 0: what mobile_add makes of `format` */
@@ -68,10 +74,10 @@ struct mobile_result {
 
 /**
  * Declares the whole scope. `blend`: lists for blended surfaces, NULL: they are not drawn here. The view has params->scale.
- * With `prepass`, `depth` is complete.
+ * With `prepass`, `depth` is complete. `decals` may be NULL.
  */
 struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct shade_input *blend,
                                 bool prepass, graph_image depth, const struct mobile_params *params,
-                                const struct mobile_finish *finish);
+                                const struct mobile_decals *decals, const struct mobile_finish *finish);
 
 #endif
