@@ -96,7 +96,8 @@ static void test_round_trips_TD_13(void **state) {
                                    {"stereographic", -0.5, {1.2, 0.005}},
                                    {"octahedral", -1, {0.96, 0.004}},
                                    {"view space", 0, {7.2, 0.45}},
-                                   {"best fit", -1, {0.33, 0}}};
+                                   {"best fit", -1, {0.33, 0}},
+                                   {"xyz", -1, {0.39, 0.0016}}};
     make_normals();
     vec3 to_view = vec3_normalize(vec3_make(0.3f, 0.5f, -0.7f));
     for (uint32_t e = 0; e < ENCODING_COUNT; e++)

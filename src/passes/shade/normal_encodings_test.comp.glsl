@@ -25,6 +25,7 @@ void main() {
     if (kind == ENCODING_OCTAHEDRAL) e.xy = octahedral_encode(n) * 0.5 + 0.5;
     if (kind == ENCODING_VIEW) e.xy = normal_encode_view(n, push.to_view);
     if (kind == ENCODING_BEST_FIT) e = normal_encode_best_fit(n);
+    if (kind == ENCODING_XYZ) e = normal_encode_xyz(n);
     e = round(clamp(e, 0.0, 1.0) * float(push.most)) / float(push.most);
     push.stored.at[index] = e;
     if (kind == ENCODING_XY) d = normal_decode_xy(e.xy);
@@ -34,5 +35,6 @@ void main() {
     if (kind == ENCODING_OCTAHEDRAL) d = octahedral_decode(e.xy * 2.0 - 1.0);
     if (kind == ENCODING_VIEW) d = normal_decode_view(e.xy, push.to_view);
     if (kind == ENCODING_BEST_FIT) d = normal_decode_best_fit(e);
+    if (kind == ENCODING_XYZ) d = normal_decode_xyz(e);
     push.decoded.at[index] = d;
 }

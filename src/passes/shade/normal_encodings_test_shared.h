@@ -11,7 +11,8 @@
 #define ENCODING_OCTAHEDRAL 4u
 #define ENCODING_VIEW 5u
 #define ENCODING_BEST_FIT 6u
-#define ENCODING_COUNT 7u
+#define ENCODING_XYZ 7u
+#define ENCODING_COUNT 8u
 
 struct gpu_encodings_push {
     ADDRESS(normal_array) normals;
