@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The order mobile: merged or not the same pixels, what it stores, its layouts, glass and tone mapping inside the scope. */
+#include "passes/shade/reference.h"
 #include "tests/render_harness.h"
 
 #include <math.h>
@@ -444,6 +445,66 @@ static void test_white_furnace_MB_7(void **state) {
         }
 }
 
+/* ---- the lobe against double precision ---- */
+
+static float lobe_roughness, lobe_metallic;
+
+static void make_lobe(struct scene_material *m, uint32_t index) {
+    make_white(m, index);
+    m->base_color = (vec4){0.5f, 0.25f, 1, 1}; /* packed floats hold these */
+    m->roughness = lobe_roughness;
+    m->metallic = lobe_metallic;
+}
+
+static void test_the_lobe_is_the_references_MB_8(void **state) {
+    UNUSED(state);
+    for (int i = 0; i < 6; i++) {
+        lobe_roughness = 0.25f + 0.25f * (float)(i % 3);
+        lobe_metallic = i < 3 ? 0 : 1;
+        struct stage stage = edited_spheres("builtin:wall?lights=0", make_lobe);
+        fnl_frame frame = mobile_frame(&stage);
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.position = (vec3){2, 7, -15};
+        light.intensity = 100;
+        light.range = 200;
+        assert_int_equal(fnl_scene_set_ambient(stage.scene, (vec3){0, 0, 0}, (vec3){0, 0, 0}), FNL_OK);
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+        frame.mobile.layout = FNL_MOBILE_METALLIC_256;
+        frame.exposure = FNL_EXPOSURE_NONE;
+        frame.outputs = FNL_OUTPUT_RADIANCE | FNL_OUTPUT_POSITION;
+        struct shot shot = stage_shoot(&stage, &frame);
+        const float *radiance = shot.radiance.pixels, *position = shot.position.pixels;
+        double worst = 0, most = 0;
+        for (size_t k = 0; k < (size_t)frame.width * frame.height; k++) {
+            if (position[4 * k + 3] == 0 || fabsf(position[4 * k + 2] + 20) > 1e-3f) continue;
+            struct reference_surface s = reference_surface_default();
+            double to_view[3], length = 0, expected[3];
+            const float eye[3] = {frame.camera.position.x, frame.camera.position.y, frame.camera.position.z};
+            for (int c = 0; c < 3; c++) {
+                s.position[c] = (double)position[4 * k + (size_t)c];
+                s.normal[c] = c == 2;
+                to_view[c] = (double)eye[c] - s.position[c];
+                length += to_view[c] * to_view[c];
+            }
+            for (int c = 0; c < 3; c++) to_view[c] /= sqrt(length);
+            memcpy(s.base_color, (double[]){0.5, 0.25, 1}, sizeof s.base_color);
+            s.metallic = (double)lobe_metallic;
+            s.roughness = (double)lobe_roughness;
+            reference_shade(&s, to_view, &light, 1, (fnl_vec3){0, 0, 0}, (fnl_vec3){0, 0, 0}, expected);
+            for (int c = 0; c < 3; c++) {
+                worst = fmax(worst, fabs((double)radiance[4 * k + (size_t)c] - expected[c]));
+                most = fmax(most, expected[c]);
+            }
+        }
+        print_message("roughness %g, metalness %g: off by %.5f of the brightest\n", (double)lobe_roughness,
+                      (double)lobe_metallic, worst / most);
+        assert_true(most > 0.1 && worst / most < 0.002); /* 16-bit floats */
+        shot_free(&shot);
+        stage_close(&stage);
+    }
+}
+
 /* ---- colours ---- */
 
 static double decoded(fnl_mobile_gamma gamma, double value) { /* what eight bits make of it */
@@ -673,6 +734,7 @@ int main(int count, char **arguments) {
         cmocka_unit_test_teardown(test_light_beyond_the_accumulator_MB_13, harness_check),
         cmocka_unit_test_teardown(test_metallic_and_specular_layouts_agree_MB_5, harness_check),
         cmocka_unit_test_teardown(test_white_furnace_MB_7, harness_check),
+        cmocka_unit_test_teardown(test_the_lobe_is_the_references_MB_8, harness_check),
         cmocka_unit_test_teardown(test_gamma_of_colours_MB_11, harness_check),
         cmocka_unit_test_teardown(test_decals_rewrite_the_targets_MB_12, harness_check),
         cmocka_unit_test_teardown(test_many_decals_over_one_another_MB_12, harness_check),
