@@ -39,6 +39,7 @@ static void print_help(void) {
          "\n"
          "Scene\n"
          "  --lights N                 scatters N point and spot lights through the scene\n"
+         "  --grow-metal N             metal of textures reaches N texels farther, against halos at its edges (0)\n"
          "  --light-seed S             where they fall (1)\n"
          "  --light-shapes LIST        which: point,spot,capsule,wedge,box, each with =SHARE or not (point=3,spot=1)\n"
          "  --light-scale X            their radius times X (1)\n"
@@ -164,6 +165,7 @@ enum {
     O_AA,
     O_GBUFFER_PREPASS,
     O_MOBILE,
+    O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_TRAFFIC,
     O_TRANSPARENCY,
@@ -266,6 +268,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_number("msaa-tolerance", value, &number)) return false;
         if (!(number >= 0 && number <= 1)) return argument_bad("msaa-tolerance", value, "a number from 0 to 1");
         o->frame.msaa_tolerance = (float)number;
+        return true;
+    case O_GROW_METAL:
+        if (!argument_integer("grow-metal", value, 0, 64, &integer)) return false;
+        o->grow_metal = (uint32_t)integer;
         return true;
     case O_MOBILE:
         return argument_mobile("mobile", value, &o->frame.mobile);
@@ -424,6 +430,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
                                              {"mobile", required_argument, NULL, O_MOBILE},
+                                             {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"traffic", no_argument, NULL, O_TRAFFIC},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},

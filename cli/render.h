@@ -28,6 +28,7 @@ struct render_options {
     double choose_seconds; /* that auto may take before the frames */
     uint32_t frame_count, aovs; /* aovs: bits 1 << enum render_aov */
     fnl_scatter_params scatter;
+    uint32_t grow_metal; /* texels */
     bool has_range_roughness;
     float range_roughness;
     double time;

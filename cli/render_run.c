@@ -91,6 +91,7 @@ static bool load_scene(const struct render_options *o, const fnl_host *host, fnl
     if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
     if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
+    if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
     if (!add_default_light(o, *scene)) return false;

@@ -74,6 +74,12 @@ typedef struct fnl_material_params {
 FNL_API fnl_material_params fnl_material_params_default(void);
 FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
 
+/**
+ * Lets the metal in metallic-roughness textures reach `texels` (0 .. 64) farther. Where the mask of a metal fades over a texel, a light colour
+ * and a half-dielectric surface meet, which shines as a halo; metal that ends beyond its colour shows none. Before the scene is rendered.
+ */
+FNL_API fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels);
+
 /* ---- meshes and instances ---- */
 
 /** Triangles with one material. Arrays are copied. Missing normals and tangents are generated. */
