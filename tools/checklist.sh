@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 shown=$(mktemp)
 trap 'rm -f "$shown"' EXIT
 prefixes='ES|MP|TD|CL|FP|DI|CP|MF|VT|LC|MB|BC|SN|CC|VC|FL|PA|CM|LB|OM|VR'
-find src tests -name '*.c' -print0 | sort -z |
+find src tests cli -name '*.c' -print0 | sort -z |
     xargs -0 grep -ohE "\\btest_[A-Za-z0-9_]*(${prefixes})_[0-9]+[A-Za-z0-9_]*|\"[^\"]*\\b(${prefixes})-[0-9]+[^\"]*\"" |
     awk -v prefixes="$prefixes" '
         {
