@@ -30,7 +30,7 @@ static enum role role_of(const char *name) {
         enum role role;
     } roles[] = {{"forward", ROLE_SHADING},        {"deferred", ROLE_SHADING},     {"multipass", ROLE_SHADING},
                  {"classify", ROLE_SHADING},       {"volumes", ROLE_SHADING},      {"cull", ROLE_GEOMETRY},
-                 {"light sums", ROLE_SHADING}, {"light layer", ROLE_SHADING},    {"light volumes", ROLE_SHADING},
+                 {"light sums", ROLE_SHADING}, {"light layer", ROLE_SHADING}, {"inferred surfaces", ROLE_GEOMETRY},    {"light volumes", ROLE_SHADING},
                     {"light materials", ROLE_SHADING}, {"light surfaces", ROLE_GEOMETRY},
                  {"sort", ROLE_GEOMETRY},          {"blend depth", ROLE_GEOMETRY}, {"gbuffer", ROLE_GEOMETRY},
                  {"depth prepass", ROLE_GEOMETRY}, {"blend sort", ROLE_GEOMETRY},  {"skin", ROLE_GEOMETRY},

@@ -48,7 +48,7 @@ static void print_help(void) {
          "  --animation NAME|INDEX     which animation (0)\n");
     puts("Method\n"
          "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-         "                             low-res light-indexed zioma visibility mobile auto\n"
+         "                             low-res inferred light-indexed zioma visibility mobile auto\n"
          "                             (deferred; with MSAA forward-prepass)\n"
          "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
          "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"

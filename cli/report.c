@@ -81,6 +81,9 @@ void report_print(const struct render_report *r) {
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
+    if (s->light_bytes)
+        printf("  light apart from materials: %.1f KiB, %.0f bytes a pixel\n", (double)s->light_bytes / 1024,
+               (double)s->light_bytes / ((double)r->frame.width * r->frame.height));
     if (s->gbuffer_bytes) {
         printf("  G-buffer %s: %.1f KiB, %.0f bytes a pixel", fnl_gbuffer_name(r->frame.gbuffer),
                (double)s->gbuffer_bytes / 1024, (double)s->gbuffer_bytes / ((double)r->frame.width * r->frame.height));
@@ -161,6 +164,7 @@ static void add_traffic(json_t *json, const struct render_report *r) {
                         json_pack("{s:o,s:o,s:o,s:o,s:o}", "bytes_read", integer(s->image_bytes_read), "bytes_written",
                                   integer(s->image_bytes_written), "tile_bytes", integer(s->tile_bytes), "lazy_bytes",
                                   integer(s->lazy_bytes), "lazy_committed_bytes", integer(s->lazy_committed_bytes)));
+    json_object_set_new(json, "light_bytes", integer(s->light_bytes));
     if (s->shading != FNL_SHADING_MOBILE) return;
     json_object_set_new(json, "mobile",
                         json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",

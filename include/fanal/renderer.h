@@ -27,6 +27,11 @@ typedef enum fnl_shading {
     FNL_SHADING_PRE_LIGHTING,
     /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
     FNL_SHADING_LOW_RES,
+    /**
+     * Normals, depth and items at a part of the resolution, `light_scale`, blended surfaces stippled in among the others; light for each of
+     * those texels; materials at full resolution, filtered by item, depth and normal. Close, not equal; no MSAA.
+     */
+    FNL_SHADING_INFERRED,
     /** Depth first; volumes of lights write ids into each pixel, which forward shading reads; lists serve only transparent surfaces; no MSAA. */
     FNL_SHADING_LIGHT_INDEXED,
     /** The same, but the volumes leave direction, colour and attenuation of each light, in layers. */
@@ -196,10 +201,10 @@ typedef struct fnl_list_options {
     fnl_raster_path raster_path;   /**< default auto. raster */
     fnl_raster_nodes raster_nodes; /**< default array. raster */
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
-    fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass and low-res */
+    fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass, low-res and inferred (which takes two for four) */
     fnl_light_packing light_packing; /**< default ids. The shading order light-indexed */
     uint32_t light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 8 */
-    uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading order low-res */
+    uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading orders low-res and inferred */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
@@ -483,6 +488,11 @@ typedef struct fnl_frame_stats {
     uint32_t max_per_pixel;
     uint32_t draws;                /**< draw calls (indirect ones count once) */
     uint64_t items, items_visible; /**< primitives of instances, and those left after culling */
+    /**
+     * Of what stands in place of a G-buffer where light is kept apart from materials, or in layers of lights: surfaces as lights need them,
+     * sums of light, layers. Depth and radiance of the frame's size are left out; 0 with other orders. Ids of light-indexed are in list_bytes.
+     */
+    uint64_t light_bytes;
     uint64_t gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
     uint64_t items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
     uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */

@@ -48,7 +48,7 @@ struct frame_state {
     struct frame_decals decals;
     struct aov_images aov;
     struct linked_lists linked; /* transparency */
-    uint64_t blend_bytes;
+    uint64_t blend_bytes, light_bytes;
     struct frame_temporal temporal;
     graph_image color;
     const struct frame_target *target; /* or NULL: where the picture goes besides */

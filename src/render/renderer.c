@@ -12,7 +12,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
-                                        "light-prepass", "pre-lighting", "low-res", "light-indexed", "zioma", "visibility", "mobile", "auto"};
+                                        "light-prepass", "pre-lighting", "low-res", "inferred", "light-indexed", "zioma", "visibility", "mobile", "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }

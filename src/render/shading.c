@@ -9,6 +9,7 @@
 #include "passes/shade/deferred_msaa.h"
 #include "passes/shade/deferred_screen.h"
 #include "passes/shade/gbuffer_layouts.h"
+#include "passes/shade/inferred.h"
 #include "passes/shade/light_indexed.h"
 #include "passes/shade/pre_lighting.h"
 #include "passes/shade/regroup.h"
@@ -289,6 +290,12 @@ static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
     return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
 }
 
+/* Bytes of the targets of sums, and with them of the surfaces that they were made for. */
+static uint64_t light_bytes(const struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
+    uint32_t texel = graph_image_info(f->graph, sums->targets[0]).format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
+    return surface_bytes + (uint64_t)sums->width * sums->height * (sums->target_count * texel + (sums->samples.id ? 4 : 0));
+}
+
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
     struct gbuffer normals = light_surfaces_normals(&surfaces);
@@ -297,6 +304,7 @@ static void add_light_sums(struct frame_state *f, struct shade_input *input, boo
         light_sums_create(f->graph, input, buffer, scale, graph_image_info(f->graph, f->radiance).format);
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+    f->light_bytes = light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * input->width * input->height);
 }
 
 static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -325,6 +333,7 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     struct volumes volumes = prepare_volumes(f, VOLUME_QUADS);
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+    f->light_bytes = light_bytes(f, &sums, 12ull * input->width * input->height);
     if (!has_blend(f)) count_volumes(f, &volumes);
 }
 
@@ -347,9 +356,54 @@ static void add_zioma(struct frame_state *f, struct shade_input *input, bool pre
     UNUSED(prepass);
     add_blend_lists(f);
     struct volumes volumes = prepare_volumes(f, VOLUME_SOLIDS);
-    zioma_add(f->graph, input, &volumes, MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS), f->radiance, f->depth);
+    uint32_t layers = MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS);
+    zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
+    f->light_bytes = 36ull * layers * input->width * input->height;
     f->lights.totals = volumes.totals;
     f->lights.totals_known = false;
+}
+
+/* Everything of light at a lower resolution, lists included: the frame, for as long as they are made, is a smaller one. */
+static void add_inferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    const fnl_frame *frame = f->frame;
+    struct gpu_view view = f->view;
+    struct light_input *lights = &f->scene->lights;
+    const struct light_input whole = *lights;
+    fnl_frame low_frame = *frame;
+    lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->list_options.light_scale);
+    lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->list_options.light_scale);
+    f->view.inverse_size = (vec2){1 / (float)low_frame.width, 1 / (float)low_frame.height};
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
+    if (slice.data) memcpy(slice.data, &f->view, sizeof f->view);
+    lights->view = slice.address;
+    f->frame = &low_frame;
+
+    bool blend = has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED;
+    struct shade_input low = *input;
+    low.view = slice.address;
+    low.width = low_frame.width;
+    low.height = low_frame.height;
+    struct inferred inferred = inferred_surfaces_add(f->graph, &low, blend);
+    struct gbuffer normals = light_surfaces_normals(&inferred.surfaces);
+    add_lists(f, inferred.surfaces.depth, &normals);
+    uint32_t buffer = light_buffer(f, LIGHT_BUFFER_FOUR) == LIGHT_BUFFER_RGBA ? LIGHT_BUFFER_RGBA : LIGHT_BUFFER_FOUR;
+    struct light_sums sums = light_sums_create(f->graph, &low, buffer, 1, graph_image_info(f->graph, f->radiance).format);
+    light_sums_add(f->graph, &low, &inferred.surfaces, &sums);
+
+    f->view = view;
+    f->frame = frame;
+    lights->width = whole.width;
+    lights->height = whole.height;
+    lights->view = whole.view;
+    f->blend_lights = light_list_all_add(f->graph, f->r->device, lights);
+    input->lights = &f->blend_lights;
+    inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
+    if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
+    f->blended = blend;
+    f->light_bytes = light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
+    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS)
+        f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
 
 static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -369,6 +423,8 @@ static const struct order {
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES},
     [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
     [FNL_SHADING_PRE_LIGHTING] = {add_pre_lighting, SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES},
+    [FNL_SHADING_INFERRED] = {add_inferred, SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW |
+                                                SHADING_APPROXIMATE},
     [FNL_SHADING_LIGHT_INDEXED] = {add_light_indexed, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_ZIOMA] = {add_zioma, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},

@@ -78,8 +78,8 @@ static void execute_list(const struct graph_context *context, const void *data) 
 #define SIXTEEN(text)                                                                                                       \
     text, text " 1", text " 2", text " 3", text " 4", text " 5", text " 6", text " 7", text " 8", text " 9", text " 10",    \
         text " 11", text " 12", text " 13", text " 14", text " 15"
-static const char *const first_names[INDEXED_LAYERS] = {SIXTEEN("light ids")},
-                         *const second_names[INDEXED_LAYERS] = {SIXTEEN("light ids again")};
+static const char *const first_names[INDEXED_LAYERS] = {SIXTEEN("light ids")}, *const second_names[INDEXED_LAYERS] = {
+                                                                                   SIXTEEN("light ids again")};
 
 static void add_ids(struct graph *graph, const char *name, const struct indexed_data *data, graph_image target,
                     VkAttachmentLoadOp load) {
@@ -105,7 +105,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     struct clear_data clear = {.sizes = {pixels * 4 * (images ? layers : 1), images ? 0 : pixels * (capacity + 1) / 2 * 4}};
     clear.buffers[0] = graph_create_buffer(graph, "light id counts", clear.sizes[0]);
     if (!images) clear.buffers[1] = graph_create_buffer(graph, "light id slots", clear.sizes[1]);
-    struct graph_pass *pass = graph_add_pass(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
     for (uint32_t i = 0; i < 2; i++)
         if (clear.buffers[i].id) graph_use_buffer(pass, clear.buffers[i], GRAPH_COPY_TO);
 
@@ -149,8 +150,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     struct light_list out = {.kind = GPU_LIST_TILES,
                              .lights = lights->buffer,
                              .cell_count = (uint32_t)pixels,
-                             .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + clear.sizes[0] + clear.sizes[1] +
-                                           (images ? pixels * 4 * layers : 0),
+                             .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + clear.sizes[0] +
+                                           clear.sizes[1] + (images ? pixels * 4 * layers : 0),
                              .totals = volumes->totals};
     out.fixed_bytes = out.byte_count;
     list.header = light_list_header(device, lights, &out.header);

@@ -12,7 +12,8 @@
 
 struct indexed_params {
     uint32_t packing; /* INDEXED_…; default INDEXED_IDS */
-    uint32_t layers;  /* 1 .. INDEXED_LAYERS; ids: four ids a pixel each; else an RGBA8 image for 255 lights each; default 4 */
+    uint32_t
+        layers; /* 1 .. INDEXED_LAYERS; ids: four ids a pixel each; else an RGBA8 image for 255 lights each; default 4 */
 };
 /**
  * A list with a cell for each pixel. Pixels that more lights may reach than fit use all lights, and count as overflow cells, exactly. Needs

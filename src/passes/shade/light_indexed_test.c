@@ -12,8 +12,9 @@ static void check_indexed(struct stage *stage, const char *what) {
             struct shot shot = order_shoot(stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
             if (layers == 4 || shot.stats.overflow_cells)
                 print_message("  %s, %s, %u layers: %llu of %llu evaluations, %u pixels full\n", what,
-                              fnl_light_packing_name((fnl_light_packing)p), layers, (unsigned long long)shot.stats.evaluations,
-                              (unsigned long long)forward.stats.evaluations, shot.stats.overflow_cells);
+                              fnl_light_packing_name((fnl_light_packing)p), layers,
+                              (unsigned long long)shot.stats.evaluations, (unsigned long long)forward.stats.evaluations,
+                              shot.stats.overflow_cells);
             if (count_differing(&forward.radiance, &shot.radiance))
                 fail_msg("%s, %s, %u layers: %llu pixels differ", what, fnl_light_packing_name((fnl_light_packing)p), layers,
                          (unsigned long long)count_differing(&forward.radiance, &shot.radiance));

@@ -31,15 +31,15 @@ struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade
     surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM);
     if (reflects) surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM);
     struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
-    data.state =
-        (struct gpu_graphics_params){.fragment = &shader_light_prepass_surfaces_frag,
-                                     .color_count = reflects ? 2 : 1,
-                                     .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
-                                     .depth_format = GEOMETRY_DEPTH_FORMAT,
-                                     .depth_test = true,
-                                     .depth_write = !prepass,
-                                     .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
-                                     .samples = 1};
+    data.state = (struct gpu_graphics_params){
+        .fragment = &shader_light_prepass_surfaces_frag,
+        .color_count = reflects ? 2 : 1,
+        .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
+        .depth_format = GEOMETRY_DEPTH_FORMAT,
+        .depth_test = true,
+        .depth_write = !prepass,
+        .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
+        .samples = 1};
     struct graph_pass *pass =
         graph_add_pass(graph, "light surfaces", GRAPH_QUEUE_GRAPHICS, execute_surfaces, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
@@ -59,11 +59,12 @@ void light_surfaces_use(struct graph_pass *pass, const struct light_surfaces *su
     if (surfaces->reflectance.id) graph_use_image(pass, surfaces->reflectance, use);
 }
 
-struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *context, const struct light_surfaces *surfaces) {
-    return (struct gpu_light_surfaces){
-        .depth = graph_sampled(context, surfaces->depth),
-        .normal = graph_sampled(context, surfaces->normal),
-        .reflectance = surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0};
+struct gpu_light_surfaces light_surfaces_handles(const struct graph_context *context,
+                                                 const struct light_surfaces *surfaces) {
+    return (struct gpu_light_surfaces){.depth = graph_sampled(context, surfaces->depth),
+                                       .normal = graph_sampled(context, surfaces->normal),
+                                       .reflectance =
+                                           surfaces->reflectance.id ? graph_sampled(context, surfaces->reflectance) : 0};
 }
 
 struct gbuffer light_surfaces_normals(const struct light_surfaces *surfaces) {

@@ -12,8 +12,8 @@
 
 layout(constant_id = 13) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO;
 
-// LIGHT_BUFFER_FOUR: the four sums. TWO: at[0] diffuse light less what is reflected, at[1] reflected light. RGBA: at[0] diffuse light, with the
-// luminance of the specular lobe in its alpha.
+// LIGHT_BUFFER_FOUR: the four sums. TWO: at[0] diffuse light less what is reflected, at[1] reflected light. RGBA: at[0] diffuse light,
+// with the luminance of the specular lobe in its alpha.
 struct light_sums {
     vec4 at[LIGHT_BUFFER_TARGETS];
 };
@@ -86,8 +86,9 @@ light_sums light_sums_of(light_surface s, view_block v, light_list_block lights,
     return sums;
 }
 
-// What a material makes of it. RGBA knows neither the half vectors nor the colours of highlights: reflectance is that of normal incidence, and
-// highlights take the hue of the diffuse light. Right for reflectances without Fresnel's rise (F90 = F0) under white lights.
+// What a material makes of it. RGBA knows neither the half vectors nor the colours of highlights: reflectance is that of normal
+// incidence, and highlights take the hue of the diffuse light. Right for reflectances without Fresnel's rise (F90 = F0) under white
+// lights.
 vec3 light_sums_reflect(surface s, light_sums sums) {
     float greatest = max_component(s.dielectric_f0);
     vec3 albedo = s.base_color * (1.0 - s.metallic);

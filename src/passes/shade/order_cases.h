@@ -12,9 +12,9 @@ static inline void order_scenes(order_check *check) {
     static const struct {
         const char *source;
         float ev;
-    } scenes[] = {{"builtin:hall?lights=256", 3},          {"builtin:interior", 5},           {"builtin:spheres?lights=100", 5},
-                  {"builtin:lamps", 5},                    {"builtin:nearplane", 5},          {"builtin:onetile?lights=300", 5},
-                  {"builtin:glass?lights=40", 5},          {"builtin:sky", 5},                {"builtin:spheres?lights=0", 5},
+    } scenes[] = {{"builtin:hall?lights=256", 3}, {"builtin:interior", 5},  {"builtin:spheres?lights=100", 5},
+                  {"builtin:lamps", 5},           {"builtin:nearplane", 5}, {"builtin:onetile?lights=300", 5},
+                  {"builtin:glass?lights=40", 5}, {"builtin:sky", 5},       {"builtin:spheres?lights=0", 5},
                   {"builtin:spheres?lights=1", 5}};
     for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
         struct stage stage = stage_open(scenes[i].source, 0);
@@ -25,8 +25,8 @@ static inline void order_scenes(order_check *check) {
 }
 
 static inline void order_cameras(order_check *check) {
-    static const char *const names[] = {"in many lights",       "orthographic", "off axis",
-                                        "upside down and wide", "one pixel",    "at the rim", "odd size"};
+    static const char *const names[] = {"in many lights", "orthographic", "off axis", "upside down and wide",
+                                        "one pixel",      "at the rim",   "odd size"};
     struct stage stage = stage_open("builtin:spheres?lights=150", 0);
     const fnl_frame start = stage.frame;
     for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {

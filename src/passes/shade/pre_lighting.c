@@ -14,13 +14,12 @@ struct pre_lighting_data {
 
 static void execute_pre_lighting(const struct graph_context *context, const void *data) {
     const struct pre_lighting_data *d = data;
-    struct gpu_graphics_params state = {
-        .fragment = &shader_pre_lighting_frag,
-        .constant_count = 14,
-        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [13] = LIGHT_BUFFER_TWO},
-        .color_count = 2,
-        .color_formats = {d->format, d->format},
-        .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD}};
+    struct gpu_graphics_params state = {.fragment = &shader_pre_lighting_frag,
+                                        .constant_count = 14,
+                                        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [13] = LIGHT_BUFFER_TWO},
+                                        .color_count = 2,
+                                        .color_formats = {d->format, d->format},
+                                        .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD}};
     struct gpu_pre_lighting_push push = {
         .head = {.view = d->view, .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .surfaces = light_surfaces_handles(context, &d->surfaces)};
@@ -39,6 +38,7 @@ void pre_lighting_add(struct graph *graph, const struct shade_input *input, cons
     volumes_use(pass, volumes);
     light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    for (uint32_t i = 0; i < sums->target_count; i++) graph_color(pass, sums->targets[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+    for (uint32_t i = 0; i < sums->target_count; i++)
+        graph_color(pass, sums->targets[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
     graph_depth_read_only(pass, surfaces->depth);
 }

@@ -89,23 +89,45 @@ static void execute_totals(const struct graph_context *context, const void *data
 /* The three flat shapes, behind the indices of the solids. */
 static const uint32_t flat_indices[VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES + VOLUME_SCREEN_INDICES] = {
 #define AT(vertex) VOLUME_QUAD_VERTEX + (vertex)
-    AT(0), AT(1), AT(2), AT(2), AT(1), AT(3),
+    AT(0),
+    AT(1),
+    AT(2),
+    AT(2),
+    AT(1),
+    AT(3),
 #undef AT
 #define AT(vertex) VOLUME_OCTAGON_VERTEX + (vertex)
-    AT(0), AT(1), AT(2), AT(0), AT(2), AT(3), AT(0), AT(3), AT(4), AT(0), AT(4), AT(5), AT(0), AT(5), AT(6), AT(0), AT(6), AT(7),
+    AT(0),
+    AT(1),
+    AT(2),
+    AT(0),
+    AT(2),
+    AT(3),
+    AT(0),
+    AT(3),
+    AT(4),
+    AT(0),
+    AT(4),
+    AT(5),
+    AT(0),
+    AT(5),
+    AT(6),
+    AT(0),
+    AT(6),
+    AT(7),
 #undef AT
-    VOLUME_SCREEN_VERTEX, VOLUME_SCREEN_VERTEX + 1, VOLUME_SCREEN_VERTEX + 2};
+    VOLUME_SCREEN_VERTEX,
+    VOLUME_SCREEN_VERTEX + 1,
+    VOLUME_SCREEN_VERTEX + 2};
 
 struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input) {
     static const struct prefix_sum_names names = PREFIX_SUM_NAMES("volumes");
     const struct light_input *lights = input->lights;
     const uint32_t count = lights->local_count;
-    struct volumes volumes = {.list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
-    struct cull_data cull = {.lights = *lights,
-                             .view = input->view,
-                             .list = volumes.list.header,
-                             .cull = input->cull,
-                             .shape = input->shape};
+    struct volumes volumes = {
+        .list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
+    struct cull_data cull = {
+        .lights = *lights, .view = input->view, .list = volumes.list.header, .cull = input->cull, .shape = input->shape};
     volumes.sums = cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
     volumes.ids = cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
     volumes.draws = cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));

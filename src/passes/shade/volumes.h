@@ -26,9 +26,9 @@ struct volumes_input {
 };
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
 struct volumes {
-    struct light_list list;              /* all lights */
-    graph_buffer sums, ids, draws;       /* two prefix sums per light; instance -> local light; two indirect draws */
-    graph_buffer totals;                 /* struct light_totals: volumes drawn, 0, 0 */
+    struct light_list list;        /* all lights */
+    graph_buffer sums, ids, draws; /* two prefix sums per light; instance -> local light; two indirect draws */
+    graph_buffer totals;           /* struct light_totals: volumes drawn, 0, 0 */
     struct gpu_slice indices;
     uint32_t shape, light_count;
 };

@@ -16,15 +16,14 @@ struct layer_data {
 
 static void execute_layer(const struct graph_context *context, const void *data) {
     const struct layer_data *d = data;
-    struct gpu_graphics_params state = {
-        .fragment = &shader_zioma_layer_frag,
-        .constant_count = 14,
-        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [13] = d->layer > 0},
-        .color_count = 2,
-        .color_formats = {RAY_FORMAT, COLOR_FORMAT},
-        .depth_test = true,
-        .depth_write = true,
-        .depth_compare = VK_COMPARE_OP_GREATER};
+    struct gpu_graphics_params state = {.fragment = &shader_zioma_layer_frag,
+                                        .constant_count = 14,
+                                        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [13] = d->layer > 0},
+                                        .color_count = 2,
+                                        .color_formats = {RAY_FORMAT, COLOR_FORMAT},
+                                        .depth_test = true,
+                                        .depth_write = true,
+                                        .depth_compare = VK_COMPARE_OP_GREATER};
     struct gpu_zioma_push push = {
         .head = {.view = d->view, .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .depth = graph_sampled(context, d->depth),
@@ -86,7 +85,8 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
         image.format = GEOMETRY_DEPTH_FORMAT;
         material.last = graph_create_image(graph, &image);
         layer.layer = i;
-        struct graph_pass *pass = graph_add_pass(graph, passes[i], GRAPH_QUEUE_GRAPHICS, execute_layer, &layer, sizeof layer);
+        struct graph_pass *pass =
+            graph_add_pass(graph, passes[i], GRAPH_QUEUE_GRAPHICS, execute_layer, &layer, sizeof layer);
         volumes_use(pass, volumes);
         graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
         if (i > 0) graph_use_image(pass, layer.previous, GRAPH_SAMPLE_FRAGMENT);

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/** Inferred lighting: how close it is to deferred shading, its lists, its glass. */
+#include "passes/shade/order_cases.h"
+
+/* Every list gives the bits of `all`, also for what is stippled; nothing breaks, whatever the size. */
+static void check_own_reference(struct stage *stage, const char *what) {
+    static const fnl_light_lists lists[] = {FNL_LISTS_TILED,  FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
+                                            FNL_LISTS_SPARSE, FNL_LISTS_CLUSTERED, FNL_LISTS_CLUSTERED_CPU};
+    for (uint32_t scale = 2; scale <= 4; scale *= 2) {
+        stage->frame.list_options.light_scale = scale;
+        struct shot all = order_shoot(stage, FNL_SHADING_INFERRED, FNL_LISTS_ALL);
+        struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
+        print_message("  %s, 1/%u: %.1f dB, %llu of %llu evaluations\n", what, scale,
+                      order_psnr(&all.color, &deferred.color), (unsigned long long)all.stats.evaluations,
+                      (unsigned long long)deferred.stats.evaluations);
+        assert_int_equal(count_broken(&all.radiance), 0);
+        for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
+            struct shot shot = order_shoot(stage, FNL_SHADING_INFERRED, lists[i]);
+            if (count_differing(&all.radiance, &shot.radiance))
+                fail_msg("%s, 1/%u: %s differs from all at %llu pixels", what, scale, fnl_light_lists_name(lists[i]),
+                         (unsigned long long)count_differing(&all.radiance, &shot.radiance));
+            shot_free(&shot);
+        }
+        shot_free(&all);
+        shot_free(&deferred);
+    }
+    stage->frame.list_options.light_scale = 2;
+}
+
+static void test_lists(void **state) {
+    UNUSED(state);
+    order_cameras(check_own_reference);
+    static const char *const sources[] = {"builtin:glass?lights=40", "builtin:sky", "builtin:spheres?lights=0"};
+    for (uint32_t i = 0; i < COUNT_OF(sources); i++) {
+        struct stage stage = stage_open(sources[i], 0);
+        check_own_reference(&stage, sources[i]);
+        stage_close(&stage);
+    }
+}
+
+static void check_quality(const char *source, float ev, double half, double quarter, double share) {
+    struct stage stage = stage_open(source, 0);
+    stage.frame.ev = ev;
+    stage.frame.width = 320;
+    stage.frame.height = 180;
+    struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_TILED);
+    for (uint32_t scale = 2; scale <= 4; scale *= 2) {
+        stage.frame.list_options.light_scale = scale;
+        for (int b = FNL_LIGHT_BUFFER_RGBA; b <= FNL_LIGHT_BUFFER_FOUR; b += 2) {
+            stage.frame.list_options.light_buffer = (fnl_light_buffer)b;
+            struct shot shot = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_TILED);
+            double got = order_psnr(&deferred.color, &shot.color);
+            double part = (double)shot.stats.evaluations / (double)deferred.stats.evaluations;
+            print_message("  %s, 1/%u, %s: %.1f dB, %.2f of the evaluations\n", source, scale,
+                          fnl_light_buffer_name((fnl_light_buffer)b), got, part);
+            assert_true(got > (scale == 2 ? half : quarter) && part < share);
+            shot_free(&shot);
+        }
+    }
+    shot_free(&deferred);
+    stage_close(&stage);
+}
+
+static void test_quality(void **state) {
+    UNUSED(state);
+    check_quality("builtin:hall?lights=256", 3, 28, 25, 3);
+    check_quality("builtin:city?lights=512", 3, 28, 25, 8);
+    check_quality("builtin:glass?lights=40", 5, 28, 25, 2);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"ES-24: inferred lists equal its own brute force, blended surfaces included", test_lists, NULL, harness_check,
+         NULL},
+        {"ES-24: inferred is close in hall, city and glass", test_quality, NULL, harness_check, NULL},
+    };
+    return cmocka_run_group_tests_name("inferred", tests, harness_begin, harness_end);
+}
