@@ -98,7 +98,7 @@ static uint32_t first_plane(const struct device_scene *d) {
     return (uint32_t)(device_lights_planes_offset(d->light_data.count) / sizeof(vec4));
 }
 
-static fnl_result gather(struct device_scene *d) {
+fnl_result device_lights_gather(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     d->light_data.count = d->plane_data.count = d->bound_radii.count = d->light_slots.count = 0;
     if (!array_reserve(&d->host, &d->light_data, scene->lights.count)) return FNL_ERROR_MEMORY;
@@ -268,7 +268,7 @@ fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_
     d->light_bytes_sent = 0;
     if (d->light_version == d->scene->light_version) return FNL_OK;
     if (d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version) {
-        TRY(gather(d));
+        TRY(device_lights_gather(d));
         TRY(send_all(d, graph, lights));
     } else {
         TRY(send_changed(d, graph, lights));

@@ -112,6 +112,8 @@ static inline bool device_node_draws(const struct scene_node *node) {
  * or went.
  */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
+/** The part of it that needs no device: fills light_data, plane_data and directional_count from d->scene. */
+fnl_result device_lights_gather(struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
 /**
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the

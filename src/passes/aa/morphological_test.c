@@ -117,7 +117,7 @@ static double contrast(const struct picture *p, enum method method, int x0, int 
     const uint8_t *a = pixel(p, x0, y0), *b = pixel(p, x1, y1);
     if (method == SMAA) return fabs(luma(p, x0, y0) - luma(p, x1, y1));
     double most = 0;
-    for (int c = 0; c < 3; c++) most = fmax(most, fabs(a[c] - b[c]) / 255.0);
+    for (int c = 0; c < 3; c++) most = fmax(most, abs(a[c] - b[c]) / 255.0);
     return most;
 }
 

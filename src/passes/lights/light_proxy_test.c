@@ -127,8 +127,8 @@ static int ask_begin(void **state) {
         for (int k = 0; k < 12; k++) corners[k] = vec3_add(middle, random_vector(&random, size));
         assert_int_equal(fnl_scene_set_light_hull(scene, id, corners, 12), FNL_OK);
     }
-    gathered = (struct device_scene){.host = *gpu_host(harness_device())};
-    assert_int_equal(device_lights_gather(scene, &gathered), FNL_OK);
+    gathered = (struct device_scene){.host = *gpu_host(harness_device()), .scene = scene};
+    assert_int_equal(device_lights_gather(&gathered), FNL_OK);
     uint64_t planes = device_lights_planes_offset(LIGHT_COUNT), bytes = planes + gathered.plane_data.count * sizeof(vec4);
     bench.lights = calloc(1, bytes);
     memcpy(bench.lights, gathered.light_data.data, LIGHT_COUNT * sizeof *bench.lights);
@@ -146,6 +146,7 @@ static int ask_end(void **state) {
     free(bench.lights);
     array_free(&gathered.host, &gathered.light_data);
     array_free(&gathered.host, &gathered.plane_data);
+    array_free(&gathered.host, &gathered.light_slots);
     fnl_scene_destroy(&scene);
     return harness_end(state);
 }
