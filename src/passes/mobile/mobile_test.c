@@ -160,6 +160,37 @@ static void test_only_the_picture_is_stored_MB_2_MB_3_ES_68(void **state) {
     stage_close(&stage);
 }
 
+/* What a comparison plots: the time of the scope, and the bytes of the frame. No device here tells its power. */
+static void test_time_and_bytes_of_a_frame_MB_17(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open(SCENE, 0);
+    fnl_frame frame = mobile_frame(&stage);
+    frame.timers = true;
+    for (int separate = 0; separate < 2; separate++) {
+        frame.mobile.separate = separate;
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
+        uint32_t scopes = 0, steps = 0;
+        double milliseconds = 0;
+        for (uint32_t i = 0; i < stats.pass_count; i++) {
+            if (strncmp(stats.passes[i].name, "mobile", 6) != 0) continue;
+            scopes += strcmp(stats.passes[i].name, "mobile") == 0;
+            steps++;
+            milliseconds += stats.passes[i].milliseconds;
+        }
+        if (stats.pass_count) { /* it has timestamps */
+            assert_int_equal(scopes, separate ? 0 : 1);
+            assert_int_equal(steps, separate ? 4 : 1);
+            assert_true(milliseconds > 0 && milliseconds <= stats.gpu_milliseconds);
+        }
+        print_message("%s: %.2f ms, %llu bytes read, %llu written\n", separate ? "separate" : "merged", milliseconds,
+                      (unsigned long long)stats.image_bytes_read, (unsigned long long)stats.image_bytes_written);
+        assert_true(stats.image_bytes_written > 0 && (stats.image_bytes_read > 0) == separate);
+    }
+    stage_close(&stage);
+}
+
 static void test_bits_of_the_layouts_MB_4(void **state) {
     UNUSED(state);
     static const uint32_t bits[] = {128, 160, 256, 256}, used[] = {126, 142, 256, 256};
@@ -792,6 +823,7 @@ int main(int count, char **arguments) {
         cmocka_unit_test_teardown(test_odd_frames_MB_1, harness_check),
         cmocka_unit_test_teardown(test_every_list_leaves_the_same_bits_MB_1, harness_check),
         cmocka_unit_test_teardown(test_only_the_picture_is_stored_MB_2_MB_3_ES_68, harness_check),
+        cmocka_unit_test_teardown(test_time_and_bytes_of_a_frame_MB_17, harness_check),
         cmocka_unit_test_teardown(test_bits_of_the_layouts_MB_4, harness_check),
         cmocka_unit_test_teardown(test_the_picture_recycles_the_normals_MB_14, harness_check),
         cmocka_unit_test_teardown(test_tone_mapping_inside_equals_tone_mapping_after_MB_15, harness_check),
