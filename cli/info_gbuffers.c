@@ -37,10 +37,26 @@ static void print_layout(fnl_gbuffer layout, const struct gbuffer_question *q) {
     print_cost("published", info.published_bits, q);
 }
 
+/* Of the order mobile, which keeps it in tile memory: merged, only the picture moves. */
+static void print_mobile(fnl_mobile_layout layout, const struct gbuffer_question *q) {
+    fnl_mobile_target targets[8];
+    uint32_t count = fnl_mobile_layout_targets(layout, targets, 8), bits = 0, used = 0;
+    printf("\nmobile %s\n", fnl_mobile_layout_name(layout));
+    for (uint32_t i = 0; i < count; i++) {
+        printf("  target %u, %u bits: %s %u\n", i, targets[i].bits, targets[i].name, targets[i].used_bits);
+        bits += targets[i].bits;
+        used += targets[i].used_bits;
+    }
+    printf("  used: %u bits; light included\n", used);
+    print_cost("separate", bits, q);
+    print_cost("merged", 0, q);
+}
+
 void info_print_gbuffers(const struct gbuffer_question *q) {
     printf("G-buffers at %ux%u, %u sample%s a pixel, read and written once a frame at %g frames a second. Here: the targets "
            "alone;\n"
            "published: with depth, stencil and the target in which light is summed up.\n",
            q->width, q->height, q->samples, q->samples == 1 ? "" : "s", q->frames_per_second);
     for (int i = 0; i < FNL_GBUFFER_COUNT; i++) print_layout((fnl_gbuffer)i, q);
+    for (int i = 0; i < FNL_MOBILE_LAYOUT_COUNT; i++) print_mobile((fnl_mobile_layout)i, q);
 }
