@@ -13,6 +13,6 @@ void main() {
     vec4 m = texelFetch(textures[push.motion], p, 0);
     float turn = atan(m.y, m.x) / (2.0 * PI), speed = clamp(log2(1.0 + 4.0 * length(m.xy)) / 8.0, 0.0, 1.0);
     vec3 hue = clamp(abs(fract(turn + vec3(0.0, 0.667, 0.333)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
-    vec3 color = m.w == 0.0 ? vec3(0.0) : mix(vec3(0.5), hue, speed);
+    vec3 color = m.w == 0.0 ? vec3(0.0) : mix(vec3(128.0 / 255.0), hue, speed);
     imageStore(images[push.target], p, vec4(push.swap == 1u ? color.bgr : color, 1.0));
 }
