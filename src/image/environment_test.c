@@ -130,7 +130,7 @@ static void test_mips_by_roughness_MB_10(void **state) {
                 }
         print_message("mip %u: from %.3f to %.3f, samples off by %.4f\n", mip, low, high, worst);
         assert_true(worst < 0.03);
-        assert_true(high - low < before);              /* rougher, smoother */
+        assert_true(high - low < before); /* rougher, smoother */
         before = high - low;
     }
     environment_finish(&host, &exact);

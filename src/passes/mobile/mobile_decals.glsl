@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A step between geometry and lights: reads a pixel's targets, lets the decals that hold its point change the surface, and rewrites what they
-// changed; the rest keeps its bits. The light, which has ambient light and glow in it, gains what the new surface has more of those.
+// A step between geometry and lights: reads a pixel's targets, lets the decals that hold its point change the surface, and rewrites what
+// they changed; the rest keeps its bits. The light, which has ambient light and glow in it, gains what the new surface has more of those.
 #include "common.glsl"
 #include "shade.glsl"
 #include "decals.glsl"
@@ -19,7 +19,7 @@ layout(location = 3) out vec4 out_3;
 layout(location = 4) out vec4 out_4;
 #endif
 
-// From a surface to where its plane is seen at the middle of another pixel: gradients that no silhouette disturbs. At most some pixels' width.
+// From a surface to where its plane is seen at the middle of another pixel: gradients that no silhouette disturbs. At most some pixels.
 vec3 step_on_plane(surface s, vec2 pixel, float view_depth) {
     view_block v = push.view;
     vec3 near = (v.view.view_to_world * vec4(view_position_of(v, ndc_of_pixel(v, pixel), 1.0), 1.0)).xyz;
