@@ -34,7 +34,7 @@ static void print_help(void) {
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces layers motion decals gbuffer-0 … gbuffer-4\n"
-         "                             material-id lit-forward, instead of the picture\n"
+         "                             material-id lit-forward edges, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position,motion: more channels in the .exr\n"
          "\n"
          "Scene\n"

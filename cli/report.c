@@ -78,6 +78,12 @@ void report_print(const struct render_report *r) {
     if (s->decals_total)
         printf("  decals %u; boxes in view %u; entries %" PRIu64 "; overflow %u\n", s->decals_total, s->decals_in_view,
                s->decal_entries, s->decal_overflow);
+    if (s->msaa_pixels) {
+        printf("  edge pixels %u of %u; surfaces %" PRIu64 ", samples %" PRIu64, s->msaa_edge_pixels, s->msaa_pixels,
+               s->msaa_surfaces, s->msaa_samples);
+        if (s->msaa_shaded) printf("; shaded %" PRIu64, s->msaa_shaded);
+        puts("");
+    }
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
@@ -142,6 +148,16 @@ static void add_decals(json_t *json, const struct render_report *r) {
                                   integer(s->decal_entries), "overflow", integer(s->decal_overflow)));
 }
 
+static void add_msaa(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    if (s->msaa_pixels == 0) return;
+    json_object_set_new(json, "msaa",
+                        json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "method", fnl_msaa_method_name(r->frame.msaa_method), "pixels",
+                                  integer(s->msaa_pixels), "edge_pixels", integer(s->msaa_edge_pixels), "surfaces",
+                                  integer(s->msaa_surfaces), "samples", integer(s->msaa_samples), "shaded",
+                                  integer(s->msaa_shaded)));
+}
+
 static void add_transparency(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     json_object_set_new(json, "transparency",
@@ -176,6 +192,7 @@ bool report_save(const struct render_report *r, const char *path) {
     add_gbuffer(json, r);
     add_decals(json, r);
     add_transparency(json, r);
+    add_msaa(json, r);
     add_traffic(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&
