@@ -96,6 +96,10 @@ void report_print(const struct render_report *r) {
         if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
         putchar('\n');
     }
+    if (s->shading == FNL_SHADING_MOBILE)
+        printf("  mobile %s: %s, tone mapping %s\n", fnl_mobile_layout_name(r->frame.mobile.layout),
+               s->mobile_merged ? "one scope" : "separate passes",
+               s->mobile_tonemapped ? "inside" : "after it, from stored radiance (a fixed --exposure may spare that)");
     printf("  images: %.2f MiB read, %.2f MiB written by passes; %.2f MiB of attachments in tile memory%s\n",
            (double)s->image_bytes_read / (1 << 20), (double)s->image_bytes_written / (1 << 20),
            (double)s->tile_bytes / (1 << 20), s->lazy_bytes ? ", lazily allocated" : "");

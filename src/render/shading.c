@@ -213,7 +213,7 @@ void shading_scale_light(struct frame_state *f) {
 static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {
     if (r->mobile_notes >> bit & 1) return;
     r->mobile_notes |= 1u << bit;
-    log_info(&r->host, "mobile shading: %s", text);
+    log_warning(&r->host, "mobile shading: %s", text);
 }
 
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
@@ -222,18 +222,15 @@ static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
     if (!f->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
     if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
     if (frame->outputs & FNL_OUTPUT_RADIANCE) return false;
-    if (frame->exposure == FNL_EXPOSURE_AUTO) {
-        note_once(f->r, 0, "automatic exposure meters the whole frame, so radiance is stored; a fixed exposure spares that");
-        return false;
-    }
+    if (frame->exposure == FNL_EXPOSURE_AUTO) return false; /* metering wants the whole frame first */
     return blend_inside || !has_blend(f);
 }
 
 static void add_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct mobile_params params;
     if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
-    if (params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
-        note_once(f->r, 1, params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
+    if (params.layout <= FNL_MOBILE_SPECULAR_160 && params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
+        note_once(f->r, 0, params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
                                               : "light adds up in fractions: the device cannot blend packed floats");
     add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
     struct shade_input blend = *input;
@@ -254,7 +251,7 @@ static void add_mobile(struct frame_state *f, struct shade_input *input, bool pr
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
     if (!result.merged && !f->frame->mobile.separate)
-        note_once(f->r, 2, "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
+        note_once(f->r, 1, "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 
 /* ---- blended surfaces ---- */
