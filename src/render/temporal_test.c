@@ -433,6 +433,62 @@ static void test_no_trail_within_the_spread_ES_21(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* The camera moves past a pane at rest: what it uncovers of the wall has no history, and shows this frame's sample to the bit. */
+static void test_uncovered_wall_has_no_history_ES_21(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material grey = test_unlit(0.25f, 0.25f, 0.25f), wall = test_unlit(0.1f, 0.3f, 0.2f);
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &grey)), (vec3){0, 0, 2}, (vec3){0.4f, 1, 1});
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &wall)), (vec3){0, 0, -3}, (vec3){9, 9, 1});
+    fnl_renderer *renderer = test_renderer(scene), *plain = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_POSITION);
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){0, 0, 5};
+    frame.camera.target = (vec3){0, 0, 0};
+    frame.aa = FNL_ANTIALIASING_TAA;
+    test_render_frame(renderer, &frame);
+    fnl_image before = test_read(renderer, FNL_OUTPUT_POSITION);
+    struct gpu_view view = view_from_camera(&frame.camera, 64, 64);
+    frame.camera.position.x = frame.camera.target.x = 0.6f;
+    test_render_frame(renderer, &frame);
+    fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), now = test_read(renderer, FNL_OUTPUT_POSITION);
+    frame.aa = FNL_ANTIALIASING_NONE;
+    frame.jitter = taa_jitter(1);
+    test_render_frame(plain, &frame);
+    fnl_image sample = test_read(plain, FNL_OUTPUT_RADIANCE);
+    uint32_t uncovered = 0, kept = 0;
+    for (uint32_t y = 10; y < 54; y++)
+        for (uint32_t x = 4; x < 60; x++) {
+            const float *p = test_pixel(&now, x, y);
+            vec3 v = mat4_point(&view.world_to_view, (vec3){p[0], p[1], p[2]});
+            int qx = (int)floor((-v.x / v.z / view.ndc_scale.x * 0.5f + 0.5f) * 64),
+                qy = (int)floor((0.5f + v.y / v.z / view.ndc_scale.y * 0.5f) * 64);
+            if (qx < 3 || qx > 60 || qy < 3 || qy > 60) continue;
+            bool wall_now = true, pane_before = true, wall_before = true;
+            for (int k = 0; k < 25; k++) {
+                float n = test_pixel(&now, x + (uint32_t)(k % 5) - 2, y + (uint32_t)(k / 5) - 2)[2],
+                      b = test_pixel(&before, (uint32_t)(qx + k % 5 - 2), (uint32_t)(qy + k / 5 - 2))[2];
+                wall_now = wall_now && n < 0;
+                pane_before = pane_before && b > 0;
+                wall_before = wall_before && b < 0;
+            }
+            bool same = memcmp(test_pixel(&radiance, x, y), test_pixel(&sample, x, y), 12) == 0;
+            if (wall_now && pane_before) {
+                uncovered++;
+                assert_true(same);
+            }
+            kept += wall_now && wall_before;
+        }
+    assert_true(uncovered > 50 && kept > 500);
+    free_picture(&before);
+    free_picture(&radiance);
+    free_picture(&now);
+    free_picture(&sample);
+    fnl_renderer_destroy(&renderer);
+    fnl_renderer_destroy(&plain);
+    fnl_scene_destroy(&scene);
+}
+
 /* While the camera moves pictures are nearer to supersampled ones than without. */
 static void test_moving_camera_ES_21(void **state) {
     UNUSED(state);
@@ -578,6 +634,7 @@ int main(void) {
         cmocka_unit_test(test_motion_of_deformed_vertices_ES_21),
         cmocka_unit_test(test_no_trail_after_four_frames_ES_21),
         cmocka_unit_test(test_no_trail_within_the_spread_ES_21),
+        cmocka_unit_test(test_uncovered_wall_has_no_history_ES_21),
         cmocka_unit_test(test_moving_camera_ES_21),
         cmocka_unit_test(test_history_resets_ES_21),
         cmocka_unit_test(test_sequences_repeat_ES_21),
