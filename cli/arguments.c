@@ -137,7 +137,7 @@ static const struct setting {
      SETTING_NAME, 0, 0, light_buffer_name},
     {"light-packing", "ids, shift or max: how light-indexed writes down the lights of a pixel (ids)", FIELD(light_packing),
      SETTING_NAME, 0, 0, light_packing_name},
-    {"light-layers", "1 .. 16: room for lights in a pixel, light-indexed and (up to 8) zioma (8)", FIELD(light_layers),
+    {"light-layers", "1 .. 16: room for lights in a pixel, light-indexed and (up to 8) zioma (4)", FIELD(light_layers),
      SETTING_INTEGER, 1, 16, NULL},
     {"light-scale", "2 or 4: pixels along a side of what low-res and inferred light once (2)", FIELD(light_scale), SETTING_INTEGER, 2, 4,
      NULL},

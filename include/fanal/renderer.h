@@ -203,7 +203,7 @@ typedef struct fnl_list_options {
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
     fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass, low-res and inferred (which takes two for four) */
     fnl_light_packing light_packing; /**< default ids. The shading order light-indexed */
-    uint32_t light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 8 */
+    uint32_t light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 4 */
     uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading orders low-res and inferred */
 } fnl_list_options;
 

@@ -159,7 +159,7 @@ fnl_list_options fnl_list_options_default(void) {
                               .cluster_size = 64,
                               .slices = 32,
                               .light_scale = 2,
-                              .light_layers = 8,
+                              .light_layers = 4,
                               .cluster_near = INFINITY,
                               .cluster_far = INFINITY};
 }

@@ -26,7 +26,7 @@ static void check_indexed(struct stage *stage, const char *what) {
             shot_free(&again);
         }
     stage->frame.list_options.light_packing = FNL_LIGHT_PACKING_IDS;
-    stage->frame.list_options.light_layers = 8;
+    stage->frame.list_options.light_layers = 4;
     shot_free(&forward);
 }
 
@@ -113,7 +113,7 @@ static void check_layers(struct stage *stage, const char *what) {
         shot_free(&shot);
         shot_free(&again);
     }
-    stage->frame.list_options.light_layers = 8;
+    stage->frame.list_options.light_layers = 4;
     shot_free(&forward);
 }
 
