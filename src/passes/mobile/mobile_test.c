@@ -516,6 +516,7 @@ static fnl_scene *painted_metal(void) {
 static void test_metal_that_reaches_farther_has_no_halo_MB_6(void **state) {
     UNUSED(state);
     double halo[4];
+    float paint[4], metal[4];
     for (uint32_t grown = 0; grown < 4; grown++) {
         fnl_scene *scene = painted_metal();
         assert_int_equal(fnl_scene_grow_metal(scene, 65), FNL_ERROR_INVALID);
@@ -533,6 +534,8 @@ static void test_metal_that_reaches_farther_has_no_halo_MB_6(void **state) {
         frame.mobile.layout = FNL_MOBILE_METALLIC_256;
         struct shot shot = stage_shoot(&stage, &frame);
         const float *row = (const float *)shot.radiance.pixels + 4 * (size_t)64 * 128;
+        paint[grown] = row[4 * 8];
+        metal[grown] = row[4 * 120];
         double sides = fmax((double)row[4 * 8], (double)row[4 * 120]), most = 0;
         for (int x = 8; x <= 120; x++) most = fmax(most, (double)row[4 * x]);
         halo[grown] = most / sides;
@@ -540,6 +543,7 @@ static void test_metal_that_reaches_farther_has_no_halo_MB_6(void **state) {
         shot_free(&shot);
         stage_close(&stage);
     }
+    for (int i = 1; i < 4; i++) assert_true(paint[i] == paint[0] && metal[i] == metal[0]); /* the sides stay what they are */
     assert_true(halo[0] > 1.25 && halo[2] < 1.02 && halo[3] < 1.02);
 }
 
