@@ -139,7 +139,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     graph_use_image(pass, copy.position, GRAPH_COPY_FROM);
     graph_use_buffer(pass, copy.normals, GRAPH_COPY_TO);
     graph_use_buffer(pass, copy.positions, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, "test to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    pass = graph_add_pass(graph, "points to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
     graph_use_buffer(pass, clear.buffer, GRAPH_READ_HOST);
     graph_use_buffer(pass, copy.normals, GRAPH_READ_HOST);
     graph_use_buffer(pass, copy.positions, GRAPH_READ_HOST);

@@ -43,7 +43,7 @@ expect 2 "msaa: '3' is not one of 1 2 4 8" builtin:spheres --msaa 1,3 -o "$out"
 expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
 expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
-expect 2 "suite: 'x' is not one of thesis clustered fine-pruned" --suite x -o "$out"
+expect 2 "suite: 'x' is not one of thesis clustered aa fine-pruned" --suite x -o "$out"
 expect 2 'brings its own scenes' builtin:spheres --suite thesis -o "$out"
 expect 2 'chooses shading' --suite thesis --lists tiled -o "$out"
 expect 2 "list-option: .*x" builtin:spheres --list-option x=1 -o "$out"
@@ -97,7 +97,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     grep -q 'WRONG PICTURE' "$work/a/report.html" || fail 'the page does not tell of a wrong picture'
 
     # Pairs that do not fit are listed with a reason; MSAA pictures are compared too.
-    expect 0 'deferred, tiled lists.*: deferred shading has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading deferred,forward -o "$work/m"
+    expect 0 'deferred-volumes, tiled lists.*: this shading order has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading deferred-volumes,forward -o "$work/m"
     check "$work/m" RESULTS=6 SKIPPED=2 EQUAL=6 FRAMES=2
     expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m"
     check "$work/m" RESULTS=2 SKIPPED=0 EQUAL=0 FRAMES=2
