@@ -534,10 +534,10 @@ static void test_metal_that_reaches_farther_has_no_halo_MB_6(void **state) {
         frame.mobile.layout = FNL_MOBILE_METALLIC_256;
         struct shot shot = stage_shoot(&stage, &frame);
         const float *row = (const float *)shot.radiance.pixels + 4 * (size_t)64 * 128;
-        paint[grown] = row[4 * 8];
-        metal[grown] = row[4 * 120];
-        double sides = fmax((double)row[4 * 8], (double)row[4 * 120]), most = 0;
-        for (int x = 8; x <= 120; x++) most = fmax(most, (double)row[4 * x]);
+        paint[grown] = row[4 * 24];
+        metal[grown] = row[4 * 104];
+        double sides = fmax((double)row[4 * 24], (double)row[4 * 104]), most = 0;
+        for (int x = 24; x <= 104; x++) most = fmax(most, (double)row[4 * x]);
         halo[grown] = most / sides;
         print_message("metal grown by %u texels: the border is %.2f times as bright as its sides\n", grown, halo[grown]);
         shot_free(&shot);
