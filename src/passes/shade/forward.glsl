@@ -12,7 +12,12 @@ vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.view, push.scene);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+#ifdef HOLES_ARE_CUT
+    bool hole = false;
+#else
+    bool hole = material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
+#endif
+    if (material_culled(materials, in_ids.x) || hole) discard;
     // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane, and beside
     // the pixel.
     vec3 view_position = (push.view.view.world_to_view * vec4(s.position, 1.0)).xyz;

@@ -72,6 +72,7 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
                                      .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
                                      .samples = samples};
     gbuffer_specialise(&gbuffer, data.state.constants, &data.state.constant_count);
+    data.state.constants[data.state.constant_count++] = prepass && samples > 1; /* HOLES_ARE_CUT */
     graph_image images[GBUFFER_TARGETS + 1];
     uint32_t count = 0;
     for (; count < gbuffer.target_count; count++) images[count] = gbuffer.targets[count];

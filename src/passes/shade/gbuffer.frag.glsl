@@ -20,11 +20,14 @@ layout(location = 4) out vec4 out_3;
 layout(location = 5) out vec4 out_4;
 layout(location = 6) out vec4 out_5;
 
+// 1: depth is complete, and what is left of a fragment is no hole (forward_known.frag.glsl tells more).
+layout(constant_id = 9) const uint HOLES_ARE_CUT = 0u;
+
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_gbuffer(s, push.geometry.view, push.geometry.scene);
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (HOLES_ARE_CUT == 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
     bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;
     uint id = is_forward ? 0u : in_ids.x;
