@@ -80,8 +80,8 @@ vec3 decal_blend(uint blend, vec3 base, vec3 color, float alpha) {
     return rest + color;
 }
 
-// A mapped normal upon a surface's present one. The picture's directions lie in the plane of the surface without its maps, and turn with the
-// normal by the least rotation (Barre-Brisebois and Hill 2012): unlike a projection that has no pole that steep layers could come near.
+// A mapped normal upon a surface's present one. The picture's directions lie in the plane of the surface without its maps, and turn with
+// the normal by the least rotation (Barre-Brisebois and Hill 2012): unlike a projection that has no pole that steep layers could come near.
 vec3 decal_bend(vec3 normal, vec3 mapped, decal_place p, vec3 facing) {
     vec3 t = p.side - facing * dot(facing, p.side);
     float t2 = dot(t, t);

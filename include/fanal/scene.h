@@ -263,7 +263,8 @@ FNL_API fnl_result fnl_scene_add_decal(fnl_scene *scene, const fnl_decal_params 
 /** The kind and, but for box and volume decals, the instance stay as they are; a baked decal is painted anew. */
 FNL_API fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id decal, const fnl_decal_params *params);
 FNL_API fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id decal);
-/** Which decals an instance receives: they must share a bit with `receivers` (8 bits; 255 at first). 0: none. */
+/** Which decals an instance receives: they must share a bit with `receivers` (8 bits; 255 at first). 0: none. Renderers upload
+ *  the scene anew: not for every frame. */
 FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers);
 /**
  * Scatters `count` seeded box decals (graffiti, cracks, footprints, made by the library) over the scene's surfaces; fewer where there are none.

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Decals in the G-buffer (RTR4 20.2; Persson 2011): boxes are drawn once it is laid, and change what it says before it is lit. A box's back faces
- * are drawn to a grid of tiles of 8x8 pixels, a little larger, and find those that it touches between their least and greatest depth; decals
- * are counted, summed up, filled into a list for each tile, and sorted by index, so that no order of atomics shows. One pass then reads a
- * copy of the G-buffer, applies to each pixel the decals of its tile that hold its surface, and packs it anew. So any blend can be had, normals are
- * combined in tangent space, and two runs give the same bytes. Pixels without decals keep their bits.
+ * Decals in the G-buffer (RTR4 20.2; Persson 2011): boxes are drawn once it is laid, and change what it says before it is lit. A box's
+ * back faces are drawn to a grid of tiles of 8x8 pixels, a little larger, and find those that it touches between their least and greatest
+ * depth; decals are counted, summed up, filled into a list for each tile, and sorted by index, so that no order of atomics shows. One pass
+ * then reads a copy of the G-buffer, applies to each pixel the decals of its tile that hold its surface, and packs it anew. So any blend
+ * can be had, normals are combined in tangent space, and two runs give the same bytes. Pixels without decals keep their bits.
  *
  * Cost: geometry once more at equal depth (receivers and true normals: 8 bytes a pixel), two fragments and 4 bytes for each tile of a box, a
  * copy of the G-buffer, a test of each pixel against the boxes of its tile. The G-buffer must have one sample a pixel.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Redrawn decals (RTR4 20.2): the triangles of a mesh that a decal touches are drawn again over the lit surface, at equal depth, as surfaces
- * of their own with the same lights, and blended by alpha. The mesh's shader knows nothing of them. Cost: an index list of the touched
+ * Redrawn decals (RTR4 20.2): the triangles of a mesh that a decal touches are drawn again over the lit surface, at equal depth, as
+ * surfaces of their own with the same lights, and blended by alpha. The mesh's shader knows nothing of them. Cost: an index list of the touched
  * triangles, made when the decal is; their fragments are shaded once more.
  */
 #ifndef FNL_PASSES_DECALS_REDRAW_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Decals of all kinds against what the CPU makes of the positions that the GPU shows, and both ways of applying them against each other. */
+/** Decals of all kinds against what the CPU makes of the positions that the GPU shows, and both ways of applying them. */
 #include "render/render_test.h"
 
 enum { SIDE = 64 };
@@ -85,8 +85,8 @@ static bool holds(const mat4 *inverse, const float *position, double *nearest) {
     return far <= 0.5;
 }
 
-/* Three walls, boxes at all angles, seen from many sides, one of them inside of a box: where a pixel shows a decal in either way is where the
-   CPU says. */
+/* A wall and a floor, boxes at all angles, seen from many sides, one of them inside of a box: a pixel shows a decal in either way where
+   the CPU says. */
 static void test_boxes_hold_what_the_CPU_says_ES_30(void **state) {
     (void)state;
     fnl_scene *scene = wall_scene();
