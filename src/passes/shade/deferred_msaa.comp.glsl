@@ -14,9 +14,12 @@ layout(push_constant, scalar) uniform push_block { gpu_deferred_msaa_push push; 
 
 shared uint tile_is_edge;
 
-// One surface for many: means of what its samples hold. Where their normals differ the highlight widens: the spread of normals of mean
-// length r is that of a von Mises-Fisher lobe of kappa = r (3 - r^2) / (1 - r^2) (Banerjee et al. 2005), whose slopes vary by about 1 / kappa;
-// twice that is added to the squared roughness of the microfacets (Hill and Baker 2012, "Rock-Solid Shading").
+vec3 stored_emission(ivec2 pixel, int at) { return texelFetch(textures_multisampled[push.radiance], pixel, at).rgb; }
+
+// One surface for many: means of what its samples hold. Where their normals differ the highlight of an aggregate widens: the spread of
+// normals of mean length r is that of a von Mises-Fisher lobe of kappa = r (3 - r^2) / (1 - r^2) (Banerjee et al. 2005), whose slopes
+// vary by
+// about 1 / kappa; twice that is added to the squared roughness of the microfacets (Hill and Baker 2012, "Rock-Solid Shading").
 surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
     surface mean = gbuffer_surface(push.gbuffer, pixel, findLSB(samples), position, vec3(0.0));
     vec3 first_normal = mean.normal, normal = vec3(0.0);
@@ -25,7 +28,7 @@ surface mean_surface(ivec2 pixel, uint samples, vec3 position) {
     float part = 1.0 / float(bitCount(samples));
     for (uint i = 0u; i < SAMPLES; i++) {
         if ((samples >> i & 1u) == 0u) continue;
-        surface s = gbuffer_surface(push.gbuffer, pixel, int(i), position, texelFetch(textures_multisampled[push.radiance], pixel, int(i)).rgb);
+        surface s = gbuffer_surface(push.gbuffer, pixel, int(i), position, stored_emission(pixel, int(i)));
         normal += s.normal * part;
         color += vec4(s.base_color, s.metallic) * part;
         f0 += vec4(s.dielectric_f0, s.dielectric_f90) * part;
@@ -54,7 +57,7 @@ void shade_samples(ivec2 pixel, uint samples, uint result) {
     int first = findLSB(samples);
     surface s = MERGED == 1u
                     ? mean_surface(pixel, samples, position)
-                    : gbuffer_surface(push.gbuffer, pixel, first, position, texelFetch(textures_multisampled[push.radiance], pixel, first).rgb);
+                    : gbuffer_surface(push.gbuffer, pixel, first, position, stored_emission(pixel, first));
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
     store_result(push.results, result, min(radiance, vec3(push.view.view.hdr_max)));
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);

@@ -57,7 +57,8 @@ static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_rou
         uint64_t differing = count_differing(&all.color, &shot.color);
         if (radiance) differing += count_differing(&all.radiance, &shot.radiance);
         if (differing)
-            fail_msg("%s: %llu pixels differ from all", fnl_msaa_method_name((fnl_msaa_method)m), (unsigned long long)differing);
+            fail_msg("%s: %llu pixels differ from all", fnl_msaa_method_name((fnl_msaa_method)m),
+                     (unsigned long long)differing);
         assert_int_equal(t->msaa_pixels, s->msaa_pixels);
         assert_int_equal(t->msaa_edge_pixels, s->msaa_edge_pixels);
         assert_int_equal(t->msaa_surfaces, s->msaa_surfaces);
@@ -166,10 +167,9 @@ static void look_down(fnl_frame *frame) {
  */
 static void test_edges_of_one_material(void **state) {
     UNUSED(state);
-    static const float places[3][8][2] = {
-        {{12, 12}, {4, 4}},
-        {{6, 2}, {14, 6}, {2, 10}, {10, 14}},
-        {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}}};
+    static const float places[3][8][2] = {{{12, 12}, {4, 4}},
+                                          {{6, 2}, {14, 6}, {2, 10}, {10, 14}},
+                                          {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}}};
     const float angle = 0.4f, size = 0.55f;
     for (uint32_t wall = 0; wall < 2; wall++) { /* before sky, and before the wall */
         fnl_scene *scene = empty_scene();
@@ -195,7 +195,8 @@ static void test_edges_of_one_material(void **state) {
                     for (uint32_t s = 0; s < samples; s++) {
                         float px = ((float)x + places[k][s][0] / 16) / 30.5f - 1 - 0.03f,
                               py = 1 - ((float)y + places[k][s][1] / 16) / 30.5f + 0.02f;
-                        float u = (px * cosf(angle) + py * sinf(angle)) / size, v = (py * cosf(angle) - px * sinf(angle)) / size;
+                        float u = (px * cosf(angle) + py * sinf(angle)) / size,
+                              v = (py * cosf(angle) - px * sinf(angle)) / size;
                         float outside = fmaxf(fabsf(u), fabsf(v)) - 1;
                         unsure = unsure || fabsf(outside) < 0.001f;
                         inside += outside < 0;
@@ -207,8 +208,8 @@ static void test_edges_of_one_material(void **state) {
                 }
             struct shot shot = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
             const fnl_frame_stats *s = &shot.stats;
-            print_message("%s, %u samples: %u edge pixels, %u by geometry and %u that may be\n", wall ? "wall" : "sky", samples,
-                          s->msaa_edge_pixels, certain, uncertain);
+            print_message("%s, %u samples: %u edge pixels, %u by geometry and %u that may be\n", wall ? "wall" : "sky",
+                          samples, s->msaa_edge_pixels, certain, uncertain);
             assert_true(certain > 80 && uncertain < 20);
             assert_true(s->msaa_edge_pixels >= certain && s->msaa_edge_pixels <= certain + uncertain);
             if (wall) assert_int_equal(s->msaa_surfaces, 61 * 61 + s->msaa_edge_pixels);
@@ -283,8 +284,8 @@ static void test_forward(void **state) {
         inner++;
     }
     double near = psnr(&deferred.color, &forward.color), near_prepass = psnr(&deferred.color, &prepass.color);
-    print_message("%u of %u pixels are no edges, worst %d/255, %u beyond 2; all: %.1f dB, from forward-prepass %.1f dB\n", inner,
-                  pixels, worst, off, near, near_prepass);
+    print_message("%u of %u pixels are no edges, worst %d/255, %u beyond 2; all: %.1f dB, from forward-prepass %.1f dB\n",
+                  inner, pixels, worst, off, near, near_prepass);
     assert_true(near_prepass > near - 4); /* cutouts keep what the prepass has left of them */
     assert_true(inner > pixels / 4 && inner + deferred.stats.msaa_edge_pixels >= pixels - 800);
     assert_int_equal(off, 0);
@@ -346,7 +347,8 @@ static void test_rough(void **state) {
     for (uint32_t samples = 4; samples <= 8; samples *= 2) {
         if (!has_samples(samples)) continue;
         fnl_frame frame = msaa_frame(&stage, samples);
-        struct shot all = shoot_method(&stage, frame, FNL_MSAA_ALL), coverage = shoot_method(&stage, frame, FNL_MSAA_COVERAGE);
+        struct shot all = shoot_method(&stage, frame, FNL_MSAA_ALL),
+                    coverage = shoot_method(&stage, frame, FNL_MSAA_COVERAGE);
         struct shot two = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
         frame.msaa_groups = 3;
         struct shot three = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
@@ -387,7 +389,8 @@ static void test_tolerance(void **state) {
     uint64_t before = exact.stats.msaa_surfaces;
     for (uint32_t i = 1; i <= 2; i++) {
         frame.msaa_tolerance = i == 1 ? 0.02f : 0.1f;
-        struct shot merged = shoot_method(&stage, frame, FNL_MSAA_COMPACT), tiles = shoot_method(&stage, frame, FNL_MSAA_TILES);
+        struct shot merged = shoot_method(&stage, frame, FNL_MSAA_COMPACT),
+                    tiles = shoot_method(&stage, frame, FNL_MSAA_TILES);
         double near = psnr(&exact.color, &merged.color);
         print_message("tolerance %g: %llu surfaces of %llu, %.1f dB\n", (double)frame.msaa_tolerance,
                       (unsigned long long)merged.stats.msaa_surfaces, (unsigned long long)before, near);
@@ -447,25 +450,25 @@ static void test_refused(void **state) {
     stage_close(&stage);
 }
 
-#define EXACT(name, source, width, height, walls)                                                                          \
-    {                                                                                                                      \
-        "ES-20: tiles, stencil and compact give the bits of all, " name, test_exact, NULL, harness_check,                  \
-            &(struct exact_case) {                                                                                         \
-            source, width, height, walls                                                                                   \
-        }                                                                                                                  \
+#define EXACT(name, source, width, height, walls)                                                                           \
+    {                                                                                                                       \
+        "ES-20: tiles, stencil and compact give the bits of all, " name, test_exact, NULL, harness_check,                   \
+            &(struct exact_case) {                                                                                          \
+            source, width, height, walls                                                                                    \
+        }                                                                                                                   \
     }
-#define FORWARD(name, source, least)                                                                                       \
-    {                                                                                                                      \
-        "ES-20: deferred MSAA beside forward MSAA, " name, test_forward, NULL, harness_check, &(struct forward_case) {     \
-            source, least                                                                                                  \
-        }                                                                                                                  \
+#define FORWARD(name, source, least)                                                                                        \
+    {                                                                                                                       \
+        "ES-20: deferred MSAA beside forward MSAA, " name, test_forward, NULL, harness_check, &(struct forward_case) {      \
+            source, least                                                                                                   \
+        }                                                                                                                   \
     }
-#define ROUGH(name, source, coverage, aggregate)                                                                           \
-    {                                                                                                                      \
-        "ES-20, ES-22: coverage and aggregates near all samples, " name, test_rough, NULL, harness_check,                  \
-            &(struct rough_case) {                                                                                         \
-            source, coverage, aggregate                                                                                    \
-        }                                                                                                                  \
+#define ROUGH(name, source, coverage, aggregate)                                                                            \
+    {                                                                                                                       \
+        "ES-20, ES-22: coverage and aggregates near all samples, " name, test_rough, NULL, harness_check,                   \
+            &(struct rough_case) {                                                                                          \
+            source, coverage, aggregate                                                                                     \
+        }                                                                                                                   \
     }
 
 int main(void) {

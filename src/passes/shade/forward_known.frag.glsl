@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Forward shading of cutouts whose depth is complete, with several samples a pixel: what is left of a fragment is no hole. Asked again at the
-// middle of what is left, the texture might say otherwise, and the background would show.
+// Forward shading of cutouts whose depth is complete, with several samples a pixel: what is left of a fragment is no hole. Asked again at
+// the middle of what is left, the texture might say otherwise, and the background would show.
 #define HOLES_ARE_CUT
 layout(early_fragment_tests) in;
 #include "passes/shade/forward.glsl"
