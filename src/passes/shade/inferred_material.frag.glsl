@@ -27,7 +27,7 @@ float likeness(light_surface own, ivec2 texel, bool of_item, float allowed) {
     vec3 between = other.position - own.position;
     float off = max(abs(dot(own.normal, between)), abs(dot(other.normal, between)));
     float turned = clamp(dot(own.normal, other.normal), 0.0, 1.0), t2 = turned * turned, t4 = t2 * t2;
-    return clamp(1.5 - off / allowed, 0.0, 1.0) * t4 * t4;
+    return clamp(1.5 - off / allowed, 0.0, 1.0) * t4 * t4 * t4 * t4;
 }
 
 void main() {
@@ -54,7 +54,7 @@ void main() {
     vec2 part = at - vec2(base);
     light_sums sums = light_sums_none();
     float suits = 0.0;
-    for (int ring = 0; ring < 2 && suits < 1e-3; ring++)
+    for (int ring = 0; ring < 2 && suits < 0.3; ring++)
         for (int y = -ring; y < 2 + ring; y++)
             for (int x = -ring; x < 2 + ring; x++) {
                 ivec2 texel = (base + ivec2(x, y)) * step + origin;
@@ -65,7 +65,7 @@ void main() {
                 for (uint k = 0u; k < TARGETS; k++) sums.at[k] += weight * texelFetch(textures[push.targets[k]], texel, 0);
                 suits += weight;
             }
-    if (suits < 1e-3) { // too thin for any texel, or hidden behind another of its pattern: all lights
+    if (suits < 0.3) { // too thin for any texel, or hidden behind another of its pattern: all lights
         ivec2 pixel = ivec2(gl_FragCoord.xy);
         sums = light_sums_of(own, v, push.geometry.lights, push.geometry.counters, uvec2(pixel), view_depth);
     } else {
