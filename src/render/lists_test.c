@@ -57,7 +57,9 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
         } else if (differing) {
             fail_msg("%s: %llu pixels differ from all", pair_name(&frame), (unsigned long long)differing);
         }
-        if (shot.stats.overflow_cells) fail_msg("%s: %u cells overflow", pair_name(&frame), shot.stats.overflow_cells);
+        /* Lights that volumes write into pixels have so many layers; pixels with more are counted, and take all lights. */
+        if (shot.stats.overflow_cells && !shading_is(frame.shading, SHADING_VOLUMES))
+            fail_msg("%s: %u cells overflow", pair_name(&frame), shot.stats.overflow_cells);
         assert_int_equal(shot.stats.lights_total, all.stats.lights_total);
         shot_free(&shot);
     }
