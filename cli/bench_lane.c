@@ -23,25 +23,29 @@ double lane_now(void) {
 enum role { ROLE_LISTS, ROLE_SHADING, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
 static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "geometry", "rest", "read"};
 
-/* By the start of its name. A frame consists of these and of the passes that build light lists. */
+/* By the start of its name, the first that fits. A frame consists of these and of the passes that build light lists. */
 static enum role role_of(const char *name) {
+    static const char *const shading[] = {
+        "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
+        "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
+        "lit forward", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
+        NULL};
+    static const char *const geometry[] = {"cull",       "sort",           "blend",
+                                           "gbuffer",    "depth prepass",  "skin",
+                                           "morph",      "light surfaces", "inferred surfaces",
+                                           "visibility", "keep previous",  "update",
+                                           NULL};
+    static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
+                                       "tonemap", "resolve",  "clear",          "debug", "encode", "aov",
+                                       "over",    "layers",   "copy to target", NULL};
+    static const char *const read[] = {"read ", "to host", "counts to host", NULL};
     static const struct {
-        const char *start;
         enum role role;
-    } roles[] = {{"forward", ROLE_SHADING},        {"deferred", ROLE_SHADING},     {"multipass", ROLE_SHADING},
-                 {"classify", ROLE_SHADING},       {"volumes", ROLE_SHADING},      {"cull", ROLE_GEOMETRY},
-                 {"light sums", ROLE_SHADING}, {"light layer", ROLE_SHADING}, {"inferred surfaces", ROLE_GEOMETRY},    {"light volumes", ROLE_SHADING},
-                    {"light materials", ROLE_SHADING}, {"light surfaces", ROLE_GEOMETRY},
-                 {"sort", ROLE_GEOMETRY},          {"blend depth", ROLE_GEOMETRY}, {"gbuffer", ROLE_GEOMETRY},
-                 {"depth prepass", ROLE_GEOMETRY}, {"blend sort", ROLE_GEOMETRY},  {"skin", ROLE_GEOMETRY},
-                 {"morph", ROLE_GEOMETRY},         {"mobile", ROLE_SHADING},
-                 {"meter", ROLE_REST},           {"exposure", ROLE_REST},
-                 {"mlaa", ROLE_REST},              {"smaa", ROLE_REST},            {"motion", ROLE_REST},
-                 {"taa", ROLE_REST},               {"keep previous", ROLE_GEOMETRY},
-                 {"tonemap", ROLE_REST},           {"read ", ROLE_READ},           {"to host", ROLE_READ},
-                 {"counts to host", ROLE_READ}};
+        const char *const *starts;
+    } roles[] = {{ROLE_SHADING, shading}, {ROLE_GEOMETRY, geometry}, {ROLE_REST, rest}, {ROLE_READ, read}};
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
-        if (strncmp(name, roles[i].start, strlen(roles[i].start)) == 0) return roles[i].role;
+        for (const char *const *start = roles[i].starts; *start; start++)
+            if (strncmp(name, *start, strlen(*start)) == 0) return roles[i].role;
     return ROLE_LISTS;
 }
 

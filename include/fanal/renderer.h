@@ -17,7 +17,7 @@ typedef struct fnl_renderer fnl_renderer;
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
-    FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; no MSAA */
+    FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; MSAA by fnl_frame.msaa_method */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
     /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */

@@ -72,9 +72,15 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
             if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
-            uint64_t least = shading == FNL_SHADING_LOW_RES ? 4 : 20;
+            if (shading > FNL_SHADING_DEFERRED && lists > FNL_LISTS_TILED)
+                continue; /* they read lists as the first three do */
+            /* Some light fewer points than there are pixels. */
+            uint64_t least = shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED ? 4 : 20;
             struct shot near = stage_shoot(&stage, &frame);
-            assert_true(near.stats.evaluations > 0 && near.stats.evaluations_useful > least);
+            if (near.stats.evaluations == 0 || near.stats.evaluations_useful <= least)
+                fail_msg("%s + %s: %llu evaluations, %llu useful", fnl_shading_name(frame.shading),
+                         fnl_light_lists_name(frame.lists), (unsigned long long)near.stats.evaluations,
+                         (unsigned long long)near.stats.evaluations_useful);
             frame.light_lod = size * 0.5001f; /* hardly whole any more */
             struct shot fading = stage_shoot(&stage, &frame);
             assert_true(fading.stats.evaluations_useful > least);
