@@ -131,16 +131,15 @@ static const struct setting {
     {"raster-nodes", "array, links64 or links32: how the clusters of raster hold lights (array)", FIELD(raster_nodes),
      SETTING_NAME, 0, 0, raster_nodes_name},
     {"volume-shape", "solids, quads, fullscreen, ellipse or depth-bounds: what deferred-volumes draws for a light (solids)",
-     FIELD(volume_shape), SETTING_NAME,
-     0, 0, volume_shape_name},
-    {"light-buffer", "auto, rgba, two or four: sums of light that light-prepass, low-res and inferred keep (auto)", FIELD(light_buffer),
-     SETTING_NAME, 0, 0, light_buffer_name},
+     FIELD(volume_shape), SETTING_NAME, 0, 0, volume_shape_name},
+    {"light-buffer", "auto, rgba, two or four: sums of light that light-prepass, low-res and inferred keep (auto)",
+     FIELD(light_buffer), SETTING_NAME, 0, 0, light_buffer_name},
     {"light-packing", "ids, shift or max: how light-indexed writes down the lights of a pixel (ids)", FIELD(light_packing),
      SETTING_NAME, 0, 0, light_packing_name},
     {"light-layers", "1 .. 16: room for lights in a pixel, light-indexed and (up to 8) zioma (4)", FIELD(light_layers),
      SETTING_INTEGER, 1, 16, NULL},
-    {"light-scale", "2 or 4: pixels along a side of what low-res and inferred light once (2)", FIELD(light_scale), SETTING_INTEGER, 2, 4,
-     NULL},
+    {"light-scale", "2 or 4: pixels along a side of what low-res and inferred light once (2)", FIELD(light_scale),
+     SETTING_INTEGER, 2, 4, NULL},
 #undef FIELD
 };
 enum { SETTING_COUNT = sizeof settings / sizeof settings[0] };

@@ -290,8 +290,9 @@ static bool plan_case(const struct bench_options *o, struct bench_plan *plan, co
     for (uint32_t s = 0; to && s < o->shading_count; s++)
         for (uint32_t l = 0; l < o->lists_count; l++) {
             /* Its pictures and times are the same with all lists but for transparent surfaces. */
-            if (o->every_lists && l > 0 && (o->shading[s] == FNL_SHADING_DEFERRED_VOLUMES || o->shading[s] == FNL_SHADING_PRE_LIGHTING ||
-                                            o->shading[s] == FNL_SHADING_LIGHT_INDEXED || o->shading[s] == FNL_SHADING_ZIOMA))
+            if (o->every_lists && l > 0 &&
+                (o->shading[s] == FNL_SHADING_DEFERRED_VOLUMES || o->shading[s] == FNL_SHADING_PRE_LIGHTING ||
+                 o->shading[s] == FNL_SHADING_LIGHT_INDEXED || o->shading[s] == FNL_SHADING_ZIOMA))
                 break;
             struct bench_candidate candidate = {(fnl_shading)o->shading[s], (fnl_light_lists)o->lists[l],
                                                 (char *)o->list_options};

@@ -87,8 +87,8 @@ static void print_counts(const fnl_scene_info *info) {
     used = 0;
     for (int i = 0; i < FNL_DECAL_KIND_COUNT; i++)
         if (info->decal_kind_counts[i])
-            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", used ? ", " : "(", info->decal_kind_counts[i],
-                             fnl_decal_kind_name((fnl_decal_kind)i));
+            used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", used ? ", " : "(",
+                             info->decal_kind_counts[i], fnl_decal_kind_name((fnl_decal_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     if (info->decal_count) print_count("decals", info->decal_count, note);
     print_count("cameras", info->camera_count, "");
@@ -324,11 +324,13 @@ static int print_json(const fnl_scene *scene, const char *source, const fnl_scen
 }
 
 int command_info(int argc, char **argv) {
-    static const struct option options[] = {
-        {"json", no_argument, NULL, 'j'},          {"gbuffers", no_argument, NULL, 'g'},
-        {"size", required_argument, NULL, 's'},    {"samples", required_argument, NULL, 'n'},
-        {"fps", required_argument, NULL, 'f'},     {"help", no_argument, NULL, 'h'},
-        {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"json", no_argument, NULL, 'j'},
+                                            {"gbuffers", no_argument, NULL, 'g'},
+                                            {"size", required_argument, NULL, 's'},
+                                            {"samples", required_argument, NULL, 'n'},
+                                            {"fps", required_argument, NULL, 'f'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {NULL, 0, NULL, 0}};
     bool json = false, gbuffers = false;
     struct gbuffer_question question = {1920, 1080, 1, 30};
     long long integer;

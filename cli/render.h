@@ -25,7 +25,7 @@ struct render_options {
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy;
     float fov;                  /* radians; 0: the camera's */
-    double choose_seconds; /* that auto may take before the frames */
+    double choose_seconds;      /* that auto may take before the frames */
     uint32_t frame_count, aovs; /* aovs: bits 1 << enum render_aov */
     fnl_scatter_params scatter;
     uint32_t grow_metal; /* texels */

@@ -156,8 +156,8 @@ static void add_msaa(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     if (s->msaa_pixels == 0) return;
     json_object_set_new(json, "msaa",
-                        json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "method", fnl_msaa_method_name(r->frame.msaa_method), "pixels",
-                                  integer(s->msaa_pixels), "edge_pixels", integer(s->msaa_edge_pixels), "surfaces",
+                        json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "method", fnl_msaa_method_name(r->frame.msaa_method),
+                                  "pixels", integer(s->msaa_pixels), "edge_pixels", integer(s->msaa_edge_pixels), "surfaces",
                                   integer(s->msaa_surfaces), "samples", integer(s->msaa_samples), "shaded",
                                   integer(s->msaa_shaded)));
 }

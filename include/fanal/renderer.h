@@ -17,7 +17,7 @@ typedef struct fnl_renderer fnl_renderer;
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
-    FNL_SHADING_DEFERRED,        /**< G-buffer, then compute shading; transparent surfaces forward; MSAA by fnl_frame.msaa_method */
+    FNL_SHADING_DEFERRED, /**< G-buffer, then compute shading; transparent surfaces forward; MSAA by fnl_frame.msaa_method */
     FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
     /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */
@@ -39,7 +39,7 @@ typedef enum fnl_shading {
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
-    FNL_SHADING_AUTO,             /**< the fastest order of the first three on this scene and device, found by measuring */
+    FNL_SHADING_AUTO, /**< the fastest order of the first three on this scene and device, found by measuring */
     FNL_SHADING_COUNT
 } fnl_shading;
 
@@ -103,8 +103,8 @@ typedef enum fnl_raster_nodes {
 typedef enum fnl_volume_shape {
     FNL_VOLUME_SOLIDS = 0, /**< the back faces of a sphere or a pyramid, where they are not in front of the surface */
     FNL_VOLUME_QUADS,      /**< its rectangle on the screen, as near as its nearest point, where no surface is nearer */
-    FNL_VOLUME_FULLSCREEN,   /**< the whole screen: every pixel asks whether the light reaches it */
-    FNL_VOLUME_ELLIPSE,      /**< as quads, but an octagon round the ellipse that the bounding sphere is on the screen */
+    FNL_VOLUME_FULLSCREEN, /**< the whole screen: every pixel asks whether the light reaches it */
+    FNL_VOLUME_ELLIPSE,    /**< as quads, but an octagon round the ellipse that the bounding sphere is on the screen */
     FNL_VOLUME_DEPTH_BOUNDS, /**< as solids, and nothing where the surface is nearer than the light's nearest point or beyond its farthest */
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
@@ -112,18 +112,18 @@ typedef enum fnl_volume_shape {
 /** What the orders that keep light apart from materials sum up for a pixel. */
 typedef enum fnl_light_buffer {
     FNL_LIGHT_BUFFER_AUTO = 0, /**< two; four where light has a lower resolution than materials */
-    FNL_LIGHT_BUFFER_RGBA,     /**< four channels: diffuse light, and the luminance of highlights. Reflectance does not rise at grazing angles,
+    FNL_LIGHT_BUFFER_RGBA, /**< four channels: diffuse light, and the luminance of highlights. Reflectance does not rise at grazing angles,
                                     and highlights take the hue of the diffuse light: an approximation */
-    FNL_LIGHT_BUFFER_TWO,      /**< six: diffuse light and highlights, with the reflectance of the surface already in both */
-    FNL_LIGHT_BUFFER_FOUR,     /**< twelve: what any material needs, without knowing its reflectance */
+    FNL_LIGHT_BUFFER_TWO,  /**< six: diffuse light and highlights, with the reflectance of the surface already in both */
+    FNL_LIGHT_BUFFER_FOUR, /**< twelve: what any material needs, without knowing its reflectance */
     FNL_LIGHT_BUFFER_COUNT
 } fnl_light_buffer;
 
 /** How light-indexed writes down the lights of a pixel. Pixels that more reach use all lights and count in overflow_cells. */
 typedef enum fnl_light_packing {
     FNL_LIGHT_PACKING_IDS = 0, /**< four 16-bit ids a layer, by integer atomics */
-    FNL_LIGHT_PACKING_SHIFT,   /**< a layer for each 255 lights in view: four 8-bit ids in RGBA8, by blending that shifts bits */
-    FNL_LIGHT_PACKING_MAX,     /**< the same layers: the greatest and the least id by blending, twice */
+    FNL_LIGHT_PACKING_SHIFT, /**< a layer for each 255 lights in view: four 8-bit ids in RGBA8, by blending that shifts bits */
+    FNL_LIGHT_PACKING_MAX,   /**< the same layers: the greatest and the least id by blending, twice */
     FNL_LIGHT_PACKING_COUNT
 } fnl_light_packing;
 
@@ -154,7 +154,7 @@ typedef enum fnl_gbuffer {
 /** What runs deferred lighting. Both give the same bits. */
 typedef enum fnl_deferred_pass {
     FNL_DEFERRED_COMPUTE = 0, /**< a dispatch; each thread looks whether its pixel is to be lit */
-    FNL_DEFERRED_FRAGMENT,    /**< a full-screen draw behind a stencil; compute where the device has no stencil format of its own */
+    FNL_DEFERRED_FRAGMENT, /**< a full-screen draw behind a stencil; compute where the device has no stencil format of its own */
     FNL_DEFERRED_PASS_COUNT
 } fnl_deferred_pass;
 
@@ -167,9 +167,9 @@ typedef enum fnl_normal_encoding {
     FNL_NORMALS_SPHERICAL,     /**< two angles, one of them as its cosine */
     FNL_NORMALS_SPHERE_MAP,    /**< Lambert's azimuthal projection */
     FNL_NORMALS_STEREOGRAPHIC, /**< in view space; wrong where a normal looks away by more than 30 degrees */
-    FNL_NORMALS_VIEW,          /**< x and y as the viewer of the very pixel sees them; wrong where a normal looks away from it */
-    FNL_NORMALS_BEST_FIT,      /**< three components of 8 bits, scaled to the length with the least error */
-    FNL_NORMALS_FLOAT,         /**< 16 bytes in a target of its own: what the others are compared with */
+    FNL_NORMALS_VIEW,     /**< x and y as the viewer of the very pixel sees them; wrong where a normal looks away from it */
+    FNL_NORMALS_BEST_FIT, /**< three components of 8 bits, scaled to the length with the least error */
+    FNL_NORMALS_FLOAT,    /**< 16 bytes in a target of its own: what the others are compared with */
     FNL_NORMALS_COUNT
 } fnl_normal_encoding;
 
@@ -201,10 +201,13 @@ typedef struct fnl_list_options {
     fnl_raster_path raster_path;   /**< default auto. raster */
     fnl_raster_nodes raster_nodes; /**< default array. raster */
     fnl_volume_shape volume_shape; /**< default solids. The shading order deferred-volumes */
-    fnl_light_buffer light_buffer; /**< default auto. The shading orders light-prepass, low-res and inferred (which takes two for four) */
+    fnl_light_buffer
+        light_buffer; /**< default auto. The shading orders light-prepass, low-res and inferred (which takes two for four) */
     fnl_light_packing light_packing; /**< default ids. The shading order light-indexed */
-    uint32_t light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 4 */
-    uint32_t light_scale;          /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading orders low-res and inferred */
+    uint32_t
+        light_layers; /**< of light-indexed, 1 .. 16 (see fnl_light_packing), and lights a pixel of zioma, 1 .. 8; default 4 */
+    uint32_t
+        light_scale; /**< pixels along a side of what is lit once, 2 or 4; default 2. The shading orders low-res and inferred */
 } fnl_list_options;
 
 FNL_API fnl_list_options fnl_list_options_default(void);
@@ -214,20 +217,21 @@ FNL_API fnl_list_options fnl_list_options_default(void);
  * compares them.
  */
 typedef enum fnl_msaa_method {
-    FNL_MSAA_ALL = 0,  /**< every sample */
-    FNL_MSAA_TILES,    /**< every sample of 8 x 8 pixel tiles that have an edge, one of each pixel elsewhere */
-    FNL_MSAA_STENCIL,  /**< every sample of pixels that show an edge, in a pass of their own */
-    FNL_MSAA_COMPACT,  /**< every surface of a pixel once; those beyond the first from a list */
-    FNL_MSAA_COVERAGE, /**< one surface of each pixel; what else it shows takes the light of a neighbour: not exact */
+    FNL_MSAA_ALL = 0,   /**< every sample */
+    FNL_MSAA_TILES,     /**< every sample of 8 x 8 pixel tiles that have an edge, one of each pixel elsewhere */
+    FNL_MSAA_STENCIL,   /**< every sample of pixels that show an edge, in a pass of their own */
+    FNL_MSAA_COMPACT,   /**< every surface of a pixel once; those beyond the first from a list */
+    FNL_MSAA_COVERAGE,  /**< one surface of each pixel; what else it shows takes the light of a neighbour: not exact */
     FNL_MSAA_AGGREGATE, /**< like surfaces of a pixel are merged and shaded by their statistics: not exact */
     FNL_MSAA_METHOD_COUNT
 } fnl_msaa_method;
 
 /** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
 typedef enum fnl_transparency {
-    FNL_TRANSPARENCY_SORTED = 0, /**< objects are drawn back to front by their centres: wrong where they reach into one another */
-    FNL_TRANSPARENCY_WEIGHTED,   /**< in no order: a mean weighted by distance; exact where one surface covers a pixel */
-    FNL_TRANSPARENCY_LINKED,     /**< exact: the fragments of each pixel are listed and sorted */
+    FNL_TRANSPARENCY_SORTED =
+        0, /**< objects are drawn back to front by their centres: wrong where they reach into one another */
+    FNL_TRANSPARENCY_WEIGHTED, /**< in no order: a mean weighted by distance; exact where one surface covers a pixel */
+    FNL_TRANSPARENCY_LINKED,   /**< exact: the fragments of each pixel are listed and sorted */
     FNL_TRANSPARENCY_COUNT
 } fnl_transparency;
 /** What smooths the stairs of edges, besides `msaa`. docs/techniques/antialiasing.md compares them. */
@@ -235,16 +239,16 @@ typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_NONE = 0,
     FNL_ANTIALIASING_MLAA, /**< morphological: from the shapes of edges in the picture, by the rules of its first publication */
     FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
-    FNL_ANTIALIASING_TAA,  /**< temporal: frames sample pixels at changing places, and surfaces collect their samples; no MSAA */
+    FNL_ANTIALIASING_TAA, /**< temporal: frames sample pixels at changing places, and surfaces collect their samples; no MSAA */
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
 
 /** How box and volume decals get onto surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
 typedef enum fnl_decals {
     FNL_DECALS_LISTS = 0, /**< surfaces look them up in a list while they are drawn, blended ones too */
-    FNL_DECALS_GBUFFER,   /**< boxes are drawn over the finished G-buffer (mobile: close, not equal); blended surfaces, orders without a G-buffer and MSAA
+    FNL_DECALS_GBUFFER, /**< boxes are drawn over the finished G-buffer (mobile: close, not equal); blended surfaces, orders without a G-buffer and MSAA
                                use lists all the same */
-    FNL_DECALS_OFF,       /**< none, of no kind but those that are baked */
+    FNL_DECALS_OFF,     /**< none, of no kind but those that are baked */
     FNL_DECALS_COUNT
 } fnl_decals;
 /** What the order mobile keeps at a pixel, and in how many bits. */
@@ -267,7 +271,7 @@ typedef enum fnl_mobile_gamma {
 /** What light adds up in, in the layouts of 128 and 160 bits. */
 typedef enum fnl_mobile_light {
     FNL_MOBILE_LIGHT_FLOAT = 0, /**< 11, 11 and 10 bits of floating point: nothing clips */
-    FNL_MOBILE_LIGHT_UNORM,     /**< 10 bits each, up to `range` of white; needs an exposure that is known beforehand, else float */
+    FNL_MOBILE_LIGHT_UNORM, /**< 10 bits each, up to `range` of white; needs an exposure that is known beforehand, else float */
     FNL_MOBILE_LIGHT_COUNT
 } fnl_mobile_light;
 
@@ -278,7 +282,8 @@ typedef struct fnl_mobile_options {
     fnl_mobile_light light;   /**< default float */
     float range;              /**< of unorm light: exposed radiance that it can hold, > 0; default 8 */
     bool separate;            /**< passes of their own, as where the device cannot merge them; default false */
-    bool recycle; /**< the picture takes the memory of the normals, one attachment less; layouts of 128 and 160 bits; default false */
+    bool
+        recycle; /**< the picture takes the memory of the normals, one attachment less; layouts of 128 and 160 bits; default false */
 } fnl_mobile_options;
 
 FNL_API fnl_mobile_options fnl_mobile_options_default(void);
@@ -321,7 +326,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_BACKFACES,    /**< heat map of the lights that backface lists drop from each tile, with a legend */
     FNL_DEBUG_OVERSHADING, /**< invocations of the fragment shader per pixel of visible surfaces, helpers of 2x2 squares too, with a legend */
     FNL_DEBUG_LAYERS, /**< heat map of the blended surfaces that a pixel shows, with a legend */
-    FNL_DEBUG_DECALS,      /**< heat map of the boxes and volumes of decals that hold a pixel's surface, with a legend */
+    FNL_DEBUG_DECALS, /**< heat map of the boxes and volumes of decals that hold a pixel's surface, with a legend */
     FNL_DEBUG_GBUFFER_0, /**< fields of a render target of the G-buffer, as lighting reads them; a quarter of the picture each, if several */
     FNL_DEBUG_GBUFFER_1,
     FNL_DEBUG_GBUFFER_2,
@@ -363,12 +368,13 @@ typedef struct fnl_gbuffer_field {
 
 typedef struct fnl_gbuffer_info {
     uint32_t target_count;
-    uint32_t target_bits[5];  /**< a pixel */
-    uint32_t bits;            /**< sum of those: what this renderer stores beside depth (32), radiance (64) and, where needed, a mask (8) */
-    uint32_t published_bits;  /**< of the publication: with its depth, stencil and light accumulation */
-    uint32_t material_count;  /**< that its IDs tell apart; 0: no ID */
+    uint32_t target_bits[5]; /**< a pixel */
+    uint32_t
+        bits; /**< sum of those: what this renderer stores beside depth (32), radiance (64) and, where needed, a mask (8) */
+    uint32_t published_bits;     /**< of the publication: with its depth, stencil and light accumulation */
+    uint32_t material_count;     /**< that its IDs tell apart; 0: no ID */
     fnl_normal_encoding normals; /**< FNL_NORMALS_LAYOUT means this one */
-    uint32_t encodings;       /**< bit 1 << e: the encoding e goes with the layout */
+    uint32_t encodings;          /**< bit 1 << e: the encoding e goes with the layout */
     uint32_t field_count;
     const fnl_gbuffer_field *fields;
 } fnl_gbuffer_info;
@@ -381,10 +387,10 @@ FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
 
 /** What a frame keeps for fnl_renderer_read; bits. */
 typedef enum fnl_output {
-    FNL_OUTPUT_COLOR = 1,    /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
-    FNL_OUTPUT_RADIANCE = 2, /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
-    FNL_OUTPUT_SURFACE = 4,  /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
-    FNL_OUTPUT_NORMAL = 8,   /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
+    FNL_OUTPUT_COLOR = 1,     /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
+    FNL_OUTPUT_RADIANCE = 2,  /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
+    FNL_OUTPUT_SURFACE = 4,   /**< RGBA32F: base colour RGB, roughness, of the nearest surface (blended ones left out) */
+    FNL_OUTPUT_NORMAL = 8,    /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
     FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position; draw item id + 1, 0 where there is nothing */
     /**
      * RGBA32F: by how many pixels, right and down, an opaque surface or the background was elsewhere in the last frame; its view depth then,
@@ -410,7 +416,7 @@ typedef struct fnl_frame {
      */
     float msaa_tolerance;
     fnl_transparency transparency; /**< default sorted */
-    fnl_decals decals;     /**< default lists */
+    fnl_decals decals;             /**< default lists */
     /**
      * FNL_DECALS_GBUFFER: pictures are filtered by how the surface itself lies, not by how positions differ from pixel to pixel, which at
      * silhouettes draws a fringe. Default true; false shows the fault.
@@ -441,9 +447,10 @@ typedef struct fnl_frame {
      */
     float light_lod;
     fnl_deferred_pass deferred_pass; /**< deferred, with class_blocks 0 and 1 sample; default compute */
-    fnl_gbuffer gbuffer;         /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
+    fnl_gbuffer gbuffer; /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
     fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
-    bool chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
+    bool
+        chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
     bool gbuffer_prepass; /**< deferred, mobile: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
@@ -493,9 +500,11 @@ typedef struct fnl_frame_stats {
      * sums of light, layers. Depth and radiance of the frame's size are left out; 0 with other orders. Ids of light-indexed are in list_bytes.
      */
     uint64_t light_bytes;
-    uint64_t gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
-    uint64_t items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
-    uint64_t triangles_visible;    /**< of opaque surfaces and cutouts; known with count_lights */
+    uint64_t
+        gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
+    uint64_t
+        items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
+    uint64_t triangles_visible; /**< of opaque surfaces and cutouts; known with count_lights */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];
     /**
@@ -510,25 +519,29 @@ typedef struct fnl_frame_stats {
     uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */
         msaa_samples,       /**< samples that show a surface */
         msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
-    uint32_t decals_total, decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
-    uint64_t decal_entries;                /**< of the list over them, and of the tiles of the G-buffer's way */
-    uint32_t decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
+    uint32_t decals_total,
+        decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
+    uint64_t decal_entries; /**< of the list over them, and of the tiles of the G-buffer's way */
+    uint32_t
+        decal_overflow; /**< cells, or pixels of the G-buffer's way, that went through all decals as the pool was too small */
     /**
      * What the frame's passes move between images and memory, by formats and load and store operations and not measured: an attachment
      * that is loaded or stored, an image that a shader reads or writes, counts as a whole each time; copies, textures and buffers are
      * left out. fnl_renderer_print_traffic has it by passes.
      */
     uint64_t image_bytes_read, image_bytes_written;
-    uint64_t tile_bytes;       /**< of attachments that never leave tile memory on GPUs that have it */
-    uint64_t lazy_bytes, lazy_committed_bytes; /**< lazily allocated memory of those, and what of it the driver had to back */
-    bool mobile_merged;        /**< FNL_SHADING_MOBILE: the passes shared one scope */
-    bool mobile_tonemapped;    /**< and tone mapping was in it */
-    double cpu_milliseconds; /**< recording and submitting */
-    double gpu_milliseconds; /**< sum of all passes; 0 without timers */
-    float ev;                /**< exposure used, EV100 */
+    uint64_t tile_bytes; /**< of attachments that never leave tile memory on GPUs that have it */
+    uint64_t lazy_bytes,
+        lazy_committed_bytes; /**< lazily allocated memory of those, and what of it the driver had to back */
+    bool mobile_merged;       /**< FNL_SHADING_MOBILE: the passes shared one scope */
+    bool mobile_tonemapped;   /**< and tone mapping was in it */
+    double cpu_milliseconds;  /**< recording and submitting */
+    double gpu_milliseconds;  /**< sum of all passes; 0 without timers */
+    float ev;                 /**< exposure used, EV100 */
     uint64_t device_bytes, device_peak_bytes;
     fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
-    fnl_light_lists lists; /**< likewise; mesh where that stood in for batches or multipass, which have no MSAA and only so many passes */
+    fnl_light_lists
+        lists; /**< likewise; mesh where that stood in for batches or multipass, which have no MSAA and only so many passes */
     bool choosing;      /**< auto is still measuring candidates */
     const char *choice; /**< what auto chose by, or ""; owned by the renderer, valid until its next call */
     uint32_t pass_count;

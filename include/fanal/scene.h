@@ -199,8 +199,8 @@ typedef enum fnl_decal_kind {
     FNL_DECAL_BOX = 0, /**< projected along the box's -Z onto whatever is in the box */
     FNL_DECAL_VOLUME,  /**< the box is a stack of slices: a surface shows the picture at its very place (marble, a cut) */
     FNL_DECAL_MESH,    /**< on one instance, in the space of its mesh before it deforms: stretches and moves with the skin */
-    FNL_DECAL_REDRAW,  /**< the triangles of one instance that the box touches are drawn again over it, with lighting of their own */
-    FNL_DECAL_BAKED,   /**< painted into a copy of one instance's base colour textures when it is added: no cost in a frame */
+    FNL_DECAL_REDRAW, /**< the triangles of one instance that the box touches are drawn again over it, with lighting of their own */
+    FNL_DECAL_BAKED, /**< painted into a copy of one instance's base colour textures when it is added: no cost in a frame */
     FNL_DECAL_KIND_COUNT
 } fnl_decal_kind;
 
@@ -216,7 +216,7 @@ typedef enum fnl_decal_blend {
 
 /** What of the surface a decal changes; bits. */
 typedef enum fnl_decal_channel {
-    FNL_DECAL_COLOR = 1, /**< alone: a tattoo */
+    FNL_DECAL_COLOR = 1,  /**< alone: a tattoo */
     FNL_DECAL_NORMAL = 2, /**< alone: an embossing */
     FNL_DECAL_ROUGHNESS = 4,
     FNL_DECAL_METALLIC = 8,
@@ -233,25 +233,26 @@ typedef struct fnl_decal_params {
     fnl_mat4 transform;
     /** Mesh, redraw and baked decals: what they are on. Box and volume decals: what they move with; all-zero (default): nothing. */
     fnl_instance_id instance;
-    float color[4];      /**< linear RGB and alpha, 0..1, multiply the picture; default 1 */
-    float metallic;      /**< 0..1; default 0 */
-    float roughness;     /**< 0..1; default 0.5 */
-    float normal_scale;  /**< scales the normal map's x and y; default 1 */
-    float emissive[3];   /**< cd/m^2, >= 0; default 0 */
+    float color[4];     /**< linear RGB and alpha, 0..1, multiply the picture; default 1 */
+    float metallic;     /**< 0..1; default 0 */
+    float roughness;    /**< 0..1; default 0.5 */
+    float normal_scale; /**< scales the normal map's x and y; default 1 */
+    float emissive[3];  /**< cd/m^2, >= 0; default 0 */
     fnl_image_id color_image, normal_image, metallic_roughness_image, emissive_image; /**< all-zero (default): none */
     uint32_t channels;     /**< fnl_decal_channel bits; default colour, roughness and metallic */
     fnl_decal_blend blend; /**< default alpha */
-    bool flatten; /**< the normal map replaces the surface's own details instead of lying upon them; default false */
+    bool flatten;     /**< the normal map replaces the surface's own details instead of lying upon them; default false */
     int32_t sort_key; /**< decals are applied by ascending key, of equal ones in the order they were added; default 0 */
     /**
      * Angles between the surface and the box's +Z, radians, 0 .. pi: in full up to fade_start, not at all from fade_end (>= fade_start) on.
      * Default 65 and 85 degrees: sides seen edge-on would be streaks. Not for volume decals.
      */
     float fade_start, fade_end;
-    uint32_t receivers; /**< 8 bits: applied where they share one with the instance's (fnl_scene_set_instance_receivers); default 255 */
-    bool distance_field;     /**< the picture's alpha is a distance, and is cut at `cut`; default false */
-    float cut;               /**< 0..1; default 0.5 */
-    uint32_t slices; /**< volume decals: pictures stacked in each image, the topmost at +Z, 1 .. 4096; default 1 */
+    uint32_t
+        receivers; /**< 8 bits: applied where they share one with the instance's (fnl_scene_set_instance_receivers); default 255 */
+    bool distance_field; /**< the picture's alpha is a distance, and is cut at `cut`; default false */
+    float cut;           /**< 0..1; default 0.5 */
+    uint32_t slices;     /**< volume decals: pictures stacked in each image, the topmost at +Z, 1 .. 4096; default 1 */
 } fnl_decal_params;
 
 /** Names such as "box" and "multiply"; NULL for a value out of range. */

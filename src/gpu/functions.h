@@ -10,10 +10,11 @@
 
 #define GPU_INSTANCE_FUNCTIONS(X)                                                                                           \
     X(DestroyInstance)                                                                                                      \
-    X(EnumeratePhysicalDevices) X(EnumerateDeviceExtensionProperties) X(CreateDevice) X(GetDeviceProcAddr)                  \
-        X(GetPhysicalDeviceProperties) X(GetPhysicalDeviceProperties2) X(GetPhysicalDeviceFeatures2)                        \
-            X(GetPhysicalDeviceMemoryProperties) X(GetPhysicalDeviceQueueFamilyProperties)                                  \
-                X(GetPhysicalDeviceFormatProperties2) X(GetPhysicalDeviceImageFormatProperties2)
+    X(EnumeratePhysicalDevices)                                                                                             \
+    X(EnumerateDeviceExtensionProperties) X(CreateDevice) X(GetDeviceProcAddr) X(GetPhysicalDeviceProperties)               \
+        X(GetPhysicalDeviceProperties2) X(GetPhysicalDeviceFeatures2) X(GetPhysicalDeviceMemoryProperties)                  \
+            X(GetPhysicalDeviceQueueFamilyProperties) X(GetPhysicalDeviceFormatProperties2)                                 \
+                X(GetPhysicalDeviceImageFormatProperties2)
 
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_INSTANCE_DEBUG_FUNCTIONS(X) X(CreateDebugUtilsMessengerEXT) X(DestroyDebugUtilsMessengerEXT)
@@ -21,33 +22,33 @@
 /* Of render passes, see scope.c. */
 #define GPU_SCOPE_FUNCTIONS(X)                                                                                              \
     X(CreateRenderPass2)                                                                                                    \
-    X(DestroyRenderPass) X(CreateFramebuffer) X(DestroyFramebuffer) X(CmdBeginRenderPass2) X(CmdNextSubpass2)               \
-        X(CmdEndRenderPass2) X(ResetDescriptorPool) X(GetDeviceMemoryCommitment)
+    X(DestroyRenderPass)                                                                                                    \
+    X(CreateFramebuffer) X(DestroyFramebuffer) X(CmdBeginRenderPass2) X(CmdNextSubpass2) X(CmdEndRenderPass2)               \
+        X(ResetDescriptorPool) X(GetDeviceMemoryCommitment)
 
 #define GPU_DEVICE_FUNCTIONS(X)                                                                                             \
     X(DestroyDevice)                                                                                                        \
-    X(GetDeviceQueue) X(QueueSubmit2) X(AllocateMemory) X(FreeMemory) X(MapMemory) X(CreateBuffer) X(DestroyBuffer)         \
-        X(BindBufferMemory) X(GetBufferDeviceAddress) X(GetDeviceBufferMemoryRequirements) X(CreateImage) X(DestroyImage)   \
-            X(BindImageMemory) X(GetDeviceImageMemoryRequirements) X(CreateImageView) X(DestroyImageView) X(CreateSampler)  \
-                X(DestroySampler) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) X(CreateDescriptorPool)        \
-                    X(DestroyDescriptorPool) X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreatePipelineLayout)      \
-                        X(DestroyPipelineLayout) X(CreatePipelineCache) X(DestroyPipelineCache) X(GetPipelineCacheData)     \
-                            X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines)                          \
-                                X(CreateGraphicsPipelines) X(DestroyPipeline) X(CreateCommandPool) X(DestroyCommandPool)    \
-                                    X(ResetCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer) \
-                                        X(CreateSemaphore) X(DestroySemaphore) X(WaitSemaphores)                            \
-                                            X(GetSemaphoreCounterValue) X(CreateQueryPool) X(DestroyQueryPool)              \
-                                                X(ResetQueryPool) X(GetQueryPoolResults) X(CmdBindPipeline)                 \
-                                                    X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch)             \
-                                                        X(CmdDispatchIndirect) X(CmdBindIndexBuffer) X(CmdDraw)             \
-                                                            X(CmdDrawIndexedIndirect) X(CmdDrawIndexedIndirectCount)        \
-                                                                X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdCopyBufferToImage)   \
-                                                                    X(CmdCopyImageToBuffer) X(CmdCopyImage) X(CmdBlitImage) \
-                                                                        X(CmdBeginRendering) X(CmdEndRendering)             \
-                                                                            X(CmdSetViewport) X(CmdSetScissor)              \
-                                                                                X(CmdPipelineBarrier2)                      \
-                                                                                    X(CmdWriteTimestamp2)                   \
-    GPU_SCOPE_FUNCTIONS(X)
+    X(GetDeviceQueue)                                                                                                       \
+    X(QueueSubmit2) X(AllocateMemory) X(FreeMemory) X(MapMemory) X(CreateBuffer) X(DestroyBuffer) X(BindBufferMemory)       \
+        X(GetBufferDeviceAddress) X(GetDeviceBufferMemoryRequirements) X(CreateImage) X(DestroyImage) X(BindImageMemory)    \
+            X(GetDeviceImageMemoryRequirements) X(CreateImageView) X(DestroyImageView) X(CreateSampler) X(DestroySampler)   \
+                X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) X(CreateDescriptorPool) X(DestroyDescriptorPool) \
+                    X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreatePipelineLayout) X(DestroyPipelineLayout)      \
+                        X(CreatePipelineCache) X(DestroyPipelineCache) X(GetPipelineCacheData) X(CreateShaderModule)        \
+                            X(DestroyShaderModule) X(CreateComputePipelines) X(CreateGraphicsPipelines) X(DestroyPipeline)  \
+                                X(CreateCommandPool) X(DestroyCommandPool) X(ResetCommandPool) X(AllocateCommandBuffers)    \
+                                    X(BeginCommandBuffer) X(EndCommandBuffer) X(CreateSemaphore) X(DestroySemaphore)        \
+                                        X(WaitSemaphores) X(GetSemaphoreCounterValue) X(CreateQueryPool)                    \
+                                            X(DestroyQueryPool) X(ResetQueryPool) X(GetQueryPoolResults) X(CmdBindPipeline) \
+                                                X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch)                 \
+                                                    X(CmdDispatchIndirect) X(CmdBindIndexBuffer) X(CmdDraw)                 \
+                                                        X(CmdDrawIndexedIndirect) X(CmdDrawIndexedIndirectCount)            \
+                                                            X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdCopyBufferToImage)       \
+                                                                X(CmdCopyImageToBuffer) X(CmdCopyImage) X(CmdBlitImage)     \
+                                                                    X(CmdBeginRendering) X(CmdEndRendering)                 \
+                                                                        X(CmdSetViewport) X(CmdSetScissor)                  \
+                                                                            X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)    \
+                                                                                GPU_SCOPE_FUNCTIONS(X)
 
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)

@@ -23,8 +23,8 @@ enum {
     GPU_MAX_COLORS = 8,
     GPU_MAX_CONSTANTS = 16,
     GPU_FEATURES_ID = 31, /* specialisation constant of graphics pipelines beside the numbered ones */
-    GPU_MAX_CHUNKS = 16, /* command buffers that may be recorded at once */
-    GPU_MAX_INPUTS = 8,  /* attachments that a step of a scope reads */
+    GPU_MAX_CHUNKS = 16,  /* command buffers that may be recorded at once */
+    GPU_MAX_INPUTS = 8,   /* attachments that a step of a scope reads */
     GPU_MAX_SCOPE_ATTACHMENTS = 16,
     GPU_MAX_SCOPE_STEPS = 8,
 };
@@ -204,8 +204,9 @@ struct gpu_graphics_params {
     bool depth_test, depth_write, depth_clamp;
     bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
     VkCompareOp depth_compare;
-    uint32_t samples;              /* 1, 2, 4, 8 */
-    const struct gpu_scope *scope; /* the pipeline draws in this step of a scope; NULL: between gpu_begin_rendering and its end */
+    uint32_t samples; /* 1, 2, 4, 8 */
+    const struct gpu_scope
+        *scope; /* the pipeline draws in this step of a scope; NULL: between gpu_begin_rendering and its end */
     uint32_t scope_step;
 };
 

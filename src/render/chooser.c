@@ -29,8 +29,7 @@ static bool worth(const struct choice_case *at, struct choice c) {
         return false;
     /* Without depth beforehand these are others by another name. */
     bool early = c.shading == FNL_SHADING_FORWARD || (c.shading == FNL_SHADING_MOBILE && !at->depth_first);
-    if (early && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE))
-        return false;
+    if (early && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE)) return false;
     return c.lists != FNL_LISTS_BACKFACE || is_deferred(c.shading); /* needs normals */
 }
 

@@ -18,13 +18,14 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 }
 
 static void free_structure(struct device_scene *d) {
-    struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices, &d->instances, &d->primitives, &d->materials,
-                                    &d->items,     &d->groups,     &d->table,   &d->deforms,   &d->influences, &d->morphs,
-                                    &d->material_entries, &d->previous};
+    struct gpu_buffer *buffers[] = {&d->positions,  &d->attributes, &d->indices,          &d->instances, &d->primitives,
+                                    &d->materials,  &d->items,      &d->groups,           &d->table,     &d->deforms,
+                                    &d->influences, &d->morphs,     &d->material_entries, &d->previous};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
-    d->images.count = d->image_blues.count = d->buckets.count = d->node_instances.count = d->deformed.count = d->deform_vertex_counts.count = 0;
+    d->images.count = d->image_blues.count = d->buckets.count = d->node_instances.count = d->deformed.count =
+        d->deform_vertex_counts.count = 0;
     d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
 }
 
@@ -202,13 +203,13 @@ static void execute_previous(const struct graph_context *context, const void *da
 }
 
 /* Keeps what the last frame drew before it is overwritten. */
-static void add_previous(struct device_scene *d, struct graph *graph, graph_buffer vertices, struct device_scene_frame *out) {
+static void add_previous(struct device_scene *d, struct graph *graph, graph_buffer vertices,
+                         struct device_scene_frame *out) {
     out->moved = d->transform_version != d->scene->transform_version;
     out->previous = (graph_buffer){0};
     if (!out->moved || !d->keeps_previous) return;
     out->previous = graph_import_buffer(graph, "previous vertices", &d->previous);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "keep previous", GRAPH_QUEUE_GRAPHICS, execute_previous, &d, sizeof d);
+    struct graph_pass *pass = graph_add_pass(graph, "keep previous", GRAPH_QUEUE_GRAPHICS, execute_previous, &d, sizeof d);
     graph_use_buffer(pass, vertices, GRAPH_COPY_FROM);
     graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
 }

@@ -28,7 +28,7 @@ struct decal_picture {
 
 /** The decals on the device (device_decals.c). */
 struct device_decals {
-    struct gpu_buffer decals, boxes;        /* struct gpu_decal, struct gpu_light; sent inside the frame */
+    struct gpu_buffer decals, boxes;         /* struct gpu_decal, struct gpu_light; sent inside the frame */
     struct gpu_buffer mesh_ranges, mesh_ids; /* of mesh decals: see struct gpu_decal_set */
     struct gpu_buffer redraw_indices, redraw_draws, redraw_table; /* see struct decals_redraw */
     ARRAY(struct gpu_decal) data; /* boxes and volumes, then those of meshes, then redraws; each in order */
@@ -37,9 +37,9 @@ struct device_decals {
     ARRAY(struct decal_picture) pictures;
     uint32_t count, mesh_count, redraw_count;
     uint32_t draw_count; /* of redrawn decals */
-    bool moves; /* some move with nodes */
-    bool masks; /* some box or volume is not on everything, or something does not receive all */
-    bool emits; /* some box or volume changes emission */
+    bool moves;          /* some move with nodes */
+    bool masks;          /* some box or volume is not on everything, or something does not receive all */
+    bool emits;          /* some box or volume changes emission */
     uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
     uint32_t sampler;
 };
@@ -50,14 +50,14 @@ struct device_scene {
     fnl_scene *scene;
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
-    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups, table, deforms,
-        influences, morphs;
+    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups,
+        table, deforms, influences, morphs;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(int16_t) image_blues;     /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;
-    ARRAY(uint32_t) node_instances; /* first instance of each node, or SCENE_NONE */
+    ARRAY(uint32_t) node_instances;  /* first instance of each node, or SCENE_NONE */
     ARRAY(uint32_t) node_primitives; /* first own primitive of each deforming node, or SCENE_NONE */
-    ARRAY(bool) node_mirrored;      /* whether its draws were sorted as those of a mirrored node */
+    ARRAY(bool) node_mirrored;       /* whether its draws were sorted as those of a mirrored node */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;

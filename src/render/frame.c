@@ -135,8 +135,8 @@ static void add_target(struct frame_state *f, const struct frame_target *target)
 
 /* ---- what the CPU reads ---- */
 
-static const char *const output_names[OUTPUT_COUNT] = {"read color", "read radiance", "read surface", "read normal",
-                                                       "read position",  "read motion"};
+static const char *const output_names[OUTPUT_COUNT] = {"read color",  "read radiance", "read surface",
+                                                       "read normal", "read position", "read motion"};
 
 struct read_image_data {
     graph_image image;
@@ -155,8 +155,8 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
 static void add_outputs(struct frame_state *f) {
-    graph_image images[OUTPUT_COUNT] = {f->color, f->radiance, f->aov.albedo, f->aov.normal, f->aov.position,
-                                        f->temporal.motion};
+    graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->aov.albedo,
+                                        f->aov.normal, f->aov.position, f->temporal.motion};
     if (f->frame->msaa > 1 && (f->frame->outputs & FNL_OUTPUT_RADIANCE)) {
         images[1] = frame_create_image(f, "radiance average", VK_FORMAT_R32G32B32A32_SFLOAT, 1);
         resolve_add(f->graph, f->radiance, images[1]);
@@ -212,14 +212,14 @@ static void add_counts(struct frame_state *f) {
         data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
                                                         sizeof f->r->stats.shading_blocks};
     if (f->edge_counts.id)
-        data.copies[data.count++] = (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges),
-                                                        EDGES_COUNTS * 4};
+        data.copies[data.count++] =
+            (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges), EDGES_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};
     if (f->decals.list.totals.id)
-        data.copies[data.count++] = (struct count_copy){
-            f->decals.list.totals, counts, 0, offsetof(struct frame_counts, decals), sizeof(struct light_totals)};
+        data.copies[data.count++] = (struct count_copy){f->decals.list.totals, counts, 0,
+                                                        offsetof(struct frame_counts, decals), sizeof(struct light_totals)};
     if (f->decals.fragments.id)
         data.copies[data.count++] =
             (struct count_copy){f->decals.fragments, counts, 0, offsetof(struct frame_counts, decal_fragments), 12};
@@ -272,12 +272,8 @@ static void note_stats(struct frame_state *f) {
 }
 
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
-    struct frame_state f = {.r = r,
-                            .frame = frame,
-                            .graph = r->graph,
-                            .scene = &r->scene_frame,
-                            .drawn_lists = frame->lists,
-                            .target = target};
+    struct frame_state f = {
+        .r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame, .drawn_lists = frame->lists, .target = target};
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
     TRY(add_view(&f));

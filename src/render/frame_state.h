@@ -39,7 +39,7 @@ struct frame_state {
     VkDeviceAddress view_address;
     struct geometry_draws draws;
     graph_image radiance, depth;
-    struct gbuffer gbuffer; /* depth id 0: none */
+    struct gbuffer gbuffer;                 /* depth id 0: none */
     struct light_input whole_lights;        /* before small ones were faded */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */

@@ -42,7 +42,7 @@ struct lists_context {
     const struct geometry_draws *draws;
     struct light_input *input;
     struct lists_state *state;
-    graph_image depth;   /* of everything opaque; id 0: not known before shading */
+    graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
     uint32_t pool_capacity;

@@ -77,7 +77,8 @@ static void check_orders(struct stage *stage, fnl_frame frame) {
             continue;
         }
         int difference = greatest_difference(&first.color, &shot.color);
-        if (difference > ALLOWED && !shading_is(frame.shading, SHADING_APPROXIMATE)) fail_msg("%s: %d/255 from forward", pair_name(&frame), difference);
+        if (difference > ALLOWED && !shading_is(frame.shading, SHADING_APPROXIMATE))
+            fail_msg("%s: %d/255 from forward", pair_name(&frame), difference);
         shot_free(&shot);
     }
     shot_free(&first);

@@ -11,8 +11,9 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
 const char *fnl_shading_name(fnl_shading shading) {
-    static const char *const names[] = {"forward", "forward-prepass", "deferred", "deferred-volumes",
-                                        "light-prepass", "pre-lighting", "low-res", "inferred", "light-indexed", "zioma", "visibility", "mobile", "auto"};
+    static const char *const names[] = {"forward",      "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
+                                        "pre-lighting", "low-res",         "inferred", "light-indexed",    "zioma",
+                                        "visibility",   "mobile",          "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -136,11 +137,10 @@ const char *fnl_tonemap_name(fnl_tonemap tonemap) {
 }
 
 const char *fnl_debug_view_name(fnl_debug_view view) {
-    static const char *const names[] = {"none",  "albedo",   "normal",       "depth",     "roughness",  "lights",
-                                        "cells", "overdraw", "tile-normals", "backfaces", "overshading",
-                                        "layers", "decals",     "gbuffer-0",
-                                        "gbuffer-1", "gbuffer-2", "gbuffer-3",   "gbuffer-4", "material-id", "lit-forward",
-                                        "edges", "motion"};
+    static const char *const names[] = {
+        "none",         "albedo",    "normal",      "depth",       "roughness", "lights",    "cells",     "overdraw",
+        "tile-normals", "backfaces", "overshading", "layers",      "decals",    "gbuffer-0", "gbuffer-1", "gbuffer-2",
+        "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -358,7 +358,8 @@ static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *fra
     if (frame->debug < FNL_DEBUG_GBUFFER_0 || frame->debug > FNL_DEBUG_LIT_FORWARD) return FNL_OK;
     const fnl_host *host = &r->host;
     if (frame->shading == FNL_SHADING_AUTO || !shading_is(frame->shading, SHADING_LAYOUTS) || frame->msaa > 1) {
-        log_error(host, "the view %s shows the G-buffer of deferred shading with 1 sample", fnl_debug_view_name(frame->debug));
+        log_error(host, "the view %s shows the G-buffer of deferred shading with 1 sample",
+                  fnl_debug_view_name(frame->debug));
         return FNL_ERROR_UNSUPPORTED;
     }
     fnl_gbuffer_info info;
@@ -453,12 +454,14 @@ static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) 
 /* The lists of blended fragments start with one per pixel and grow in the same way. */
 static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
     uint64_t limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
-    return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START), MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
+    return (uint32_t)MIN(MAX(wanted, (uint64_t)BLEND_POOL_START),
+                         MIN(MAX(limit, (uint64_t)BLEND_POOL_START), LINKED_CAPACITY_MAX));
 }
 
 static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) {
     uint64_t needed = counts->blend.fragments;
-    if (counts->blend.overflow_pixels > 0) r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
+    if (counts->blend.overflow_pixels > 0)
+        r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }

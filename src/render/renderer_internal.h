@@ -25,7 +25,7 @@ struct frame_counts {
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
-enum { OUTPUT_COUNT = 6 }; /* bits of fnl_output */
+enum { OUTPUT_COUNT = 6 };           /* bits of fnl_output */
 enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
 struct fnl_renderer {
@@ -40,16 +40,16 @@ struct fnl_renderer {
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct temporal_state temporal;
-    struct lists_state lists;              /* what builders keep from frame to frame */
-    uint32_t pool_capacity;                /* entries of the id pools; grows after an overflow */
-    uint32_t blend_capacity;               /* fragments of linked transparency; 0: before the first frame */
-    uint32_t decal_capacity;               /* of what holds decals */
-    uint32_t mobile_notes;                 /* bits of what was said once about the order mobile */
-    bool cannot_merge;                     /* tests: as on devices whose scopes are too small for the order mobile */
-    bool weighted_half;                    /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
-    uint32_t visibility_bits;              /* tests: ids at least so wide */
-    bool poison;                           /* tests: transient buffers begin each frame full of rubbish */
-    bool force_async; /* tests: passes for the compute queue go through it even where it is the graphics queue */
+    struct lists_state lists; /* what builders keep from frame to frame */
+    uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
+    uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
+    uint32_t decal_capacity;  /* of what holds decals */
+    uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
+    bool cannot_merge;        /* tests: as on devices whose scopes are too small for the order mobile */
+    bool weighted_half;       /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
+    uint32_t visibility_bits; /* tests: ids at least so wide */
+    bool poison;              /* tests: transient buffers begin each frame full of rubbish */
+    bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 
     /* The last frame, and where its results are. */
     fnl_frame frame;

@@ -230,8 +230,9 @@ static void add_mobile(struct frame_state *f, struct shade_input *input, bool pr
     struct mobile_params params;
     if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
     if (params.layout <= FNL_MOBILE_SPECULAR_160 && params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
-        note_once(f->r, 0, params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
-                                              : "light adds up in fractions: the device cannot blend packed floats");
+        note_once(f->r, 0,
+                  params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
+                                     : "light adds up in fractions: the device cannot blend packed floats");
     add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
     struct shade_input blend = *input;
     blend.lights = &f->blend_lights;
@@ -245,13 +246,13 @@ static void add_mobile(struct frame_state *f, struct shade_input *input, bool pr
     f->mobile_tonemapped = !more && mobile_tonemaps(f, f->blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
     if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
-    struct mobile_result result =
-        mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params,
-                   decals_in_gbuffer(f) ? &decals : NULL, &finish);
+    struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params,
+                                             decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
     if (!result.merged && !f->frame->mobile.separate)
-        note_once(f->r, 1, "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
+        note_once(f->r, 1,
+                  "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 
 /* ---- blended surfaces ---- */
@@ -420,8 +421,8 @@ static const struct order {
     [FNL_SHADING_DEFERRED_VOLUMES] = {add_volumes, SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES},
     [FNL_SHADING_LIGHT_PREPASS] = {add_light_prepass, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
     [FNL_SHADING_PRE_LIGHTING] = {add_pre_lighting, SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES},
-    [FNL_SHADING_INFERRED] = {add_inferred, SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW |
-                                                SHADING_APPROXIMATE},
+    [FNL_SHADING_INFERRED] = {add_inferred,
+                              SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     [FNL_SHADING_LIGHT_INDEXED] = {add_light_indexed, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_ZIOMA] = {add_zioma, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_LOW_RES] = {add_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},

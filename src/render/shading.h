@@ -6,17 +6,17 @@
 #include "render/frame_state.h"
 
 enum shading_trait {
-    SHADING_FORWARD = 1,   /* shades while it draws: pixels may have several samples */
-    SHADING_GBUFFER = 2,   /* shades what a G-buffer holds: lists may look at depth and normals */
-    SHADING_PREPASS = 4,   /* draws depth first, always */
-    SHADING_BLENDS = 8,    /* adds lights up by blending into the radiance target */
-    SHADING_POSITIONS = 16, /* looks lights up at positions rebuilt from depth, as lists made from depth do */
-    SHADING_SAMPLES = 32,   /* pixels may have several samples */
-    SHADING_LAYOUTS = 64,   /* heeds fnl_frame.gbuffer, normals and chroma */
-    SHADING_REDRAW = 128,   /* draws the geometry a second time for its materials */
+    SHADING_FORWARD = 1,       /* shades while it draws: pixels may have several samples */
+    SHADING_GBUFFER = 2,       /* shades what a G-buffer holds: lists may look at depth and normals */
+    SHADING_PREPASS = 4,       /* draws depth first, always */
+    SHADING_BLENDS = 8,        /* adds lights up by blending into the radiance target */
+    SHADING_POSITIONS = 16,    /* looks lights up at positions rebuilt from depth, as lists made from depth do */
+    SHADING_SAMPLES = 32,      /* pixels may have several samples */
+    SHADING_LAYOUTS = 64,      /* heeds fnl_frame.gbuffer, normals and chroma */
+    SHADING_REDRAW = 128,      /* draws the geometry a second time for its materials */
     SHADING_APPROXIMATE = 256, /* gives a picture that is close to that of the others, not equal */
     SHADING_ITEMS = 512,       /* knows the item that a pixel shows: lists of objects serve it */
-    SHADING_VOLUMES = 1024 /* finds the lights of opaque surfaces by drawing volumes: lists serve blended ones alone */
+    SHADING_VOLUMES = 1024     /* finds the lights of opaque surfaces by drawing volumes: lists serve blended ones alone */
 };
 /** Whether an order (not auto) has all of these traits. */
 bool shading_is(fnl_shading shading, uint32_t traits);

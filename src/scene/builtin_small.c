@@ -238,8 +238,8 @@ static void add_crossing_glass(struct builtin *b) {
             mesh_sphere(&m, vec3_make(0, 0, 0), 0.6f, 24);
         else
             mesh_box(&m, vec3_make(-1.1f, 0.1f, -0.01f), vec3_make(1.1f, 2.6f, 0.01f), FACE_FRONT);
-        mat4 place = ball ? builtin_at(3 + 0.8f * (float)(i - 2), 0.9f, -5.4f, 0, 1)
-                          : builtin_at(3.4f, 0, -6, i ? -0.7f : 0.6f, 1);
+        mat4 place =
+            ball ? builtin_at(3 + 0.8f * (float)(i - 2), 0.9f, -5.4f, 0, 1) : builtin_at(3.4f, 0, -6, i ? -0.7f : 0.6f, 1);
         builtin_place(b, mesh_end(&m, "crossing"), place);
     }
 }

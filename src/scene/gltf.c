@@ -155,9 +155,9 @@ static void check_asset(struct gltf *g) {
 
 static void load_parts(struct gltf *g) {
     static void (*const parts[])(struct gltf *) = {
-        check_asset,         gltf_load_extensions, gltf_load_buffers,    gltf_load_accessors, gltf_load_images,
-        gltf_load_materials, gltf_load_meshes,     gltf_load_cameras,    gltf_load_nodes,     gltf_load_scenes,
-        gltf_load_skins,     gltf_place,           gltf_load_decals,     gltf_load_animations,
+        check_asset,         gltf_load_extensions, gltf_load_buffers, gltf_load_accessors,  gltf_load_images,
+        gltf_load_materials, gltf_load_meshes,     gltf_load_cameras, gltf_load_nodes,      gltf_load_scenes,
+        gltf_load_skins,     gltf_place,           gltf_load_decals,  gltf_load_animations,
     };
     for (size_t i = 0; i < COUNT_OF(parts) && g->result == FNL_OK; i++) parts[i](g);
     if (g->result == FNL_OK) scene_update_transforms(g->scene);

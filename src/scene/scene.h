@@ -214,15 +214,15 @@ struct fnl_scene {
     ARRAY(const char *) messages;
 
     vec3 ambient_sky, ambient_ground, background;
-    float anisotropy; /* of mipmapped textures, 1 .. 16 */
+    float anisotropy;                           /* of mipmapped textures, 1 .. 16 */
     float cutoff_roughness, cutoff_illuminance; /* of lights without a range */
     uint32_t next_generation;
     uint32_t hull_plane_count; /* of all lights */
 
     /* A renderer remembers the versions it has seen. */
-    uint64_t structure_version; /* images, materials, meshes, nodes came or went: rebuild */
-    uint64_t light_version;     /* lights, ambient */
-    uint64_t light_set_version; /* … at which lights last came or went, or all changed: re-read all */
+    uint64_t structure_version;     /* images, materials, meshes, nodes came or went: rebuild */
+    uint64_t light_version;         /* lights, ambient */
+    uint64_t light_set_version;     /* … at which lights last came or went, or all changed: re-read all */
     ARRAY(uint32_t) changed_lights; /* every light whose changed_version is above changed_lights_since, once */
     uint64_t changed_lights_since;
     uint64_t decal_version;     /* decals; those that move with nodes follow transform_version besides */

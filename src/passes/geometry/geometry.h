@@ -20,18 +20,18 @@ struct geometry_bucket {
 
 /** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
 struct geometry_scene {
-    VkDeviceAddress scene; /* struct gpu_scene */
+    VkDeviceAddress scene;            /* struct gpu_scene */
     VkDeviceAddress material_entries; /* of the G-buffer layouts with material IDs (gbuffer_shared.h) */
     const struct gpu_buffer *indices;
     graph_buffer
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
-    float gradient_taps; /* constant GRADIENT_TAPS of shaders/material.glsl */
-    uint32_t most_triangles; /* of one item; lines and points count too */
+    float gradient_taps;                         /* constant GRADIENT_TAPS of shaders/material.glsl */
+    uint32_t most_triangles;                     /* of one item; lines and points count too */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
-    uint32_t features; /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
-    graph_buffer feature_buffers[5]; /* what they read for it; id 0: none */
+    uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
+    graph_buffer feature_buffers[5];             /* what they read for it; id 0: none */
 };
 
 /** Result of culling: which items are drawn, as indirect draws. */

@@ -13,9 +13,9 @@
 
 struct sparse_params {
     struct clustered_params grid;
-    graph_image depth; /* of everything that looks lights up; single- or multisampled */
+    graph_image depth;             /* of everything that looks lights up; single- or multisampled */
     const struct gbuffer *gbuffer; /* single-sampled: by its normals lights behind the surfaces are left out; or NULL */
-    bool blend;  /* a dense list for blended surfaces, too */
+    bool blend;                    /* a dense list for blended surfaces, too */
 };
 
 struct sparse_lists {

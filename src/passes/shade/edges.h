@@ -11,15 +11,17 @@
 #include "passes/shade/gbuffer.h"
 
 struct edges_params {
-    float tolerance; /* 0: stored bits are compared; else the greatest difference of colours, parameters and (as a chord) normals */
-    uint32_t limit;  /* surfaces of a pixel at most, 2 .. 8; those most alike are merged */
-    bool lists;      /* the surfaces beyond the first of each pixel are listed */
+    float
+        tolerance; /* 0: stored bits are compared; else the greatest difference of colours, parameters and (as a chord) normals */
+    uint32_t limit; /* surfaces of a pixel at most, 2 .. 8; those most alike are merged */
+    bool lists;     /* the surfaces beyond the first of each pixel are listed */
 };
 
 struct edges {
     graph_buffer surfaces; /* a word a pixel, row by row */
     graph_buffer counts;   /* uint[EDGES_COUNTS] */
-    graph_buffer sums, entries, dispatch; /* with lists: prefix sums over pixels, pixel | surface << 28, an indirect dispatch */
+    graph_buffer sums, entries,
+        dispatch; /* with lists: prefix sums over pixels, pixel | surface << 28, an indirect dispatch */
 };
 
 /** `radiance` holds the emission and is left as it is. */

@@ -29,10 +29,10 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
                                 .lights = input->lights->header,
                                 .counters = input->counters,
                                 .set = set,
-                                .mask_fragment = blends              ? NULL
-                                                 : !prepass          ? &shader_forward_frag
+                                .mask_fragment = blends               ? NULL
+                                                 : !prepass           ? &shader_forward_frag
                                                  : target.samples > 1 ? &shader_forward_known_frag
-                                                                     : NULL};
+                                                                      : NULL};
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                      .constant_count = 2,

@@ -20,10 +20,10 @@ struct gbuffer_layout {
     fnl_gbuffer_field fields[GBUFFER_FIELDS];
     uint8_t semantics[GBUFFER_FIELDS]; /* GBUFFER_SEEN_…: how views show the field */
     uint32_t color_target, normal_target;
-    uint32_t id_count;        /* materials that an ID tells apart; 0: no ID */
-    fnl_normal_encoding own;  /* normals as the layout has them */
-    uint32_t encodings;       /* a bit for each fnl_normal_encoding that its field holds */
-    uint32_t published_bits;  /* with depth, stencil and the light accumulation of the publication */
+    uint32_t id_count;             /* materials that an ID tells apart; 0: no ID */
+    fnl_normal_encoding own;       /* normals as the layout has them */
+    uint32_t encodings;            /* a bit for each fnl_normal_encoding that its field holds */
+    uint32_t published_bits;       /* with depth, stencil and the light accumulation of the publication */
     bool metallic, strength, tint; /* held by the pixel, not by the material's entry: metalness, strength and colour of F0 */
 };
 

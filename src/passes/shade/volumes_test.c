@@ -387,8 +387,9 @@ static void test_random_spheres_ES_15(void **state) {
         fnl_light_params light = fnl_light_params_default();
         fnl_light_id id;
         float spread = i % 3 ? 12 : 2;
-        light.position = (fnl_vec3){eye.x + random_range(&random, -spread, spread), eye.y + random_range(&random, -spread, spread),
-                                    eye.z + random_range(&random, -spread, spread)};
+        light.position =
+            (fnl_vec3){eye.x + random_range(&random, -spread, spread), eye.y + random_range(&random, -spread, spread),
+                       eye.z + random_range(&random, -spread, spread)};
         light.range = random_range(&random, 0.1f, i % 7 ? 2 : 6);
         light.intensity = 0.01f;
         assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
