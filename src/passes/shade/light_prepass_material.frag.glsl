@@ -68,8 +68,8 @@ light_sums sums_around(ivec2 pixel) {
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
+    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     light_sums sums = light_sums_none();
     if (LIGHT_SCALE > 1u)
