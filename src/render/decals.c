@@ -33,14 +33,7 @@ fnl_result decals_begin(struct frame_state *f) {
 /* As for the clusters of lights: slices reach as far as the scene does. */
 static struct clustered_params cluster_params(const struct frame_state *f) {
     struct clustered_params params = clustered_params_default();
-    struct box bounds = f->r->device_scene.bounds;
-    float far = 1;
-    if (!box_is_empty(&bounds))
-        for (int i = 0; i < 8; i++) {
-            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
-                           i & 4 ? bounds.high.z : bounds.low.z};
-            far = fmaxf(far, -mat4_point(&f->view.world_to_view, corner).z);
-        }
+    float far = view_reach(&f->view, &f->r->device_scene.bounds);
     params.far = fminf(far, 1e6f);
     params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
     params.tile_size = 32;

@@ -135,14 +135,7 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
     struct clustered_params params = clustered_params_default();
     params.tile_size = options->cluster_size;
     params.slices = options->slices;
-    struct box bounds = c->device_scene->bounds;
-    float far = 1;
-    if (!box_is_empty(&bounds))
-        for (int i = 0; i < 8; i++) {
-            vec3 corner = {i & 1 ? bounds.high.x : bounds.low.x, i & 2 ? bounds.high.y : bounds.low.y,
-                           i & 4 ? bounds.high.z : bounds.low.z};
-            far = fmaxf(far, -mat4_point(&c->view->world_to_view, corner).z);
-        }
+    float far = view_reach(c->view, &c->device_scene->bounds);
     params.far = isinf(options->cluster_far) ? fminf(far, 1e6f) : options->cluster_far;
     params.near =
         isinf(options->cluster_near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->cluster_near;

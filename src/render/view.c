@@ -59,3 +59,14 @@ struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint3
     v.planes[4] = clip_plane(&v.world_to_clip, 2, -1);
     return v;
 }
+
+float view_reach(const struct gpu_view *view, const struct box *bounds) {
+    float far = 1;
+    if (box_is_empty(bounds)) return far;
+    for (int i = 0; i < 8; i++) {
+        vec3 corner = {i & 1 ? bounds->high.x : bounds->low.x, i & 2 ? bounds->high.y : bounds->low.y,
+                       i & 4 ? bounds->high.z : bounds->low.z};
+        far = fmaxf(far, -mat4_point(&view->world_to_view, corner).z);
+    }
+    return far;
+}

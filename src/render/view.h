@@ -12,4 +12,7 @@ struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint3
 /** All numbers finite and in their stated ranges. */
 bool camera_valid(const fnl_camera *camera);
 
+/** View depth of the farthest corner of a box in world space, 1 at least, metres. */
+float view_reach(const struct gpu_view *view, const struct box *bounds);
+
 #endif

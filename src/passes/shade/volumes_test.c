@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred shading by light volumes against deferred shading by one loop, and the solids themselves. */
+#include "passes/shade/order_cases.h"
 #include "passes/shade/volumes.h"
 #include "passes/shade/volumes_shared.h"
 #include "render/view.h"
-#include "tests/render_harness.h"
 
 /* ---- the solids ---- */
 
@@ -125,51 +125,16 @@ static void check(struct stage *stage, const char *what) {
 
 static void test_scenes_ES_14_ES_15_ES_17_TD_3_MP_22(void **state) {
     UNUSED(state);
-    static const struct {
-        const char *source;
-        float ev;
-    } scenes[] = {{"builtin:wall?test=2", 4},        {"builtin:hall?lights=256", 3},
-                  {"builtin:spheres?lights=100", 5}, {"builtin:lamps", 5},
-                  {"builtin:nearplane", 5},          {"builtin:onetile?lights=300", 5},
-                  {"builtin:glass?lights=40", 5},    {"builtin:sky", 5},
-                  {"builtin:spheres?lights=0", 5},   {"builtin:spheres?lights=1", 5}};
-    for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
-        struct stage stage = stage_open(scenes[i].source, 0);
-        stage.frame.ev = scenes[i].ev;
-        check(&stage, scenes[i].source);
-        stage_close(&stage);
-    }
+    struct stage stage = stage_open("builtin:wall?test=2", 0);
+    stage.frame.ev = 4;
+    check(&stage, "builtin:wall?test=2");
+    stage_close(&stage);
+    order_scenes(check);
 }
 
 static void test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22(void **state) {
     UNUSED(state);
-    static const char *const names[] = {"in many lights",       "orthographic", "off axis",
-                                        "upside down and wide", "one pixel",    "at the rim"};
-    struct stage stage = stage_open("builtin:spheres?lights=150", 0);
-    const fnl_frame start = stage.frame;
-    for (uint32_t kind = 0; kind < COUNT_OF(names); kind++) {
-        stage.frame = start;
-        fnl_camera *camera = &stage.frame.camera;
-        if (kind == 0 || kind == 5) {
-            fnl_light_params light;
-            assert_int_equal(fnl_scene_query_light(stage.scene, 5, &light), FNL_OK);
-            camera->position = light.position;
-            camera->position.x += kind ? light.range : 1e-3f;
-        } else if (kind == 1) {
-            camera->orthographic = true;
-            camera->vertical_extent = 8;
-            camera->far_distance = 9; /* in the midst of lights: their far sides are beyond it */
-        } else if (kind == 2) {
-            camera->shift = (fnl_vec2){0.7f, -0.4f};
-        } else if (kind == 3) {
-            camera->up = (fnl_vec3){0.2f, -1, 0};
-            camera->vertical_fov = 2.6f;
-        } else {
-            stage.frame.width = stage.frame.height = 1;
-        }
-        check(&stage, names[kind]);
-    }
-    stage_close(&stage);
+    order_cameras(check);
 }
 
 /* Hard edges of cones and of the other shapes, wide cones, lights without end. */

@@ -34,7 +34,10 @@ static void execute_ids(const struct graph_context *context, const void *data) {
 
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, graph_image depth) {
     struct visibility v = {.depth = depth};
-    bits = MAX(bits, visibility_bits(input->scene->item_count, input->scene->most_triangles, &v.triangle_bits));
+    uint32_t item_count = input->scene->item_count;
+    uint32_t needed = visibility_bits(item_count, input->scene->most_triangles, &v.triangle_bits);
+    if (bits > needed) v.triangle_bits = MIN(bits - bits_of(item_count), 31u); /* items reach into the upper bits */
+    bits = MAX(bits, needed);
     struct graph_image_params params = {
         .name = "visibility", .format = VK_FORMAT_R32_UINT, .width = input->width, .height = input->height};
     v.ids = graph_create_image(graph, &params);
