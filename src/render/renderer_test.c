@@ -67,17 +67,7 @@ static struct stage_set stage_set_open(void) {
     return s;
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Milliseconds to record and submit a frame in the steady state, on a device without validation. The median is for the
-   reader; the least is what is compared, for other programs' work is in the rest. */
-struct record_time {
-    double median, least;
-};
-
+/* Without validation, which takes time of its own. */
 static fnl_device *quiet_device(void) {
     fnl_device_params params = fnl_device_params_default();
     params.cache_folder = "";
@@ -86,21 +76,19 @@ static fnl_device *quiet_device(void) {
     return device;
 }
 
-static struct record_time record_time(fnl_device *device, fnl_scene *scene, const fnl_frame *frame, fnl_frame_stats *last) {
+/* The least milliseconds of a few frames in the steady state, to record and submit. */
+static double record_time(fnl_device *device, fnl_scene *scene, const fnl_frame *frame, fnl_frame_stats *last) {
     enum { WARM = 2, FRAMES = 7 };
-    double times[FRAMES];
+    double least = INFINITY;
     fnl_renderer *renderer;
     assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
     for (int i = -WARM; i < FRAMES; i++) {
-        fnl_frame_stats stats;
         test_render_frame(renderer, frame);
-        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-        if (i >= 0) times[i] = stats.cpu_milliseconds;
+        assert_int_equal(fnl_renderer_query_stats(renderer, last), FNL_OK);
+        if (i >= 0) least = fmin(least, last->cpu_milliseconds);
     }
-    assert_int_equal(fnl_renderer_query_stats(renderer, last), FNL_OK);
     fnl_renderer_destroy(&renderer);
-    qsort(times, FRAMES, sizeof *times, compare_doubles);
-    return (struct record_time){times[FRAMES / 2], times[0]};
+    return least;
 }
 
 /* ---- cost ---- */
@@ -111,39 +99,43 @@ static bool measures_recording(uint32_t lists) {
            fnl_lists_supported(FNL_SHADING_DEFERRED, (fnl_light_lists)lists);
 }
 
+/* The least of several attempts is compared: the work of other programs only adds to it, while work for each light is in
+   every attempt. */
 static void test_recording_does_not_grow_with_lights(void **state) {
     UNUSED(state);
+    enum { ATTEMPTS = 6 };
     static const uint32_t counts[2] = {16, 65536};
-    struct record_time times[2][FNL_LISTS_COUNT];
     fnl_device *device = quiet_device();
+    struct stage_set sets[2];
     for (int i = 0; i < 2; i++) {
-        struct stage_set s = stage_set_open();
-        assert_int_equal(fnl_scene_scatter_lights(s.scene, counts[i], 1), FNL_OK);
-        fnl_frame_stats stats;
-        for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
-            if (!measures_recording(lists)) continue;
-            fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
-            frame.width = frame.height = lists == FNL_LISTS_ALL ? 8 : 32;
-            frame.shading = FNL_SHADING_DEFERRED;
-            frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
-            times[i][lists] = record_time(device, s.scene, &frame, &stats);
-            assert_int_equal(stats.lights_total, counts[i] + 6);
-        }
-        fnl_scene_destroy(&s.scene);
+        sets[i] = stage_set_open();
+        assert_int_equal(fnl_scene_scatter_lights(sets[i].scene, counts[i], 1), FNL_OK);
     }
-    fnl_device_destroy(&device);
     for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
         if (!measures_recording(lists)) continue;
+        double least[2] = {INFINITY, INFINITY};
+        for (int attempt = 0; attempt < ATTEMPTS && !(least[1] < 2 * least[0] + 0.1); attempt++)
+            for (int i = 0; i < 2; i++) {
+                fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+                fnl_frame_stats stats;
+                frame.width = frame.height = lists == FNL_LISTS_ALL ? 8 : 32;
+                frame.shading = FNL_SHADING_DEFERRED;
+                frame.lists = (fnl_light_lists)lists;
+                least[i] = fmin(least[i], record_time(device, sets[i].scene, &frame, &stats));
+                assert_int_equal(stats.lights_total, counts[i] + 6);
+            }
         print_message("%s: %.3f ms to record with 16 lights, %.3f ms with 65536\n",
-                      fnl_light_lists_name((fnl_light_lists)lists), times[0][lists].median, times[1][lists].median);
-        assert_true(times[1][lists].least < 2 * times[0][lists].least + 0.1);
+                      fnl_light_lists_name((fnl_light_lists)lists), least[0], least[1]);
+        assert_true(least[1] < 2 * least[0] + 0.1);
     }
+    for (int i = 0; i < 2; i++) fnl_scene_destroy(&sets[i].scene);
+    fnl_device_destroy(&device);
 }
 
 static void test_recording_does_not_grow_with_instances(void **state) {
     UNUSED(state);
-    struct record_time times[3];
+    enum { ATTEMPTS = 6 };
+    double least[3] = {INFINITY, INFINITY, INFINITY};
     fnl_device *device = quiet_device();
     for (int i = 0; i < 3; i++) {
         struct stage_set s = stage_set_open();
@@ -168,14 +160,14 @@ static void test_recording_does_not_grow_with_instances(void **state) {
         fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
         frame.shading = FNL_SHADING_DEFERRED;
         fnl_frame_stats stats;
-        times[i] = record_time(device, s.scene, &frame, &stats);
+        for (int attempt = 0; attempt < ATTEMPTS && !(attempt && least[i] < 2 * least[0] + 0.1); attempt++)
+            least[i] = fmin(least[i], record_time(device, s.scene, &frame, &stats));
         assert_int_equal(stats.items_visible, visible);
         if (i == 2) assert_int_equal(stats.items, 1000003);
         fnl_scene_destroy(&s.scene);
     }
-    print_message("%.3f ms to record 4 instances, %.3f ms for 50004, %.3f ms for 1000003\n", times[0].median,
-                  times[1].median, times[2].median);
-    assert_true(times[1].least < 2 * times[0].least + 0.1 && times[2].least < 2 * times[0].least + 0.1);
+    print_message("%.3f ms to record 4 instances, %.3f ms for 50004, %.3f ms for 1000003\n", least[0], least[1], least[2]);
+    assert_true(least[1] < 2 * least[0] + 0.1 && least[2] < 2 * least[0] + 0.1);
     fnl_device_destroy(&device);
 }
 

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/decals.h"
+#include "render/orders.h"
+
+#include "passes/shade/classify.h"
+#include "passes/shade/deferred.h"
+#include "passes/shade/deferred_msaa.h"
+#include "passes/shade/deferred_screen.h"
+
+_Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT == MSAA_COMPACT &&
+                   (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
+               "deferred_msaa_shared.h has the values of fnl_msaa_method");
+
+/* Lists see all samples of the depth, but no normals. */
+static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    order_add_lists(f, f->depth, NULL);
+    struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
+                                          .groups = f->frame->msaa_groups,
+                                          .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
+    f->gbuffer = gbuffer;
+    struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
+    f->surfaces = edges.surfaces;
+    f->edge_counts = edges.counts;
+}
+
+void order_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    if (f->frame->msaa > 1) {
+        add_deferred_samples(f, input, prepass);
+        return;
+    }
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    decals_on_gbuffer_add(f, input, &gbuffer);
+    order_add_lists(f, f->depth, &gbuffer);
+    struct shade_classes classes = {0};
+    if (f->frame->class_blocks) {
+        classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
+        f->class_counts = classes.counts;
+    }
+    if (f->frame->deferred_pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
+        f->radiance = deferred_screen_add(f->graph, input, &gbuffer, f->radiance);
+    else
+        deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+    hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    f->gbuffer = gbuffer;
+}
+
+_Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_DEPTH_BOUNDS + 1,
+               "volumes_shared.h has the values of fnl_volume_shape");
+
+struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
+    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list_options.frustum_cull, shape};
+    return volumes_prepare(f->graph, f->r->device, &input);
+}
+
+/* The lights in view are those whose volumes are drawn, where no lists count them. */
+void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
+    f->lights.totals = f->blend_lights.totals = volumes->totals;
+    f->lights.totals_known = false;
+}
+
+/* Everything but local lights in one pass over the screen, then a volume for each of those. */
+void order_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+    decals_on_gbuffer_add(f, input, &gbuffer);
+    struct light_list own = {0}; /* of what is lit forward */
+    bool has_lists = order_has_blend(f) || gbuffer.mask.id;
+    if (has_lists) {
+        order_add_lists(f, f->depth, gbuffer.mask.id ? &gbuffer : NULL);
+        own = f->lights;
+        if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
+    } else {
+        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+    }
+    struct light_input none = f->scene->lights;
+    none.local_count = 0;
+    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
+    input->lights = &base;
+    deferred_add(f->graph, input, &gbuffer, NULL, f->radiance);
+    struct volumes volumes = order_prepare_volumes(f, (uint32_t)f->frame->list_options.volume_shape);
+    volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
+    if (gbuffer.mask.id) {
+        input->lights = &own;
+        hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    }
+    f->gbuffer = gbuffer;
+    if (!has_lists) order_count_volumes(f, &volumes);
+}

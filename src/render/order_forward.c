@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/orders.h"
+
+#include "passes/shade/regroup.h"
+
+/* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
+bool order_draws_batches(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
+}
+
+bool order_draws_per_light(const struct frame_state *f) {
+    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
+           multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
+}
+
+/* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
+static void tell_of_mesh_lists(struct frame_state *f) {
+    bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
+    if (!own || f->lights.kind != GPU_LIST_ITEMS || order_draws_batches(f) || order_draws_per_light(f)) return;
+    f->drawn_lists = FNL_LISTS_MESH;
+    if (f->r->told_of_mesh_lists) return;
+    f->r->told_of_mesh_lists = true;
+    const char *name = fnl_light_lists_name(f->frame->lists);
+    if (f->frame->msaa > 1)
+        log_warning(&f->r->host, "%s lists have no MSAA: with %u samples per pixel objects are drawn with mesh lists", name,
+                    f->frame->msaa);
+    else
+        log_warning(&f->r->host,
+                    "%s lists: %u lights times %u groups of objects are too many passes, or this device cannot add 32-bit "
+                    "floats: objects are drawn with mesh lists",
+                    name, f->scene->lights.local_count, f->scene->geometry.group_count);
+}
+
+void order_forward(struct frame_state *f, struct shade_input *input, bool prepass) {
+    const struct light_input *lights = &f->scene->lights;
+    order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
+    if (order_draws_batches(f))
+        batches_add(f->graph, input, f->radiance, f->depth);
+    else if (order_draws_per_light(f))
+        multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
+                      f->depth);
+    else
+        forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
+    tell_of_mesh_lists(f);
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/orders.h"
+
+#include "passes/shade/inferred.h"
+#include "passes/shade/light_indexed.h"
+#include "passes/shade/pre_lighting.h"
+#include "passes/shade/zioma.h"
+
+/* ---- light apart from materials ---- */
+
+_Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR,
+               "the shaders' values are the options'");
+
+static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
+    fnl_light_buffer buffer = f->frame->list_options.light_buffer;
+    return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
+}
+
+/* Bytes of the targets of sums, and with them of the surfaces that they were made for. */
+static uint64_t light_bytes(const struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
+    uint32_t texel = graph_image_info(f->graph, sums->targets[0]).format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
+    return surface_bytes + (uint64_t)sums->width * sums->height * (sums->target_count * texel + (sums->samples.id ? 4 : 0));
+}
+
+static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
+    struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
+    struct gbuffer normals = light_surfaces_normals(&surfaces);
+    order_add_lists(f, f->depth, &normals);
+    struct light_sums sums =
+        light_sums_create(f->graph, input, buffer, scale, graph_image_info(f->graph, f->radiance).format);
+    light_sums_add(f->graph, input, &surfaces, &sums);
+    light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+    f->light_bytes = light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * input->width * input->height);
+}
+
+void order_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_TWO), 1);
+}
+
+/* Lists of blended surfaces alone, where opaque ones find their lights without. */
+static void add_blend_lists(struct frame_state *f) {
+    if (order_has_blend(f)) {
+        order_add_lists(f, f->depth, NULL);
+        f->lights = f->blend_lights;
+    } else {
+        f->lights = f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+    }
+}
+
+void order_pre_lighting(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, LIGHT_BUFFER_TWO, f->depth);
+    add_blend_lists(f);
+    struct light_input none = f->scene->lights;
+    none.local_count = 0;
+    struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
+    input->lights = &base;
+    struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device));
+    light_sums_add(f->graph, input, &surfaces, &sums);
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS);
+    pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
+    light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
+    f->light_bytes = light_bytes(f, &sums, 12ull * input->width * input->height);
+    if (!order_has_blend(f)) order_count_volumes(f, &volumes);
+}
+
+/* ---- lights written into pixels ---- */
+
+_Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX,
+               "light_indexed_shared.h has the values of fnl_light_packing");
+
+void order_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    add_blend_lists(f);
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
+    struct indexed_params params = {(uint32_t)f->frame->list_options.light_packing, f->frame->list_options.light_layers};
+    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params);
+    input->lights = &f->lights;
+    forward_add(f->graph, input, GEOMETRY_OPAQUE, true, f->radiance, f->depth);
+}
+
+void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    add_blend_lists(f);
+    struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
+    uint32_t layers = MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS);
+    zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
+    f->light_bytes = 36ull * layers * input->width * input->height;
+    f->lights.totals = volumes.totals;
+    f->lights.totals_known = false;
+}
+
+/* Everything of light at a lower resolution, lists included: the frame, for as long as they are made, is a smaller one. */
+void order_inferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    const fnl_frame *frame = f->frame;
+    struct gpu_view view = f->view;
+    struct light_input *lights = &f->scene->lights;
+    const struct light_input whole = *lights;
+    fnl_frame low_frame = *frame;
+    lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->list_options.light_scale);
+    lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->list_options.light_scale);
+    f->view.inverse_size = (vec2){1 / (float)low_frame.width, 1 / (float)low_frame.height};
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
+    if (slice.data) memcpy(slice.data, &f->view, sizeof f->view);
+    lights->view = slice.address;
+    f->frame = &low_frame;
+
+    bool blend = order_has_blend(f) && frame->transparency == FNL_TRANSPARENCY_SORTED;
+    struct shade_input low = *input;
+    low.view = slice.address;
+    low.width = low_frame.width;
+    low.height = low_frame.height;
+    struct inferred inferred = inferred_surfaces_add(f->graph, &low, blend);
+    struct gbuffer normals = light_surfaces_normals(&inferred.surfaces);
+    order_add_lists(f, inferred.surfaces.depth, &normals);
+    uint32_t buffer = light_buffer(f, LIGHT_BUFFER_FOUR) == LIGHT_BUFFER_RGBA ? LIGHT_BUFFER_RGBA : LIGHT_BUFFER_FOUR;
+    struct light_sums sums = light_sums_create(f->graph, &low, buffer, 1, graph_image_info(f->graph, f->radiance).format);
+    light_sums_add(f->graph, &low, &inferred.surfaces, &sums);
+
+    f->view = view;
+    f->frame = frame;
+    lights->width = whole.width;
+    lights->height = whole.height;
+    lights->view = whole.view;
+    f->blend_lights = light_list_all_add(f->graph, f->r->device, lights);
+    input->lights = &f->blend_lights;
+    inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
+    if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
+    f->blended = blend;
+    f->light_bytes = light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
+    if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS)
+        f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
+}
+
+void order_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/decals.h"
+#include "render/orders.h"
+#include "render/shading.h"
+
+#include "passes/mobile/mobile.h"
+
+/* What the device can do of what was asked for. */
+static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, struct mobile_params *out) {
+    const fnl_mobile_options *o = &frame->mobile;
+    *out = (struct mobile_params){.layout = o->layout,
+                                  .gamma = o->gamma,
+                                  .float_light = o->light == FNL_MOBILE_LIGHT_FLOAT || frame->exposure == FNL_EXPOSURE_AUTO,
+                                  .separate = o->separate,
+                                  .recycle = o->recycle};
+    bool supported = mobile_supported(device, out);
+    if (!supported && frame->exposure != FNL_EXPOSURE_AUTO) { /* fractions need to know what white is */
+        out->float_light = !out->float_light;
+        supported = mobile_supported(device, out);
+    }
+    out->scale = mobile_scale(out, frame_exposure(frame), o->range);
+    return supported;
+}
+
+bool shading_supported(fnl_renderer *r, const fnl_frame *frame) {
+    struct mobile_params params;
+    if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return true;
+    log_error(&r->host, "this device cannot draw to the formats of layout %s", fnl_mobile_layout_name(frame->mobile.layout));
+    return false;
+}
+
+void shading_scale_light(struct frame_state *f) {
+    struct mobile_params params;
+    f->view.light_scale = f->view.light_max = 1;
+    if (f->frame->shading != FNL_SHADING_MOBILE || !mobile_resolve(f->r->device, f->frame, &params)) return;
+    f->view.light_scale = params.scale.scale;
+    f->view.light_max = params.scale.most;
+}
+
+static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {
+    if (r->mobile_notes >> bit & 1) return;
+    r->mobile_notes |= 1u << bit;
+    log_warning(&r->host, "mobile shading: %s", text);
+}
+
+/* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
+static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
+    const fnl_frame *frame = f->frame;
+    if (!f->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
+    if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
+    if (frame->outputs & FNL_OUTPUT_RADIANCE) return false;
+    if (frame->exposure == FNL_EXPOSURE_AUTO) return false; /* metering wants the whole frame first */
+    return blend_inside || !order_has_blend(f);
+}
+
+void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
+    struct mobile_params params;
+    if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
+    if (params.layout <= FNL_MOBILE_SPECULAR_160 && params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
+        note_once(f->r, 0,
+                  params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
+                                     : "light adds up in fractions: the device cannot blend packed floats");
+    order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
+    struct shade_input blend = *input;
+    blend.lights = &f->blend_lights;
+    if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
+    params.separate |= f->r->cannot_merge;
+    /* What is drawn over opaque surfaces comes before blended ones. */
+    bool more = f->frame->light_lod > 0 || decals_redraws(f);
+    f->blended = order_has_blend(f) && !more && f->frame->transparency == FNL_TRANSPARENCY_SORTED;
+    const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
+    struct picture picture = frame_picture(f);
+    f->mobile_tonemapped = !more && mobile_tonemaps(f, f->blended);
+    struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
+    if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
+    struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params,
+                                             decals_in_gbuffer(f) ? &decals : NULL, &finish);
+    if (f->mobile_tonemapped) f->color = result.target;
+    f->mobile_merged = result.merged;
+    if (!result.merged && !f->frame->mobile.separate)
+        note_once(f->r, 1,
+                  "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
+}
