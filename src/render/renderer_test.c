@@ -450,12 +450,12 @@ static void test_empty_scene(void **state) {
     UNUSED(state);
     for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++)
         for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
-            fnl_scene *scene = test_scene();
-            assert_int_equal(fnl_scene_set_background(scene, (vec3){0.5f, 1, 2}), FNL_OK);
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
             if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            fnl_scene *scene = test_scene();
+            assert_int_equal(fnl_scene_set_background(scene, (vec3){0.5f, 1, 2}), FNL_OK);
             fnl_image radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);
             assert_pixel(&radiance, 5, 5, 0.5, 1, 2, 0);
             free_picture(&radiance);
