@@ -1,33 +1,95 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/render_harness.h"
+#include "render/render_test.h"
 
 #include <unistd.h>
 
-static fnl_device *device;
+/* ---- host and device ---- */
+
+enum { SIZE_HEADER = 16 }; /* before each block, to check the sizes that come back */
+
+static void *reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    struct test_memory *memory = user;
+    char *block = old ? (char *)old - SIZE_HEADER : NULL;
+    size_t known = 0;
+    if (block) memcpy(&known, block, sizeof known);
+    if (known != old_size) atomic_fetch_add(&memory->wrong_sizes, 1);
+    if (new_size == 0) {
+        free(block);
+        atomic_fetch_sub(&memory->live_bytes, (long long)known);
+        return NULL;
+    }
+    long long number = atomic_fetch_add(&memory->allocations, 1) + 1, fail_at = atomic_load(&memory->fail_at);
+    if (fail_at && number >= fail_at) return NULL;
+    block = realloc(block, new_size + SIZE_HEADER);
+    assert_non_null(block);
+    memcpy(block, &new_size, sizeof new_size);
+    atomic_fetch_add(&memory->live_bytes, (long long)new_size - (long long)known);
+    return block + SIZE_HEADER;
+}
+
+static void log_line(void *user, fnl_log_level level, const char *line) {
+    struct test_memory *memory = user;
+    static atomic_int printed; /* a failed test leaves objects behind: the first lines say enough */
+    bool validation = strncmp(line, "validation", 10) == 0;
+    if (validation ? atomic_fetch_add(&printed, 1) < 5 : memory->loud && level >= FNL_LOG_WARNING)
+        print_error("%.400s\n", line);
+    if (level < FNL_LOG_ERROR) return;
+    atomic_fetch_add(&memory->errors, 1);
+    snprintf(memory->last_error, sizeof memory->last_error, "%s", line);
+}
+
+fnl_host test_host(struct test_memory *memory) {
+    fnl_host host = fnl_host_default();
+    host.user = memory;
+    host.reallocate = reallocate;
+    host.log = log_line;
+    host.thread_count = 2;
+    return host;
+}
+
+static fnl_device *create_device(struct test_memory *memory, uint32_t thread_count) {
+    fnl_device_params params = fnl_device_params_default();
+    params.host = test_host(memory);
+    params.host.thread_count = thread_count;
+    params.validate = true;
+    params.cache_folder = "";
+    fnl_device *device;
+    assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
+    return device;
+}
+
+fnl_device *test_device_create(struct test_memory *memory) { return create_device(memory, 2); }
+
+void test_device_destroy(fnl_device **device) {
+    uint64_t messages = fnl_device_validation_count(*device);
+    fnl_device_destroy(device);
+    assert_null(*device);
+    assert_int_equal(messages, 0);
+}
+
+fnl_device *test_device;
+struct test_memory test_device_memory;
 static uint64_t messages_seen;
 static struct stage open_stages[8]; /* those of a test that fails are closed after it */
 
-static void log_line(void *user, fnl_log_level level, const char *line) {
-    UNUSED(user);
-    if (level >= FNL_LOG_WARNING) print_error("%s\n", line);
+int test_group_begin(void **state) {
+    UNUSED(state);
+    test_device = create_device(&test_device_memory, 2);
+    return 0;
 }
 
 int harness_begin(void **state) {
     UNUSED(state);
-    fnl_device_params params = fnl_device_params_default();
-    params.host.log = log_line;
-    params.host.thread_count = 4;
-    params.validate = true;
-    params.cache_folder = "";
-    messages_seen = 0;
-    return fnl_device_create(&params, &device) == FNL_OK ? 0 : -1;
+    test_device_memory.loud = true;
+    test_device = create_device(&test_device_memory, 4);
+    return 0;
 }
 
 int harness_check(void **state) {
     UNUSED(state);
     for (uint32_t i = 0; i < COUNT_OF(open_stages); i++)
         if (open_stages[i].scene) stage_close(&open_stages[i]);
-    uint64_t messages = fnl_device_validation_count(device);
+    uint64_t messages = fnl_device_validation_count(test_device);
     bool silent = messages == messages_seen;
     if (!silent) print_error("%llu validation messages\n", (unsigned long long)(messages - messages_seen));
     messages_seen = messages;
@@ -35,12 +97,215 @@ int harness_check(void **state) {
 }
 
 int harness_end(void **state) {
-    int result = gpu_wait_idle(device) == FNL_OK ? harness_check(state) : -1;
-    fnl_device_destroy(&device);
-    return result;
+    bool good = gpu_wait_idle(test_device) == FNL_OK;
+    good = harness_check(state) == 0 && good;
+    good = fnl_device_validation_count(test_device) == 0 && good; /* of all tests, also those that do not check */
+    fnl_device_destroy(&test_device);
+    long long left = test_device_memory.live_bytes;
+    if (left != 0) print_error("%lld bytes of host memory are left\n", left);
+    if (test_device_memory.wrong_sizes) print_error("blocks came back with a wrong size\n");
+    return good && left == 0 && test_device_memory.wrong_sizes == 0 ? 0 : -1;
 }
 
-fnl_device *harness_device(void) { return device; }
+int test_group_end(void **state) { return harness_end(state); }
+
+fnl_device *harness_device(void) { return test_device; }
+
+/* ---- scenes ---- */
+
+fnl_scene *test_scene(void) {
+    fnl_host host = test_host(&test_device_memory);
+    fnl_scene *scene;
+    assert_int_equal(scene_create(&host, "test", &scene), FNL_OK);
+    return scene;
+}
+
+fnl_scene *test_load(const char *name, bool shared) {
+    char path[1024];
+    const char *folder = getenv("FANAL_SCENES");
+    snprintf(path, sizeof path, "%s%s%s", !shared ? "" : folder ? folder : "../shared/scenes", shared ? "/" : "", name);
+    if (shared && access(path, R_OK) != 0) {
+        print_message("%s is not there: skipped\n", path);
+        skip();
+    }
+    fnl_host host = test_host(&test_device_memory);
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_load(&host, path, &scene), FNL_OK);
+    return scene;
+}
+
+fnl_material_id test_material(fnl_scene *scene, const fnl_material_params *params) {
+    fnl_material_id id;
+    assert_int_equal(fnl_scene_add_material(scene, params, &id), FNL_OK);
+    return id;
+}
+
+static uint32_t add_mesh(fnl_scene *scene, struct scene_primitive *primitive) {
+    assert_int_equal(mesh_complete(&scene->arena, primitive), FNL_OK);
+    uint32_t mesh = scene_add_mesh(scene, "", primitive, 1);
+    assert_int_not_equal(mesh, SCENE_NONE);
+    return mesh;
+}
+
+uint32_t test_quad_mesh(fnl_scene *scene, uint32_t material) {
+    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                      normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    static const vec4 tangents[4] = {{1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, 1}};
+    static const vec2 uv[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    struct scene_primitive primitive = {.material = material,
+                                        .vertex_count = 4,
+                                        .index_count = 6,
+                                        .indices = indices,
+                                        .positions = positions,
+                                        .normals = normals,
+                                        .tangents = tangents,
+                                        .uv = {uv, NULL}};
+    return add_mesh(scene, &primitive);
+}
+
+uint32_t test_sphere_mesh(fnl_scene *scene, uint32_t material, uint32_t rings) {
+    uint32_t columns = rings * 2, vertex_count = (rings + 1) * (columns + 1), index_count = rings * columns * 6;
+    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, vertex_count);
+    vec2 *uv = ARENA_ARRAY(&scene->arena, vec2, vertex_count);
+    uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, index_count), at = 0;
+    for (uint32_t r = 0; r <= rings; r++)
+        for (uint32_t c = 0; c <= columns; c++) {
+            float theta = PI * (float)r / (float)rings, phi = 2 * PI * (float)c / (float)columns;
+            uint32_t v = r * (columns + 1) + c;
+            positions[v] = (vec3){sinf(theta) * sinf(phi), cosf(theta), sinf(theta) * cosf(phi)};
+            uv[v] = (vec2){(float)c / (float)columns, (float)r / (float)rings};
+            if (r == rings || c == columns) continue;
+            uint32_t quad[6] = {v, v + columns + 1, v + columns + 2, v, v + columns + 2, v + 1};
+            memcpy(indices + at, quad, sizeof quad);
+            at += 6;
+        }
+    struct scene_primitive primitive = {.material = material,
+                                        .vertex_count = vertex_count,
+                                        .index_count = index_count,
+                                        .indices = indices,
+                                        .positions = positions,
+                                        .normals = positions,
+                                        .uv = {uv, NULL}};
+    return add_mesh(scene, &primitive);
+}
+
+uint32_t test_place(fnl_scene *scene, uint32_t mesh, vec3 position, vec3 scale) {
+    mat4 matrix = mat4_from_trs(position, quat_identity(), scale);
+    uint32_t node = scene_add_node(scene, "", SCENE_NONE, &matrix, mesh);
+    assert_int_not_equal(node, SCENE_NONE);
+    return node;
+}
+
+struct scene_material test_unlit(float r, float g, float b) {
+    struct scene_material material = scene_material_default();
+    material.unlit = true;
+    material.base_color = (vec4){r, g, b, 1};
+    return material;
+}
+
+fnl_light_params test_point(vec3 position, float intensity, float range) {
+    fnl_light_params light = fnl_light_params_default();
+    light.position = position;
+    light.intensity = intensity;
+    light.range = range;
+    return light;
+}
+
+fnl_camera test_front_camera(void) {
+    fnl_camera camera = fnl_camera_default();
+    camera.position = (vec3){0, 0, 5};
+    camera.target = (vec3){0, 0, 0};
+    camera.orthographic = true;
+    camera.vertical_extent = 2;
+    camera.near_distance = 0.5f;
+    camera.far_distance = 20;
+    return camera;
+}
+
+fnl_frame test_frame(uint32_t outputs) {
+    fnl_frame frame = fnl_frame_default();
+    frame.width = frame.height = 64;
+    frame.camera = test_front_camera();
+    frame.shading = FNL_SHADING_FORWARD;
+    frame.lists = FNL_LISTS_ALL;
+    frame.exposure = FNL_EXPOSURE_NONE;
+    frame.tonemap = FNL_TONEMAP_NONE;
+    frame.outputs = outputs;
+    frame.timers = false;
+    frame.record_threads = 1;
+    return frame;
+}
+
+/* ---- pictures ---- */
+
+fnl_renderer *test_renderer(fnl_scene *scene) {
+    fnl_renderer *renderer;
+    assert_int_equal(fnl_renderer_create(test_device, scene, &renderer), FNL_OK);
+    return renderer;
+}
+
+void test_render_frame(fnl_renderer *renderer, const fnl_frame *frame) {
+    assert_int_equal(fnl_renderer_render(renderer, frame), FNL_OK);
+}
+
+fnl_image test_read(fnl_renderer *renderer, fnl_output output) {
+    fnl_image image;
+    assert_int_equal(fnl_renderer_read(renderer, output, &image), FNL_OK);
+    return image;
+}
+
+fnl_image test_render(fnl_scene *scene, const fnl_frame *frame, fnl_output output) {
+    fnl_renderer *renderer = test_renderer(scene);
+    test_render_frame(renderer, frame);
+    fnl_image image = test_read(renderer, output);
+    fnl_renderer_destroy(&renderer);
+    return image;
+}
+
+void free_picture(fnl_image *image) {
+    fnl_host host = test_host(&test_device_memory);
+    fnl_image_free(&host, image);
+}
+
+const float *test_pixel(const fnl_image *image, uint32_t x, uint32_t y) {
+    assert_int_equal(image->format, FNL_PIXEL_FORMAT_RGBA32F);
+    assert_true(x < image->width && y < image->height);
+    return (const float *)image->pixels + ((size_t)y * image->width + x) * 4;
+}
+
+const uint8_t *test_pixel8(const fnl_image *image, uint32_t x, uint32_t y) {
+    assert_int_equal(image->format, FNL_PIXEL_FORMAT_RGBA8);
+    assert_true(x < image->width && y < image->height);
+    return (const uint8_t *)image->pixels + ((size_t)y * image->width + x) * 4;
+}
+
+void assert_pixel(const fnl_image *image, uint32_t x, uint32_t y, double r, double g, double b, double tolerance) {
+    const float *p = test_pixel(image, x, y);
+    if (fabs(p[0] - r) <= tolerance && fabs(p[1] - g) <= tolerance && fabs(p[2] - b) <= tolerance) return;
+    fail_msg("pixel %u, %u is %.9g %.9g %.9g, expected %.9g %.9g %.9g within %g", x, y, (double)p[0], (double)p[1],
+             (double)p[2], r, g, b, tolerance);
+}
+
+double test_difference(const fnl_image *a, const fnl_image *b) {
+    assert_true(a->width == b->width && a->height == b->height && a->format == b->format);
+    double max = 0;
+    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) {
+        double x, y;
+        if (a->format == FNL_PIXEL_FORMAT_RGBA8) {
+            x = ((const uint8_t *)a->pixels)[i];
+            y = ((const uint8_t *)b->pixels)[i];
+        } else {
+            x = ((const float *)a->pixels)[i];
+            y = ((const float *)b->pixels)[i];
+        }
+        if (isnan(x) || isnan(y)) return INFINITY;
+        max = fmax(max, fabs(x - y));
+    }
+    return max;
+}
+
+bool test_equal(const fnl_image *a, const fnl_image *b) { return count_differing(a, b) == 0; }
 
 /* ---- stages ---- */
 
@@ -50,7 +315,7 @@ struct stage stage_open_scene(fnl_scene *scene) {
     uint32_t place = 0;
     while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;
     assert_true(place < COUNT_OF(open_stages));
-    assert_int_equal(fnl_renderer_create(device, scene, &stage.renderer), FNL_OK);
+    assert_int_equal(fnl_renderer_create(test_device, scene, &stage.renderer), FNL_OK);
     stage.renderer->poison = true; /* nobody may read what nobody wrote */
     open_stages[place] = stage;
     stage.frame.width = 161;
@@ -67,16 +332,7 @@ struct stage stage_open_scene(fnl_scene *scene) {
 }
 
 struct stage stage_open(const char *source, uint32_t scattered) {
-    char path[1024];
-    const char *folder = getenv("FANAL_SCENES");
-    bool builtin = strncmp(source, "builtin:", 8) == 0;
-    snprintf(path, sizeof path, "%s%s%s", builtin ? "" : folder ? folder : "../shared/scenes", builtin ? "" : "/", source);
-    if (!builtin && access(path, R_OK) != 0) {
-        print_message("%s is not there: skipped\n", path);
-        skip();
-    }
-    fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(gpu_host(device), path, &scene), FNL_OK);
+    fnl_scene *scene = test_load(source, strncmp(source, "builtin:", 8) != 0);
     assert_int_equal(fnl_scene_scatter_lights(scene, scattered, 1), FNL_OK);
     return stage_open_scene(scene);
 }
@@ -107,7 +363,7 @@ struct shot stage_shoot(struct stage *stage, const fnl_frame *frame) {
 
 void shot_free(struct shot *shot) {
     fnl_image *images[] = {&shot->color, &shot->radiance, &shot->surface, &shot->normal, &shot->position};
-    for (uint32_t i = 0; i < COUNT_OF(images); i++) fnl_image_free(gpu_host(device), images[i]);
+    for (uint32_t i = 0; i < COUNT_OF(images); i++) fnl_image_free(gpu_host(test_device), images[i]);
 }
 
 uint64_t count_differing(const fnl_image *a, const fnl_image *b) {
@@ -121,12 +377,8 @@ uint64_t count_differing(const fnl_image *a, const fnl_image *b) {
 }
 
 int greatest_difference(const fnl_image *a, const fnl_image *b) {
-    assert_true(a->width == b->width && a->height == b->height && a->pixels && b->pixels);
-    assert_true(a->format == FNL_PIXEL_FORMAT_RGBA8 && b->format == FNL_PIXEL_FORMAT_RGBA8);
-    const uint8_t *p = a->pixels, *q = b->pixels;
-    int greatest = 0;
-    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) greatest = MAX(greatest, abs(p[i] - q[i]));
-    return greatest;
+    assert_true(a->pixels && b->pixels && a->format == FNL_PIXEL_FORMAT_RGBA8);
+    return (int)test_difference(a, b);
 }
 
 uint64_t count_beyond(const fnl_image *a, const fnl_image *b, int allowed) {

@@ -12,7 +12,7 @@
  *     shot_free(&a);
  *     stage_close(&s);
  *
- * Everything here fails the running test when something goes wrong.
+ * Everything here fails the running test when something goes wrong. render/render_test.h has what scenes made by hand need.
  */
 #ifndef FNL_TESTS_RENDER_HARNESS_H
 #define FNL_TESTS_RENDER_HARNESS_H
@@ -23,8 +23,9 @@
 
 #include <cmocka.h>
 
-/** Set-up and tear-down of the group: the device. Four threads, no cache folder. */
+/** Set-up and tear-down of the group: the device. Four threads, no cache folder. Warnings and errors are printed. */
 int harness_begin(void **state);
+/** Checks that validation was silent and that no host memory is left. */
 int harness_end(void **state);
 /** Tear-down of a test: closes the stages that a failure left open; fails it if validation has spoken since the last. */
 int harness_check(void **state);

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/** What the tests of shading, geometry and the renderer share: one validated device, small scenes, pictures. */
+/**
+ * The second half of render_harness.h, for tests that make their scenes by hand and look at single pixels: memory that counts
+ * and can be made to fail, small scenes, pictures. Both use the one device of the program.
+ */
 #ifndef FNL_RENDER_TEST_H
 #define FNL_RENDER_TEST_H
 
 #include "fanal/renderer.h"
-#include "render/renderer_internal.h"
 #include "scene/scene.h"
+#include "tests/render_harness.h"
 
-#include <setjmp.h>
 #include <stdatomic.h>
-
-#include <cmocka.h>
 
 /** A host that counts, can be made to fail, and keeps the last error. */
 struct test_memory {
     atomic_llong live_bytes, allocations; /* allocations: new or bigger blocks */
     atomic_llong fail_at;                 /* this allocation and all after it fail; 0: none */
     atomic_int wrong_sizes, errors;
+    bool loud; /* prints warnings and errors; validation messages are printed in any case */
     char last_error[512];
 };
 fnl_host test_host(struct test_memory *memory);
@@ -25,11 +26,11 @@ fnl_device *test_device_create(struct test_memory *memory);
 /** Also checks that validation was silent. */
 void test_device_destroy(fnl_device **device);
 
-/** The device that all tests of a program use, and its host. */
+/** harness_device(), and the memory of its host. */
 extern fnl_device *test_device;
 extern struct test_memory test_device_memory;
+/** As harness_begin and harness_end, but with two threads, and errors that the tests provoke are not printed. */
 int test_group_begin(void **state);
-/** Checks that validation was silent and that no host memory is left. */
 int test_group_end(void **state);
 
 /* ---- scenes ---- */
