@@ -18,12 +18,21 @@ struct bench_options {
     const char *camera;
     char list_options[512]; /* "key=value,key=value" */
     bool every_shading, every_lists;
+    uint32_t way_counts[BENCH_WAY_COUNT];
+    int ways[BENCH_WAY_COUNT][VALUES_MAX];
     uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
     uint32_t shading[VALUES_MAX], lists[VALUES_MAX], lights[VALUES_MAX], sizes[VALUES_MAX][2], msaa[VALUES_MAX];
 };
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+
+static const char *gbuffer_name(int i) { return bench_way_name(BENCH_WAY_GBUFFER, i); }
+static const char *transparency_name(int i) { return bench_way_name(BENCH_WAY_TRANSPARENCY, i); }
+static const char *decals_name(int i) { return bench_way_name(BENCH_WAY_DECALS, i); }
+static const char *msaa_method_name(int i) { return bench_way_name(BENCH_WAY_MSAA_METHOD, i); }
+static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name, transparency_name, decals_name,
+                                                               msaa_method_name};
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -44,6 +53,10 @@ static void print_help(void) {
          "  --lights N,...             lights of the scene (as it is); a glTF scene gets N scattered ones more\n"
          "  --sizes WxH,...            pixels (1280x720)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
+         "  --gbuffer KINDS|all        layouts of the G-buffer, of orders that have one (default)\n"
+         "  --transparency KINDS|all   how blended surfaces are put together (sorted)\n"
+         "  --decals WAYS|all          how decals get onto surfaces: lists, gbuffer, off (lists)\n"
+         "  --msaa-method KINDS        of deferred with MSAA; 'all' is one of them (compact)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours\n"
          "\n"
@@ -67,6 +80,12 @@ static void print_help(void) {
     print_names(shading_name);
     fputs("Lists:", stdout);
     print_names(lists_name);
+    fputs("G-buffers:", stdout);
+    print_names(gbuffer_name);
+    fputs("Transparency:", stdout);
+    print_names(transparency_name);
+    fputs("MSAA methods:", stdout);
+    print_names(msaa_method_name);
     fputs("Suites:", stdout);
     print_names(bench_suite_name);
     puts("\nCtrl-C ends the measuring; what was measured is kept and written.\n"
@@ -103,6 +122,10 @@ static bool parse_value(struct bench_options *o, const char *option, const char 
         uint32_t *samples = &o->msaa[o->msaa_count++];
         if (!parse_count(option, text, 1, 8, samples)) return false;
         if (*samples & (*samples - 1)) return argument_bad(option, text, "one of 1 2 4 8");
+    } else if (strcmp(option, "sizes") != 0) {
+        int way = 0;
+        while (strcmp(option, bench_way_key((enum bench_way)way)) != 0) way++;
+        return argument_name(option, text, way_names[way], &o->ways[way][o->way_counts[way]++]);
     } else {
         uint32_t *size = o->sizes[o->size_count++];
         return argument_size(option, text, &size[0], &size[1]);
@@ -125,6 +148,16 @@ static bool parse_values(struct bench_options *o, const char *option, const char
     return true;
 }
 
+/* "all" means every value, unless it is the name of one. */
+static bool parse_way(struct bench_options *o, enum bench_way way, const char *text) {
+    uint32_t *count = &o->way_counts[way];
+    bool every = strcmp(text, "all") == 0;
+    for (int i = 0; bench_way_name(way, i) && every; i++) every = strcmp(bench_way_name(way, i), text) != 0;
+    if (!every) return parse_values(o, bench_way_key(way), text, count);
+    for (*count = 0; bench_way_name(way, (int)*count); ++*count) o->ways[way][*count] = (int)*count;
+    return true;
+}
+
 static bool add_list_option(struct bench_options *o, const char *text) {
     fnl_list_options parsed = fnl_list_options_default();
     size_t length = strlen(o->list_options), left = sizeof o->list_options - length;
@@ -139,6 +172,10 @@ enum {
     O_LIGHTS,
     O_SIZES,
     O_MSAA,
+    O_GBUFFER,
+    O_TRANSPARENCY,
+    O_DECALS,
+    O_MSAA_METHOD,
     O_LIST_OPTION,
     O_SUITE,
     O_CAMERA,
@@ -160,6 +197,10 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"sizes", required_argument, NULL, O_SIZES},
                                              {"msaa", required_argument, NULL, O_MSAA},
+                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
+                                             {"transparency", required_argument, NULL, O_TRANSPARENCY},
+                                             {"decals", required_argument, NULL, O_DECALS},
+                                             {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
                                              {"camera", required_argument, NULL, O_CAMERA},
@@ -195,6 +236,14 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_values(o, "sizes", value, &o->size_count);
     case O_MSAA:
         return parse_values(o, "msaa", value, &o->msaa_count);
+    case O_GBUFFER:
+        return parse_way(o, BENCH_WAY_GBUFFER, value);
+    case O_TRANSPARENCY:
+        return parse_way(o, BENCH_WAY_TRANSPARENCY, value);
+    case O_DECALS:
+        return parse_way(o, BENCH_WAY_DECALS, value);
+    case O_MSAA_METHOD:
+        return parse_way(o, BENCH_WAY_MSAA_METHOD, value);
     case O_LIST_OPTION:
         return add_list_option(o, value);
     case O_SUITE:
@@ -277,12 +326,35 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
     bool has_samples = candidate->shading == FNL_SHADING_FORWARD || candidate->shading == FNL_SHADING_FORWARD_PREPASS ||
                        candidate->shading == FNL_SHADING_DEFERRED || candidate->shading == FNL_SHADING_AUTO;
     if (to->msaa > 1 && !has_samples) return skip(plan, to, candidate, "this shading order has no MSAA");
+    if (to->msaa > 1 && strncmp(candidate->options, "gbuffer=", 8) == 0)
+        return skip(plan, to, candidate, "this layout of the G-buffer has 1 sample a pixel");
     struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
     if (!bigger) return false;
     to->candidates = bigger;
     bigger[to->candidate_count] = *candidate;
     bigger[to->candidate_count].options = strdup(candidate->options);
     return bigger[to->candidate_count++].options != NULL;
+}
+
+/* Every combination of the ways that were asked for; those that an order does not heed add nothing. */
+static bool plan_ways(const struct bench_options *o, struct bench_plan *plan, struct bench_case *to, fnl_shading shading,
+                      fnl_light_lists lists) {
+    uint32_t combinations = 1;
+    for (int w = 0; w < BENCH_WAY_COUNT; w++) combinations *= o->way_counts[w] ? o->way_counts[w] : 1;
+    for (uint32_t i = 0; i < combinations; i++) {
+        struct bench_ways chosen = bench_ways_default();
+        char options[sizeof o->list_options + 256];
+        for (uint32_t w = 0, rest = i; w < BENCH_WAY_COUNT; w++) {
+            if (!o->way_counts[w]) continue;
+            int value = o->ways[w][rest % o->way_counts[w]];
+            rest /= o->way_counts[w];
+            if (bench_way_heeded((enum bench_way)w, value, shading, to->msaa)) chosen.values[w] = value;
+        }
+        bench_ways_print(&chosen, o->list_options, options, sizeof options);
+        struct bench_candidate candidate = {shading, lists, options};
+        if (!bench_plan_candidate(plan, to, &candidate)) return false;
+    }
+    return true;
 }
 
 static bool plan_case(const struct bench_options *o, struct bench_plan *plan, const struct bench_case *wanted) {
@@ -294,9 +366,7 @@ static bool plan_case(const struct bench_options *o, struct bench_plan *plan, co
                 (o->shading[s] == FNL_SHADING_DEFERRED_VOLUMES || o->shading[s] == FNL_SHADING_PRE_LIGHTING ||
                  o->shading[s] == FNL_SHADING_LIGHT_INDEXED || o->shading[s] == FNL_SHADING_ZIOMA))
                 break;
-            struct bench_candidate candidate = {(fnl_shading)o->shading[s], (fnl_light_lists)o->lists[l],
-                                                (char *)o->list_options};
-            if (!bench_plan_candidate(plan, to, &candidate)) return false;
+            if (!plan_ways(o, plan, to, (fnl_shading)o->shading[s], (fnl_light_lists)o->lists[l])) return false;
         }
     return to != NULL;
 }
@@ -349,6 +419,8 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     if (o->suite && (o->shading_count || o->lists_count || o->every_shading || o->every_lists || o->light_count ||
                      o->msaa_count || *o->list_options || o->camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
+    for (int w = 0; w < BENCH_WAY_COUNT && o->suite; w++)
+        if (o->way_counts[w]) problem = "--suite chooses G-buffers, transparency, decals and MSAA methods itself";
     if (o->suite && o->size_count > 1) problem = "--suite takes one size";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";

@@ -11,7 +11,7 @@
 struct bench_candidate {
     fnl_shading shading;
     fnl_light_lists lists;
-    char *options; /* "slices=64,cluster_size=32": list options other than the defaults; "" for none */
+    char *options; /* "gbuffer=siege,slices=64": ways and list options other than the defaults, in this order; "" for none */
 };
 
 /** One picture to render in several ways: what is kept equal while candidates are compared. */
@@ -48,6 +48,32 @@ struct bench_data {
 struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_case *wanted);
 /** Adds a candidate unless it is there already. A pair that does not fit goes to `skipped`. False when memory ran out. */
 bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const struct bench_candidate *candidate);
+
+/* ---- ways (bench_ways.c) ---- */
+
+/** What candidates may vary beside shading and lists; each is an option of its own. */
+enum bench_way { BENCH_WAY_GBUFFER, BENCH_WAY_TRANSPARENCY, BENCH_WAY_DECALS, BENCH_WAY_MSAA_METHOD, BENCH_WAY_COUNT };
+
+struct bench_ways {
+    int values[BENCH_WAY_COUNT]; /* of fnl_gbuffer and so on */
+};
+
+struct bench_ways bench_ways_default(void);
+/** The name of the option and key, and of a value; NULL beyond the last. */
+const char *bench_way_key(enum bench_way way);
+const char *bench_way_name(enum bench_way way, int value);
+/** Whether a value makes a difference to a shading order; where it does not, the default stands for it. */
+bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32_t msaa);
+/** Writes candidate options: the ways that are not the defaults, then the list options. */
+void bench_ways_print(const struct bench_ways *chosen, const char *list_options, char *text, size_t capacity);
+/** Takes candidate options apart. False with a message. */
+bool bench_ways_parse(const char *options, struct bench_ways *chosen, char *list_options, size_t capacity);
+/** Sets a frame after candidate options. False with a message. */
+bool bench_ways_apply(const char *options, fnl_frame *frame);
+/** The ways alone of candidate options: what is equal here and in shading is compared with one reference picture. */
+void bench_ways_of(const char *options, char *text, size_t capacity);
+/** Adds "ways", and each way by its name ("" where the order does not heed it). */
+void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa, json_t *result);
 
 /* ---- cameras (bench_camera.c) ---- */
 

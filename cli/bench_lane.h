@@ -40,8 +40,8 @@ struct lane {
     uint32_t checked;
     uint64_t differing;
     double max_difference;
-    char unchecked[256]; /* why it was not compared */
-    bool failed, unsupported;
+    char unchecked[256];               /* why it was not compared */
+    bool failed, unsupported, visited; /* visited: compared at this point of the path */
     char reason[512];
 };
 

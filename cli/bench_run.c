@@ -366,11 +366,13 @@ static void check_lane(struct bench_run *run, struct lane *lane, uint32_t point,
     json_decref(key);
 }
 
-/* The picture of each shading order, and how far it is from the first order's. */
+/* The picture of each shading order and way, and how far it is from the first one's. */
 static void show_reference(struct bench_run *run, const struct lane *lane, const struct reference *reference,
                            fnl_image *first) {
     const struct bench_case *c = &run->plan->cases[run->case_index];
-    struct bench_candidate shown = {lane->candidate->shading, run->settings->reference, ""};
+    char ways[256];
+    bench_ways_of(lane->candidate->options, ways, sizeof ways);
+    struct bench_candidate shown = {lane->candidate->shading, run->settings->reference, ways};
     json_t *key = bench_key(c, &shown);
     add_picture(run, key, "reference", &reference->color);
     if (first->pixels)
@@ -384,32 +386,41 @@ static void show_reference(struct bench_run *run, const struct lane *lane, const
     json_decref(key);
 }
 
-static void check_point(struct bench_run *run, uint32_t point, bool compare, bool show) {
-    fnl_image first = {0};
-    pose(run, point);
-    for (int shading = 0; shading < FNL_SHADING_COUNT; shading++) {
-        struct reference reference = {0};
-        bool tried = false;
-        for (uint32_t i = 0; i < run->lane_count; i++) {
-            struct lane *lane = &run->lanes[i];
-            if ((int)lane->candidate->shading != shading || lane->failed) continue;
-            /* Of different orders the last bits differ, and this one may choose another for the reference. */
-            if (strcmp(fnl_shading_name(lane->candidate->shading), "auto") == 0) {
-                snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
-            } else if (compare && !tried) {
-                show_progress(run, "reference picture");
-                make_reference(run, lane, point, &reference);
-                if (reference.made && show) show_reference(run, lane, &reference, &first);
-                tried = true;
-            }
-            if (stopped(run)) break;
-            show_progress(run, "comparing pictures");
-            check_lane(run, lane, point, &reference);
-        }
-        free_reference(run, &reference);
-        if (stopped(run)) break;
+/* Of different orders the last bits differ, of other ways more: each has a reference of its own. */
+static bool same_reference(const struct lane *a, const struct lane *b) {
+    char ways_a[256], ways_b[256];
+    bench_ways_of(a->candidate->options, ways_a, sizeof ways_a);
+    bench_ways_of(b->candidate->options, ways_b, sizeof ways_b);
+    return a->candidate->shading == b->candidate->shading && strcmp(ways_a, ways_b) == 0;
+}
+
+/* All lanes that `first` shares its reference with. */
+static void check_group(struct bench_run *run, struct lane *first, uint32_t point, bool compare, bool show,
+                        fnl_image *base) {
+    struct reference reference = {0};
+    if (strcmp(fnl_shading_name(first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
+        snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
+    } else if (compare) {
+        show_progress(run, "reference picture");
+        make_reference(run, first, point, &reference);
+        if (reference.made && show) show_reference(run, first, &reference, base);
     }
-    free(first.pixels);
+    for (struct lane *lane = first; lane < run->lanes + run->lane_count && !stopped(run); lane++) {
+        if (lane->visited || lane->failed || !same_reference(first, lane)) continue;
+        lane->visited = true;
+        show_progress(run, "comparing pictures");
+        check_lane(run, lane, point, &reference);
+    }
+    free_reference(run, &reference);
+}
+
+static void check_point(struct bench_run *run, uint32_t point, bool compare, bool show) {
+    fnl_image base = {0};
+    pose(run, point);
+    for (uint32_t i = 0; i < run->lane_count; i++) run->lanes[i].visited = false;
+    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++)
+        if (!run->lanes[i].visited && !run->lanes[i].failed) check_group(run, &run->lanes[i], point, compare, show, &base);
+    free(base.pixels);
 }
 
 /* ---- one case ---- */

@@ -155,7 +155,7 @@ static void test_files_round_trip(void **state) {
         json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
@@ -173,6 +173,52 @@ static void test_files_round_trip(void **state) {
     struct bench_data none;
     assert_true(bench_load("/nowhere", &none));
     assert_null(none.root);
+}
+
+/* ---- ways ---- */
+
+static void test_ways_and_list_options_are_one_text(void **state) {
+    (void)state;
+    struct bench_ways ways = bench_ways_default(), again;
+    char text[256], list_options[256];
+    bench_ways_print(&ways, "", text, sizeof text);
+    assert_string_equal(text, "");
+    bench_ways_print(&ways, "slices=16", text, sizeof text);
+    assert_string_equal(text, "slices=16");
+    ways.values[BENCH_WAY_GBUFFER] = FNL_GBUFFER_SIEGE;
+    ways.values[BENCH_WAY_TRANSPARENCY] = FNL_TRANSPARENCY_LINKED;
+    ways.values[BENCH_WAY_DECALS] = FNL_DECALS_OFF;
+    ways.values[BENCH_WAY_MSAA_METHOD] = FNL_MSAA_ALL;
+    bench_ways_print(&ways, "slices=16,tile-size=8", text, sizeof text);
+    assert_string_equal(text, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all,slices=16,tile-size=8");
+    assert_true(bench_ways_parse(text, &again, list_options, sizeof list_options));
+    assert_memory_equal(&again, &ways, sizeof ways);
+    assert_string_equal(list_options, "slices=16,tile-size=8");
+    fnl_frame frame = fnl_frame_default();
+    assert_true(bench_ways_apply(text, &frame));
+    assert_true(frame.gbuffer == FNL_GBUFFER_SIEGE && frame.transparency == FNL_TRANSPARENCY_LINKED &&
+                frame.decals == FNL_DECALS_OFF && frame.msaa_method == FNL_MSAA_ALL && frame.list_options.slices == 16 &&
+                frame.list_options.tile_size == 8);
+    bench_ways_of(text, list_options, sizeof list_options);
+    assert_string_equal(list_options, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all");
+    assert_false(bench_ways_parse("gbuffer=nonsense", &again, list_options, sizeof list_options));
+    assert_false(bench_ways_parse("decals", &again, list_options, 4)); /* no setting of ours, and too long */
+}
+
+static void test_ways_that_an_order_heeds(void **state) {
+    (void)state;
+    assert_true(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_DEFERRED, 1));
+    assert_true(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_DEFERRED_VOLUMES, 1));
+    assert_false(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_FORWARD, 1));
+    assert_true(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_DEFERRED, 4));
+    assert_false(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_DEFERRED, 1));
+    assert_false(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_FORWARD, 4));
+    assert_true(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_MOBILE, 1));
+    assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_FORWARD, 1));
+    assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_DEFERRED, 4));
+    assert_true(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_OFF, FNL_SHADING_FORWARD, 4));
+    assert_true(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_FORWARD, 4));
+    assert_false(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_INFERRED, 1));
 }
 
 /* ---- suites ---- */
@@ -258,6 +304,8 @@ int main(void) {
         cmocka_unit_test(test_paths),
         cmocka_unit_test(test_conclusions),
         cmocka_unit_test(test_files_round_trip),
+        cmocka_unit_test(test_ways_and_list_options_are_one_text),
+        cmocka_unit_test(test_ways_that_an_order_heeds),
         cmocka_unit_test(test_suites),
         cmocka_unit_test(test_suites_scale_their_clusters),
     };

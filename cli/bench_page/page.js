@@ -442,7 +442,7 @@ addPlot('traffic', 'Traffic of images', 'Bytes that the passes of a frame load, 
 function figure(uri, text, alt) {
   return element('figure', null, element('img', {src: uri, alt: alt, loading: 'lazy'}), element('figcaption', null, text));
 }
-addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order, bit for bit, before tone ' +
+addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order (G-buffer, transparency and decals being the same), bit for bit, before tone ' +
   'mapping.', (body) => {
   const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'}), reference = data.settings.reference;
   const find = (r, lists, options, kind) => {
@@ -450,11 +450,14 @@ addPlot('pictures', 'Pictures', 'Every picture was compared with the reference o
     return pictures[[r.scene, lights, r.width + 'x' + r.height, r.msaa, r.shading, lists, options, kind].join('|')];
   };
   const add = (uri, text, alt) => { if (uri) grid.append(figure(uri, text, alt)); };
-  const orders = unique(all.map((r) => r.shading)), of = (shading, kind) => find(all.find((r) => r.shading === shading), reference, '', kind);
-  const base = orders.find((shading) => of(shading, 'reference') && !of(shading, 'shading')); /* what the others were compared with */
-  for (const shading of orders) {
-    add(of(shading, 'reference'), shading + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + shading);
-    add(of(shading, 'shading'), shading + ' against ' + base + ', difference × 16', 'Differences of two shading orders');
+  /* Orders, and what else of a frame was varied, have a reference each. */
+  const order = (r) => r.shading + (r.ways ? ' (' + r.ways.replace(/,/g, ', ') + ')' : '');
+  const orders = unique(all.map(order)), first = (name) => all.find((r) => order(r) === name);
+  const of = (name, kind) => find(first(name), reference, first(name).ways || '', kind);
+  const base = orders.find((name) => of(name, 'reference') && !of(name, 'shading')); /* what the others were compared with */
+  for (const name of orders) {
+    add(of(name, 'reference'), name + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + name);
+    add(of(name, 'shading'), name + ' against ' + base + ', difference × 16', 'Differences of two ways to shade');
   }
   for (const r of atLights()) {
     const own = (kind) => find(r, r.lists, r.options, kind), equal = r.equal === true ? '; picture equal to the reference' : '';

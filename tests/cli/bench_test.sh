@@ -40,6 +40,11 @@ expect 2 "lights: '' is not a whole number" builtin:spheres --lights 4, -o "$out
 expect 2 "sizes: '12' is not a size" builtin:spheres --sizes 12 -o "$out"
 expect 2 "sizes: '64x0' is not a size" builtin:spheres --sizes 64x64,64x0 -o "$out"
 expect 2 "msaa: '3' is not one of 1 2 4 8" builtin:spheres --msaa 1,3 -o "$out"
+expect 2 "gbuffer: 'x' is not one of default siege" builtin:spheres --gbuffer default,x -o "$out"
+expect 2 "transparency: 'x' is not one of sorted weighted linked" builtin:spheres --transparency x -o "$out"
+expect 2 "decals: 'x' is not one of lists gbuffer off" builtin:spheres --decals x -o "$out"
+expect 2 "msaa-method: 'x' is not one of all tiles" builtin:spheres --msaa-method x -o "$out"
+expect 2 'chooses G-buffers' --suite thesis --gbuffer all -o "$out"
 expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
 expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
@@ -101,6 +106,19 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     check "$work/m" RESULTS=6 SKIPPED=2 EQUAL=6 FRAMES=2
     expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m"
     check "$work/m" RESULTS=2 SKIPPED=0 EQUAL=0 FRAMES=2
+
+    # G-buffers, transparency, decals and MSAA methods: each where the order heeds it, with a reference of its own, told apart in the files.
+    ways='builtin:glass?lights=6 --sizes 33x17 --shading forward,deferred --lists tiled --frames 2'
+    expect 0 'deferred, tiled lists \(gbuffer=siege,transparency=linked\)' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g"
+    check "$work/g" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2 # forward has no G-buffer: 2 + 2 x 2
+    grep -q ',forward,tiled,transparency=linked,,linked,lists,,' "$work/g/results.csv" || fail "ways in results.csv: $(cat "$work/g/results.csv")"
+    grep -q ',deferred,tiled,"gbuffer=siege,transparency=linked",siege,linked,lists,,' "$work/g/results.csv" ||
+        fail "ways in results.csv: $(cat "$work/g/results.csv")"
+    expect 0 '' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g" --resume
+    grep -q '^case' "$work/out" && fail 'resuming measured ways again'
+    expect 0 'this layout of the G-buffer has 1 sample' $ways --msaa 1,4 --gbuffer default,siege --decals all --msaa-method tiles,all -o "$work/h"
+    # One sample: forward 2 (lists, off), deferred 2 x 3; four: forward 2, deferred 2 x 2, and as many left out.
+    check "$work/h" RESULTS=14 SKIPPED=4 EQUAL=14 FRAMES=2
 
     # Paths: from a file, and around the scene.
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
