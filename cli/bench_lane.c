@@ -27,7 +27,7 @@ static enum role role_of(const char *name) {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
         "lit forward", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
-        NULL};
+        "visible ",    NULL};
     static const char *const geometry[] = {"cull",       "sort",           "blend",
                                            "gbuffer",    "depth prepass",  "skin",
                                            "morph",      "light surfaces", "inferred surfaces",

@@ -67,6 +67,7 @@ static void print_help(void) {
         "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
+        "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
@@ -111,6 +112,7 @@ static const char *transparency_name(int i) { return fnl_transparency_name((fnl_
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
+static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
 static const char *deferred_pass_name(int i) { return fnl_deferred_pass_name((fnl_deferred_pass)i); }
 static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
 static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
@@ -168,6 +170,7 @@ enum {
     O_AA,
     O_GBUFFER_PREPASS,
     O_MOBILE,
+    O_VISIBILITY_SORT,
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_TRAFFIC,
@@ -278,6 +281,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_MOBILE:
         return argument_mobile("mobile", value, &o->frame.mobile);
+    case O_VISIBILITY_SORT:
+        if (!argument_name("visibility-sort", value, visibility_sort_name, &index)) return false;
+        o->frame.visibility.sort = (fnl_visibility_sort)index;
+        return true;
     case O_MOBILE_LAYOUT:
         if (!argument_name("mobile-layout", value, mobile_layout_name, &index)) return false;
         o->frame.mobile.layout = (fnl_mobile_layout)index;
@@ -433,6 +440,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
                                              {"mobile", required_argument, NULL, O_MOBILE},
+                                             {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"traffic", no_argument, NULL, O_TRAFFIC},

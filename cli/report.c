@@ -84,6 +84,8 @@ void report_print(const struct render_report *r) {
         if (s->msaa_shaded) printf("; shaded %" PRIu64, s->msaa_shaded);
         puts("");
     }
+    if (s->visibility_entries)
+        printf("  to be shaded: %u, of %u classes\n", s->visibility_entries, s->visibility_classes);
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
@@ -185,6 +187,10 @@ static void add_traffic(json_t *json, const struct render_report *r) {
                                   integer(s->image_bytes_written), "tile_bytes", integer(s->tile_bytes), "lazy_bytes",
                                   integer(s->lazy_bytes), "lazy_committed_bytes", integer(s->lazy_committed_bytes)));
     json_object_set_new(json, "light_bytes", integer(s->light_bytes));
+    if (s->shading == FNL_SHADING_VISIBILITY)
+        json_object_set_new(json, "visibility",
+                            json_pack("{s:s,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort), "entries",
+                                      integer(s->visibility_entries), "classes", integer(s->visibility_classes)));
     if (s->shading != FNL_SHADING_MOBILE) return;
     json_object_set_new(json, "mobile",
                         json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",

@@ -15,6 +15,9 @@ uvec3 in_ids;
 bool in_front_facing;
 // Above 1 where the driver filters explicit gradients without anisotropy: at most so many samples along the longer one instead.
 layout(constant_id = 8) const float GRADIENT_TAPS = 1.0;
+// Variants for materials that need less: 0 where none has a texture, or a normal map.
+layout(constant_id = 10) const uint HAS_TEXTURES = 1u;
+layout(constant_id = 11) const uint HAS_NORMAL_MAP = 1u;
 #else
 layout(location = 0) centroid in vec3 in_position;
 layout(location = 1) centroid in vec3 in_normal;
@@ -23,6 +26,7 @@ layout(location = 3) centroid in vec4 in_uv;
 layout(location = 4) centroid in vec4 in_color;
 layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors
 #define in_front_facing gl_FrontFacing
+const uint HAS_TEXTURES = 1u, HAS_NORMAL_MAP = 1u;
 #endif
 
 #define TEXTURE_BASE_COLOR 0
@@ -42,6 +46,7 @@ vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
 
 // The texel, or white where the material has no such texture.
 vec4 sample_slot(material_array materials, uint material, int slot) {
+    if (HAS_TEXTURES == 0u) return vec4(1.0);
     gpu_texture t = materials.at[material].textures[slot];
     if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
 #ifdef MATERIAL_GRADIENTS
@@ -103,7 +108,7 @@ surface material_surface(material_array materials, uint material) {
     // A normal that vanished (a flattened instance, opposite neighbours) leaves something that is unit all the same.
     float length2 = dot(in_normal, in_normal);
     vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
-    if (m.textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
+    if (HAS_NORMAL_MAP == 1u && m.textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
         vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
         mapped.xy *= m.normal_scale;
         vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;

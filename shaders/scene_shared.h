@@ -12,6 +12,14 @@
 #define GPU_MATERIAL_MASK 2u
 #define GPU_MATERIAL_BLEND 4u
 #define GPU_MATERIAL_DOUBLE_SIDED 8u
+#define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
+
+/* What of the code of material_surface() and shade_surface() a material needs, as bits. */
+#define GPU_CLASS_LIT 1u
+#define GPU_CLASS_METAL 2u
+#define GPU_CLASS_TEXTURES 4u
+#define GPU_CLASS_NORMAL_MAP 8u
+#define GPU_CLASSES 16u
 
 /* Bits of the feature constant of shaders that draw the scene (gpu_graphics_params.features). */
 #define GPU_FEATURE_DECALS 1u      /* box and volume decals are looked up in a list */

@@ -36,7 +36,7 @@ typedef enum fnl_shading {
     FNL_SHADING_LIGHT_INDEXED,
     /** The same, but the volumes leave direction, colour and attenuation of each light, in layers. */
     FNL_SHADING_ZIOMA,
-    FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward; no MSAA */
+    FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward */
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
     FNL_SHADING_AUTO, /**< the fastest order of the first three on this scene and device, found by measuring */
@@ -385,6 +385,22 @@ FNL_API fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *
 /** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
 FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
 
+/** What visibility shading sorts pixels by, so that each class of materials is shaded by a shader that has only what it needs. */
+typedef enum fnl_visibility_sort {
+    FNL_VISIBILITY_SORT_OFF = 0,  /**< nothing: one shader for all */
+    FNL_VISIBILITY_SORT_CLASS,    /**< what the material needs: light, metal, textures, a normal map */
+    FNL_VISIBILITY_SORT_MATERIAL, /**< the same, then the material */
+    FNL_VISIBILITY_SORT_COUNT
+} fnl_visibility_sort;
+
+/** Settings of the order visibility. */
+typedef struct fnl_visibility_options {
+    fnl_visibility_sort sort; /**< default off. The picture is the same */
+} fnl_visibility_options;
+
+FNL_API fnl_visibility_options fnl_visibility_options_default(void);
+FNL_API const char *fnl_visibility_sort_name(fnl_visibility_sort sort);
+
 /** What a frame keeps for fnl_renderer_read; bits. */
 typedef enum fnl_output {
     FNL_OUTPUT_COLOR = 1,     /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
@@ -407,7 +423,7 @@ typedef struct fnl_frame {
     fnl_light_lists lists;  /**< default FNL_LISTS_AUTO */
     fnl_list_options list_options;
     uint32_t
-        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders and deferred; default 1 */
+        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders, deferred, visibility; default 1 */
     fnl_msaa_method msaa_method; /**< default compact. FNL_SHADING_DEFERRED */
     uint32_t msaa_groups;        /**< surfaces of a pixel at most, 2 or 3; default 2. FNL_MSAA_AGGREGATE */
     /**
@@ -452,6 +468,7 @@ typedef struct fnl_frame {
     bool
         chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
+    fnl_visibility_options visibility; /**< of FNL_SHADING_VISIBILITY */
     bool gbuffer_prepass; /**< deferred, mobile: depth first, so that hidden surfaces cost no texture reads; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
@@ -513,7 +530,9 @@ typedef struct fnl_frame_stats {
      */
     uint64_t blend_fragments, blend_bytes;
     uint32_t blend_longest, blend_overflow;
-    /** With FNL_SHADING_DEFERRED and MSAA. */
+    /** With FNL_SHADING_VISIBILITY and fnl_visibility_options.sort or MSAA: classes that occur, and pixels, or triangles of pixels, to shade. */
+    uint32_t visibility_classes, visibility_entries;
+    /** With FNL_SHADING_DEFERRED and MSAA, and FNL_SHADING_VISIBILITY, where each triangle is a surface. */
     uint32_t msaa_pixels,   /**< pixels that show a surface in some sample */
         msaa_edge_pixels;   /**< pixels whose samples show more than one thing, sky being one */
     uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */

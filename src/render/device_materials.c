@@ -53,6 +53,14 @@ uint32_t device_material_forward_layouts(const struct device_scene *d, const str
     return bits;
 }
 
+/* A factor of 0 leaves nothing for a texture to multiply. */
+static uint32_t material_class(const struct device_scene *d, const struct scene_material *m) {
+    uint32_t bits = m->unlit ? 0 : GPU_CLASS_LIT | (m->metallic > 0 ? GPU_CLASS_METAL : 0);
+    for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++)
+        if (has_texture(d, m, (enum scene_texture_slot)slot)) bits |= GPU_CLASS_TEXTURES;
+    return bits | (has_texture(d, m, SCENE_TEXTURE_NORMAL) ? GPU_CLASS_NORMAL_MAP : 0);
+}
+
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gpu_material g = {.base_color = m->base_color,
                              .emissive = m->emissive,
@@ -66,7 +74,8 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
                              .flags = (m->unlit ? GPU_MATERIAL_UNLIT : 0) |
                                       (m->alpha_mode == FNL_ALPHA_MASK ? GPU_MATERIAL_MASK : 0) |
                                       (m->alpha_mode == FNL_ALPHA_BLEND ? GPU_MATERIAL_BLEND : 0) |
-                                      (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0),
+                                      (m->double_sided ? GPU_MATERIAL_DOUBLE_SIDED : 0) |
+                                      material_class(d, m) << GPU_MATERIAL_CLASS_SHIFT,
                              .forward_layouts = device_material_forward_layouts(d, m, id)};
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
         const struct scene_texture *t = &m->textures[slot];
@@ -90,9 +99,12 @@ fnl_result device_materials_upload(struct device_scene *d) {
     struct gpu_material *materials = host_allocate(&d->host, count * sizeof *materials);
     struct gpu_material_entry *entries = host_allocate(&d->host, count * sizeof *entries);
     fnl_result result = materials && entries ? FNL_OK : FNL_ERROR_MEMORY;
+    d->material_count = count;
+    d->material_classes = 0;
     for (uint32_t i = 0; i < count && result == FNL_OK; i++) {
         const struct scene_material *m = i + 1 < count ? &d->scene->materials.data[i] : &standard;
         materials[i] = device_material(d, m, i);
+        d->material_classes |= 1u << material_class(d, m);
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }

@@ -229,6 +229,8 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
                                             .most_triangles = d->most_triangles,
+                                            .material_count = d->material_count,
+                                            .material_classes = d->material_classes,
                                             .gradient_taps = gpu_isotropic_gradients(d->device) ? d->scene->anisotropy : 1,
                                             .group_count = d->group_count,
                                             .blend_first_item = d->blend_first_item,

@@ -214,6 +214,9 @@ static void add_counts(struct frame_state *f) {
     if (f->edge_counts.id)
         data.copies[data.count++] =
             (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges), EDGES_COUNTS * 4};
+    if (f->visible_ranges.id)
+        data.copies[data.count++] = (struct count_copy){f->visible_ranges, counts, 0, offsetof(struct frame_counts, visible),
+                                                        sizeof(((struct frame_counts *)0)->visible)};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};

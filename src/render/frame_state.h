@@ -44,7 +44,8 @@ struct frame_state {
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
-    graph_buffer surfaces, edge_counts; /* of deferred shading with MSAA (passes/shade/edges.h) */
+    graph_buffer surfaces, edge_counts; /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
+    graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
     struct frame_decals decals;
     struct aov_images aov;
     struct linked_lists linked; /* transparency */

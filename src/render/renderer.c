@@ -145,6 +145,16 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
     return NAME_OF(names, view);
 }
 
+const char *fnl_visibility_sort_name(fnl_visibility_sort sort) {
+    static const char *const names[] = {"off", "class", "material"};
+    _Static_assert(COUNT_OF(names) == FNL_VISIBILITY_SORT_COUNT, "each has a name");
+    return NAME_OF(names, sort);
+}
+
+fnl_visibility_options fnl_visibility_options_default(void) {
+    return (fnl_visibility_options){.sort = FNL_VISIBILITY_SORT_OFF};
+}
+
 fnl_list_options fnl_list_options_default(void) {
     return (fnl_list_options){.frustum_cull = true,
                               .tile_size = 16,
@@ -172,6 +182,7 @@ fnl_frame fnl_frame_default(void) {
                        .lists = FNL_LISTS_AUTO,
                        .list_options = fnl_list_options_default(),
                        .mobile = fnl_mobile_options_default(),
+                       .visibility = fnl_visibility_options_default(),
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
@@ -396,6 +407,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->mobile.gamma < FNL_MOBILE_GAMMA_COUNT);
     REQUIRE(host, (uint32_t)frame->mobile.light < FNL_MOBILE_LIGHT_COUNT);
     REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
+    REQUIRE(host, (uint32_t)frame->visibility.sort < FNL_VISIBILITY_SORT_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
@@ -410,7 +422,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         return FNL_ERROR_UNSUPPORTED;
     }
     if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_SAMPLES) && frame->msaa > 1) {
-        log_error(host, "%s shading has no MSAA; use a forward order, deferred, or 1 sample",
+        log_error(host, "%s shading has no MSAA; use a forward order, deferred, visibility, or 1 sample",
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
@@ -626,6 +638,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->msaa_surfaces = counts->edges[EDGES_SURFACES];
     out->msaa_samples = counts->edges[EDGES_SAMPLES];
     out->msaa_shaded = counts->edges[EDGES_SHADED];
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) {
+        uint32_t entries = counts->visible[c][1] - counts->visible[c][0];
+        out->visibility_classes += entries > 0;
+        out->visibility_entries += entries;
+    }
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;

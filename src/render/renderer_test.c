@@ -393,6 +393,7 @@ static void test_misuse(void **state) {
     BAD(msaa = 0);
     BAD(msaa = 3);
     BAD(msaa = 16);
+    BAD(visibility.sort = FNL_VISIBILITY_SORT_COUNT);
     BAD(shading = FNL_SHADING_COUNT);
     BAD(shading = (fnl_shading)-1);
     BAD(lists = FNL_LISTS_COUNT);

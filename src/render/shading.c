@@ -74,7 +74,7 @@ static const struct order {
     [FNL_SHADING_ZIOMA] = {order_zioma, SHADING_PREPASS | SHADING_VOLUMES},
     [FNL_SHADING_LOW_RES] = {order_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-    [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_ITEMS | SHADING_APPROXIMATE},
+    [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_POSITIONS | SHADING_APPROXIMATE},
 };
 

@@ -29,6 +29,7 @@ struct geometry_scene {
     uint32_t bucket_count, item_count, group_count;
     float gradient_taps;                         /* constant GRADIENT_TAPS of shaders/material.glsl */
     uint32_t most_triangles;                     /* of one item; lines and points count too */
+    uint32_t material_count, material_classes;   /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
     uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
     graph_buffer feature_buffers[5];             /* what they read for it; id 0: none */

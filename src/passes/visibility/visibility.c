@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/visibility/visibility.h"
 
+#include "passes/shade/samples_shared.h"
 #include "passes/visibility/visibility_shared.h"
+#include "passes/visibility/visible.h"
 #include "scene_shared.h"
 #include "shaders.h"
 
@@ -28,7 +30,8 @@ struct ids_data {
 
 static void execute_ids(const struct graph_context *context, const void *data) {
     const struct ids_data *d = data;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, &shader_visibility_mask_frag,
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state,
+                  d->state.samples > 1 ? &shader_visibility_samples_mask_frag : &shader_visibility_mask_frag,
                   (struct gpu_geometry_push){.view = d->view});
 }
 
@@ -38,27 +41,29 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     uint32_t needed = visibility_bits(item_count, input->scene->most_triangles, &v.triangle_bits);
     if (bits > needed) v.triangle_bits = MIN(bits - bits_of(item_count), 31u); /* items reach into the upper bits */
     bits = MAX(bits, needed);
+    uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
+    VkFormat low = samples > 1 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32_UINT;
     struct graph_image_params params = {
-        .name = "visibility", .format = VK_FORMAT_R32_UINT, .width = input->width, .height = input->height};
+        .name = "visibility", .format = low, .width = input->width, .height = input->height, .samples = samples};
     v.ids = graph_create_image(graph, &params);
     if (bits > 32) {
         params.name = "visibility high";
-        params.format = bits == 48 ? VK_FORMAT_R16_UINT : VK_FORMAT_R32_UINT;
+        if (samples == 1 && bits == 48) params.format = VK_FORMAT_R16_UINT;
         v.ids_high = graph_create_image(graph, &params);
     }
     struct ids_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
-        (struct gpu_graphics_params){.fragment = &shader_visibility_frag,
+        (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_visibility_samples_frag : &shader_visibility_frag,
                                      .constant_count = 8,
                                      .constants = {[7] = v.triangle_bits},
                                      .color_count = bits > 32 ? 2 : 1,
-                                     .color_formats = {VK_FORMAT_R32_UINT, bits > 32 ? params.format : 0},
+                                     .color_formats = {low, bits > 32 ? params.format : 0},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = true,
                                      /* Of surfaces at equal depth the last one drawn wins, as in forward shading. */
                                      .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
-                                     .samples = 1};
+                                     .samples = samples};
     struct graph_pass *pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     static const float none[4];
@@ -72,38 +77,82 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
 
 struct shade_data {
     struct visibility visibility;
+    struct visible_list list;
     const struct geometry_scene *scene;
     graph_image radiance;
     VkDeviceAddress view, lights;
-    graph_buffer counters;
-    uint32_t kind, width, height;
+    graph_buffer counters, results;
+    uint32_t kind, width, height, samples;
+    VkFormat format;
     float background[3];
 };
 
-static void execute_shade(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_visibility_shade_comp,
-                                        .constant_count = 10,
-                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [9] = d->scene->features}};
-    memcpy(&params.constants[8], &d->scene->gradient_taps, sizeof(float));
+/* Decals may give a material what it has not. */
+static void set_constants(const struct shade_data *d, uint32_t class_bits, struct gpu_compute_params *params) {
+    bool all = d->list.listed != VISIBLE_SORTED, decals = d->scene->features != 0;
+    const uint32_t values[15] = {d->kind,
+                                 d->counters.id != 0,
+                                 all || decals || class_bits & GPU_CLASS_LIT,
+                                 all || decals || class_bits & GPU_CLASS_METAL,
+                                 [9] = d->scene->features,
+                                 [10] = all || class_bits & GPU_CLASS_TEXTURES,
+                                 [11] = all || class_bits & GPU_CLASS_NORMAL_MAP,
+                                 [12] = d->list.listed,
+                                 [13] = d->samples,
+                                 [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
+    params->constant_count = COUNT_OF(values);
+    memcpy(params->constants, values, sizeof values);
+    memcpy(&params->constants[8], &d->scene->gradient_taps, sizeof(float));
+}
+
+static struct gpu_visibility_push shade_push(const struct graph_context *context, const struct shade_data *d) {
     struct gpu_visibility_push push = {.view = d->view,
                                        .scene = d->scene->scene,
                                        .lights = d->lights,
-                                       .counters = d->counters.id ? graph_address(context, d->counters) : 0,
                                        .indices = d->scene->indices->address,
                                        .ids = graph_sampled(context, d->visibility.ids),
-                                       .ids_high = d->visibility.ids_high.id ? graph_sampled(context, d->visibility.ids_high)
-                                                                             : GPU_TEXTURE_NONE,
-                                       .radiance = graph_storage(context, d->radiance),
+                                       .ids_high = GPU_TEXTURE_NONE,
                                        .triangle_bits = d->visibility.triangle_bits,
                                        .background = {d->background[0], d->background[1], d->background[2]}};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+    if (d->visibility.ids_high.id) push.ids_high = graph_sampled(context, d->visibility.ids_high);
+    if (d->counters.id) push.counters = graph_address(context, d->counters);
+    if (d->list.listed != VISIBLE_GRID) push.entries = graph_address(context, d->list.entries);
+    if (d->samples == 1) {
+        push.radiance = graph_storage(context, d->radiance);
+        return push;
+    }
+    push.words = graph_address(context, d->list.words);
+    push.sums = graph_address(context, d->list.sums);
+    push.results = graph_address(context, d->results);
+    if (d->counters.id) push.counts = graph_address(context, d->list.counts);
+    return push;
 }
 
-void visibility_shade_add(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
-                          graph_image radiance) {
+static void execute_shade(const struct graph_context *context, const void *data) {
+    const struct shade_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_visibility_shade_comp};
+    struct gpu_visibility_push push = shade_push(context, d);
+    if (d->list.listed == VISIBLE_GRID) {
+        set_constants(d, 0, &params);
+        gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+        return;
+    }
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) {
+        if (!(d->list.classes >> c & 1)) continue;
+        set_constants(d, c, &params);
+        push.range = graph_address(context, d->list.ranges) + c * 8;
+        gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->list.dispatches), c * 12);
+    }
+}
+
+struct visibility_shaded visibility_shade_add(struct graph *graph, const struct shade_input *input,
+                                              const struct visibility *visibility, enum visibility_sort sort,
+                                              graph_image radiance) {
+    struct graph_image_params target = graph_image_info(graph, radiance);
     struct shade_data data = {.visibility = *visibility,
                               .scene = input->scene,
                               .radiance = radiance,
@@ -113,14 +162,35 @@ void visibility_shade_add(struct graph *graph, const struct shade_input *input, 
                               .kind = input->lights->kind,
                               .width = input->width,
                               .height = input->height,
+                              .samples = MAX(target.samples, 1u),
+                              .format = target.format,
                               .background = {input->background[0], input->background[1], input->background[2]}};
+    bool lists = data.samples > 1 || sort != VISIBILITY_SORT_OFF;
+    if (lists) data.list = visible_list_add(graph, input, visibility, sort, radiance);
+    if (data.samples > 1)
+        data.results = graph_create_buffer(graph, "visible results",
+                                           data.list.capacity * (target.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12ull : 8ull));
     struct graph_pass *pass =
         graph_add_pass(graph, "visibility shade", GRAPH_QUEUE_GRAPHICS, execute_shade, &data, sizeof data);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
     if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, radiance, GRAPH_WRITE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
+    if (lists) {
+        graph_use_buffer(pass, data.list.entries, GRAPH_READ_COMPUTE);
+        graph_use_buffer(pass, data.list.ranges, GRAPH_READ_COMPUTE);
+        graph_use_buffer(pass, data.list.dispatches, GRAPH_INDIRECT);
+    }
+    if (data.samples == 1) {
+        graph_use_image(pass, radiance, GRAPH_WRITE_COMPUTE);
+        return (struct visibility_shaded){.ranges = data.list.ranges};
+    }
+    graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.results, GRAPH_WRITE_COMPUTE);
+    if (input->counters.id) graph_use_buffer(pass, data.list.counts, GRAPH_READ_WRITE_COMPUTE);
+    visible_spread_add(graph, input, visibility, &data.list, data.results, radiance);
+    return (struct visibility_shaded){data.list.ranges, data.list.words, data.list.counts};
 }

@@ -10,11 +10,18 @@ layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
+#ifdef ID_BYTES // few devices have several samples of integers
+layout(location = 0) out vec4 out_id;
+layout(location = 1) out vec4 out_high;
+#define ID_STORED(word) unpackUnorm4x8(word)
+#else
 layout(location = 0) out uint out_id;
 layout(location = 1) out uint out_high;
+#define ID_STORED(word) (word)
+#endif
 
 void write_id() {
     uint item = in_ids.y + 1u;
-    out_id = item << TRIANGLE_BITS | uint(gl_PrimitiveID);
-    out_high = TRIANGLE_BITS == 0u ? 0u : item >> (32u - TRIANGLE_BITS);
+    out_id = ID_STORED(item << TRIANGLE_BITS | uint(gl_PrimitiveID));
+    out_high = ID_STORED(TRIANGLE_BITS == 0u ? 0u : item >> (32u - TRIANGLE_BITS));
 }

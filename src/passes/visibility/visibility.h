@@ -18,14 +18,27 @@ struct visibility {
 uint32_t visibility_bits(uint32_t item_count, uint32_t triangle_count, uint32_t *out_triangle_bits);
 
 /**
- * Draws the opaque set into ids and depth; cutouts are tested here. Single-sampled. The device needs fnl_device_info.primitive_ids. `bits` 48 or
+ * Draws the opaque set into ids and depth, of one or several samples; cutouts are tested here. The device needs fnl_device_info.primitive_ids. `bits` 48 or
  * 64 makes ids wider than they need to be; 0: as wide as they need to be. Cost: of attributes only the position is read, but for cutouts; 4 to 8
  * bytes a pixel.
  */
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, graph_image depth);
 
-/** Shades each pixel once into `radiance`; those that show nothing get the background. Cost: three vertices fetched for each pixel. */
-void visibility_shade_add(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
-                          graph_image radiance);
+/** What pixels are sorted by before they are shaded; the picture is the same. */
+enum visibility_sort { VISIBILITY_SORT_OFF, VISIBILITY_SORT_CLASS, VISIBILITY_SORT_MATERIAL };
+
+/** What there is to know of what was shaded; id 0: not known. */
+struct visibility_shaded {
+    graph_buffer ranges;        /* with lists: first and end of the entries of each class (visible_shared.h) */
+    graph_buffer words, counts; /* with several samples: samples_shared.h */
+};
+
+/**
+ * Shades each pixel once into `radiance`, or, with several samples, each triangle that a pixel shows once, at the middle of its samples; those
+ * that show nothing get the background. Cost: three vertices fetched for each; with several samples a result and a word of memory each.
+ */
+struct visibility_shaded visibility_shade_add(struct graph *graph, const struct shade_input *input,
+                                              const struct visibility *visibility, enum visibility_sort sort,
+                                              graph_image radiance);
 
 #endif

@@ -1,16 +1,17 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Shades what a visibility buffer shows: one thread a pixel.
+// Shades what a visibility buffer shows: one thread a pixel, or for each of the triangles that its samples show.
 #define MATERIAL_GRADIENTS
 #include "common.glsl"
 #include "shade.glsl"
 #include "material.glsl"
 #include "decals_raster.glsl"
 #include "passes/visibility/triangle.glsl"
+#include "passes/visibility/visible.glsl"
 #include "passes/visibility/visibility_shared.h"
 
-layout(local_size_x = 64) in; // 8x8 pixels, in squares of four
+layout(local_size_x = 64) in; // 8x8 pixels, or entries of a list
 layout(push_constant, scalar) uniform push_block { gpu_visibility_push push; };
 
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
@@ -51,24 +52,50 @@ void interpolate(triangle t, vec2 pixel) {
     in_front_facing = triangle_front_facing(t, push.view);
 }
 
+vec3 shade(ivec2 pixel, vec2 point, uvec2 id) {
+    triangle t = triangle_fetch(push.scene, push.indices, push.view, visible_item(id, push.triangle_bits) - 1u,
+                                visible_triangle(id, push.triangle_bits));
+    interpolate(t, point);
+    material_array materials = push.scene.scene.materials;
+    surface s = material_surface(materials, in_ids.x);
+    in_pixel = uvec2(pixel);
+    decals_on_surface(s, push.view, push.scene);
+    float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
+    return shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
+}
+
+// The samples of a triangle are shaded at their middle, which lies in the part that is seen.
+void shade_samples(ivec2 pixel, uint surface_index) {
+    uvec2 size = push.view.view.size;
+    uint samples = surface_samples(push.words.at[pixel.y * size.x + pixel.x], surface_index);
+    vec2 sum = vec2(0.0);
+    for (uint i = 0u; i < SAMPLES; i++)
+        if ((samples >> i & 1u) == 1u) sum += sample_place(i);
+    vec2 point = vec2(pixel) + sum / float(bitCount(samples));
+    vec3 radiance = shade(pixel, point, visible_id(push.ids, push.ids_high, pixel, findLSB(samples)));
+    store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), size)] + surface_index,
+                 min(radiance, vec3(push.view.view.hdr_max)));
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
+}
+
 void main() {
-    uint place = gl_LocalInvocationIndex, square = place >> 2;
-    ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2(square & 3u, square >> 2) * 2u + uvec2(place & 1u, place >> 1 & 1u));
-    if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
-    uint id = texelFetch(textures_uint[push.ids], pixel, 0).r;
-    uint high = push.ids_high == GPU_TEXTURE_NONE ? 0u : texelFetch(textures_uint[push.ids_high], pixel, 0).r;
-    uint bits = push.triangle_bits;
-    uint item = id >> bits | (bits == 0u ? 0u : high << (32u - bits));
-    vec3 radiance = push.background;
-    if (item != 0u) {
-        triangle t = triangle_fetch(push.scene, push.indices, push.view, item - 1u, id & ((1u << bits) - 1u));
-        interpolate(t, vec2(pixel) + 0.5);
-        material_array materials = push.scene.scene.materials;
-        surface s = material_surface(materials, in_ids.x);
-        in_pixel = uvec2(pixel);
-        decals_on_surface(s, push.view, push.scene);
-        float view_depth = -(push.view.view.world_to_view * vec4(s.position, 1.0)).z;
-        radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
+    ivec2 pixel = ivec2(pixel_of_place(gl_WorkGroupID.xy, gl_LocalInvocationIndex)), size = ivec2(push.view.view.size);
+    uint surface_index = 0u;
+    if (LISTED != VISIBLE_GRID) {
+        uint at = push.range.at[0] + LINEAR_INVOCATION;
+        if (at >= push.range.at[1]) return;
+        uint entry = push.entries.at[LISTED == VISIBLE_SORTED ? at * 2u + 1u : at], index = entry & VISIBLE_PIXEL_MASK;
+        pixel = ivec2(index % uint(size.x), index / uint(size.x));
+        surface_index = entry >> VISIBLE_SURFACE_SHIFT;
+    } else if (any(greaterThanEqual(pixel, size))) {
+        return;
     }
+    if (SAMPLES > 1u) {
+        shade_samples(pixel, surface_index);
+        return;
+    }
+    uvec2 id = visible_id(push.ids, push.ids_high, pixel, 0);
+    vec3 radiance = push.background;
+    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, vec2(pixel) + 0.5, id);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
 }

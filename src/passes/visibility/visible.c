@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/visibility/visible.h"
+
+#include "passes/geometry/radix_sort.h"
+#include "passes/shade/samples_shared.h"
+#include "scene_shared.h"
+#include "shaders.h"
+
+struct visible_data {
+    const struct gpu_shader *shader;
+    struct visibility visibility;
+    struct visible_list list;
+    graph_image radiance;
+    graph_buffer results;
+    VkFormat format;
+    VkDeviceAddress view, scene;
+    uint32_t width, height, samples, material_bits;
+    float background[3];
+};
+
+static VkDeviceAddress address_or_zero(const struct graph_context *context, graph_buffer buffer) {
+    return buffer.id ? graph_address(context, buffer) : 0;
+}
+
+static void set_constants(const struct visible_data *d, uint32_t *count, uint32_t *constants) {
+    const uint32_t values[15] = {
+        [12] = d->list.listed, [13] = d->samples, [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
+    *count = COUNT_OF(values);
+    memcpy(constants, values, sizeof values);
+}
+
+static struct gpu_visible_push push_of(const struct visible_data *d) {
+    return (struct gpu_visible_push){.view = d->view,
+                                     .scene = d->scene,
+                                     .triangle_bits = d->visibility.triangle_bits,
+                                     .material_bits = d->material_bits,
+                                     .places = DIVIDE_UP(d->width, 8u) * DIVIDE_UP(d->height, 8u) * 64,
+                                     .background = {d->background[0], d->background[1], d->background[2]}};
+}
+
+/* ---- lists ---- */
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct visible_data *d = data;
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->list.counts), 0, EDGES_COUNTS * 4, 0);
+}
+
+static void execute_pixels(const struct graph_context *context, const void *data) {
+    const struct visible_data *d = data;
+    struct gpu_compute_params params = {.shader = d->shader};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_visible_push push = push_of(d);
+    push.sums = graph_address(context, d->list.sums);
+    push.words = address_or_zero(context, d->list.words);
+    push.ids = graph_sampled(context, d->visibility.ids);
+    push.ids_high = d->visibility.ids_high.id ? graph_sampled(context, d->visibility.ids_high) : GPU_TEXTURE_NONE;
+    if (d->shader == &shader_visible_count_comp) {
+        push.counts = address_or_zero(context, d->list.counts);
+        if (d->samples == 1) push.radiance = graph_storage(context, d->radiance);
+    } else {
+        push.entries = graph_address(context, d->list.entries);
+    }
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+}
+
+static void execute_ranges(const struct graph_context *context, const void *data) {
+    const struct visible_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_visible_ranges_comp};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_visible_push push = push_of(d);
+    push.sums = graph_address(context, d->list.sums);
+    push.entries = graph_address(context, d->list.entries);
+    push.ranges = graph_address(context, d->list.ranges);
+    push.dispatches = graph_address(context, d->list.dispatches);
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, 1, 1, 1);
+}
+
+static void use_ids(struct graph_pass *pass, const struct visibility *visibility) {
+    graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
+    if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
+}
+
+static struct visible_data data_of(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
+                                   graph_image radiance) {
+    struct graph_image_params target = graph_image_info(graph, radiance);
+    return (struct visible_data){.visibility = *visibility,
+                                 .radiance = radiance,
+                                 .format = target.format,
+                                 .view = input->view,
+                                 .scene = input->scene->scene,
+                                 .width = input->width,
+                                 .height = input->height,
+                                 .samples = MAX(target.samples, 1u),
+                                 .background = {input->background[0], input->background[1], input->background[2]}};
+}
+
+static void add_counting(struct graph *graph, struct visible_data *data) {
+    uint32_t places = DIVIDE_UP(data->width, 8u) * DIVIDE_UP(data->height, 8u) * 64;
+    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("visible");
+    data->list.sums = graph_create_buffer(graph, "visible places", (places + 1ull) * 4);
+    if (data->samples > 1) {
+        data->list.words = graph_create_buffer(graph, "visible words", (uint64_t)data->width * data->height * 4);
+        data->list.counts = graph_create_buffer(graph, "visible counts", EDGES_COUNTS * 4ull);
+        struct graph_pass *pass =
+            graph_add_pass(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, execute_clear, data, sizeof *data);
+        graph_use_buffer(pass, data->list.counts, GRAPH_COPY_TO);
+    }
+    data->shader = &shader_visible_count_comp;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "visible count", GRAPH_QUEUE_GRAPHICS, execute_pixels, data, sizeof *data);
+    use_ids(pass, &data->visibility);
+    graph_use_buffer(pass, data->list.sums, GRAPH_WRITE_COMPUTE);
+    if (data->samples > 1) {
+        graph_use_buffer(pass, data->list.words, GRAPH_WRITE_COMPUTE);
+        graph_use_buffer(pass, data->list.counts, GRAPH_READ_WRITE_COMPUTE);
+    } else {
+        graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
+    }
+    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
+}
+
+struct visible_list visible_list_add(struct graph *graph, const struct shade_input *input,
+                                     const struct visibility *visibility, enum visibility_sort sort, graph_image radiance) {
+    static const struct radix_sort_names names = RADIX_SORT_NAMES("visible");
+    struct visible_data data = data_of(graph, input, visibility, radiance);
+    uint64_t capacity = (uint64_t)input->width * input->height * data.samples;
+    bool sorts = sort != VISIBILITY_SORT_OFF && capacity < 1u << 31; /* what radix_sort_add takes */
+    if (sort == VISIBILITY_SORT_MATERIAL) {
+        while (input->scene->material_count - 1 >> data.material_bits) data.material_bits++;
+        data.material_bits = MIN(data.material_bits, 28u);
+    }
+    data.list.capacity = (uint32_t)capacity;
+    data.list.listed = sorts ? VISIBLE_SORTED : VISIBLE_LIST;
+    data.list.classes = sorts ? input->scene->material_classes : 1;
+    add_counting(graph, &data);
+    data.list.entries = graph_create_buffer(graph, "visible entries", capacity * (sorts ? 8 : 4));
+    data.shader = &shader_visible_fill_comp;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "visible fill", GRAPH_QUEUE_GRAPHICS, execute_pixels, &data, sizeof data);
+    use_ids(pass, visibility);
+    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
+    if (data.list.words.id) graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.list.entries, GRAPH_WRITE_COMPUTE);
+    if (sorts)
+        data.list.entries =
+            radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
+                                                              .queue = GRAPH_QUEUE_GRAPHICS,
+                                                              .pairs = data.list.entries,
+                                                              .capacity = data.list.capacity,
+                                                              .bits = 4 + data.material_bits,
+                                                              .count = data.list.sums,
+                                                              .count_offset = push_of(&data).places * 4ull});
+    data.list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
+    data.list.dispatches = graph_create_buffer(graph, "visible dispatches", GPU_CLASSES * 12ull);
+    pass = graph_add_pass(graph, "visible ranges", GRAPH_QUEUE_GRAPHICS, execute_ranges, &data, sizeof data);
+    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.list.entries, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.list.ranges, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, data.list.dispatches, GRAPH_WRITE_COMPUTE);
+    return data.list;
+}
+
+/* ---- spreading ---- */
+
+static void execute_spread(const struct graph_context *context, const void *data) {
+    const struct visible_data *d = data;
+    struct gpu_graphics_params params = {.vertex = &shader_deferred_msaa_spread_vert,
+                                         .fragment = &shader_visible_spread_frag,
+                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                         .color_count = 1,
+                                         .color_formats = {d->format},
+                                         .samples = d->samples};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_visible_push push = push_of(d);
+    push.words = graph_address(context, d->list.words);
+    push.sums = graph_address(context, d->list.sums);
+    push.results = graph_address(context, d->results);
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, d->samples, 0, 0);
+}
+
+void visible_spread_add(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
+                        const struct visible_list *list, graph_buffer results, graph_image radiance) {
+    struct visible_data data = data_of(graph, input, visibility, radiance);
+    data.list = *list;
+    data.results = results;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "visible spread", GRAPH_QUEUE_GRAPHICS, execute_spread, &data, sizeof data);
+    graph_use_buffer(pass, list->words, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, list->sums, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, results, GRAPH_READ_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                (float[4]){input->background[0], input->background[1], input->background[2], 1});
+}
