@@ -101,8 +101,9 @@ static void test_scene(void **state) {
     if (c->msaa > 1) {
         fnl_frame frame = stage.frame;
         frame.msaa = c->msaa;
-        for (uint32_t s = 0; s <= FNL_SHADING_DEFERRED; s++) {
+        for (uint32_t s = 0; s < FNL_SHADING_AUTO; s++) {
             frame.shading = (fnl_shading)s;
+            if (!shading_is(frame.shading, SHADING_SAMPLES)) continue;
             struct shot shot = check_lists(&stage, frame);
             shot_free(&shot);
         }

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+/** Lists of what a visibility buffer shows: by class and by material, and the triangles of multisampled pixels. */
+#include "passes/visibility/visible.h"
+#include "render/render_test.h"
+
+static uint32_t visited(const fnl_renderer *renderer, uint32_t pixel) {
+    return ((const uint32_t *)renderer->counters.mapped)[2 * pixel];
+}
+
+/* ---- sorting ---- */
+
+static struct scene_material varied(fnl_scene *scene, uint32_t i, uint32_t image, uint32_t sampler_index) {
+    UNUSED(scene);
+    struct random_state random = {i + 1};
+    struct scene_material material = scene_material_default();
+    material.base_color = (vec4){random_float(&random), random_float(&random), random_float(&random), 1};
+    material.metallic = i % 3 ? 0 : random_float(&random);
+    material.roughness = random_range(&random, 0.2f, 1);
+    material.unlit = i % 7 == 3;
+    material.double_sided = i % 2;
+    for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
+        bool has = (i % 5 == 1 && slot == SCENE_TEXTURE_BASE_COLOR) || (i % 5 == 2 && slot == SCENE_TEXTURE_NORMAL) ||
+                   (i % 5 == 4 && slot == SCENE_TEXTURE_METALLIC_ROUGHNESS);
+        if (!has) continue;
+        material.textures[slot] = scene_texture_none();
+        material.textures[slot].image = image;
+        material.textures[slot].sampler = sampler_index;
+    }
+    return material;
+}
+
+/* `count` squares side by side, each of a material of its own, before a hole in the middle of the rows. */
+static fnl_scene *patches(uint32_t count, uint32_t lights) {
+    fnl_scene *scene = test_scene();
+    enum { SIDE = 16 };
+    static uint8_t texels[SIDE * SIDE * 4];
+    for (uint32_t i = 0; i < sizeof texels; i++) texels[i] = i % 4 == 3 ? 255 : (uint8_t)(100 + i * 37 % 120);
+    fnl_image image = {SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
+    struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .mipmapped = true};
+    uint32_t sampler_index = scene_add_sampler(scene, &sampler), side = 1;
+    while (side * side < count) side++;
+    for (uint32_t i = 0; i < count; i++) {
+        struct scene_material material = varied(scene, i, id.index, sampler_index);
+        float x = ((float)(i % side) + 0.5f) * 2 / (float)side - 1, y = ((float)(i / side) + 0.5f) * 2 / (float)side - 1;
+        vec3 scale = {0.8f / (float)side, 0.7f / (float)side, 1};
+        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &material)), (vec3){x, y, 0.2f * sinf(x * 9)}, scale);
+    }
+    for (uint32_t i = 0; i < lights; i++) {
+        fnl_light_params light = test_point((vec3){(float)i - 1, 0.5f, 1.5f}, 3, 20);
+        fnl_light_id light_id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &light_id), FNL_OK);
+    }
+    return scene;
+}
+
+static fnl_frame patches_frame(uint32_t width, uint32_t height) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.width = width;
+    frame.height = height;
+    frame.shading = FNL_SHADING_VISIBILITY;
+    frame.count_lights = true;
+    return frame;
+}
+
+/* Without sorting, unlit surfaces ask for lights as well. */
+static uint32_t pixels_seen(fnl_scene *scene, fnl_frame frame, uint32_t lights) {
+    fnl_renderer *renderer = test_renderer(scene);
+    frame.visibility.sort = FNL_VISIBILITY_SORT_OFF;
+    test_render_frame(renderer, &frame);
+    fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < frame.width * frame.height; i++) {
+        seen += visited(renderer, i) != 0;
+        assert_true(visited(renderer, i) == 0 || visited(renderer, i) == lights);
+    }
+    free_picture(&radiance);
+    fnl_renderer_destroy(&renderer);
+    return seen;
+}
+
+static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height) {
+    enum { LIGHTS = 3 };
+    fnl_scene *scene = patches(material_count, LIGHTS);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = patches_frame(width, height);
+    uint32_t seen = pixels_seen(scene, frame, LIGHTS);
+    fnl_image plain = {0};
+    for (int sort = FNL_VISIBILITY_SORT_OFF; sort < FNL_VISIBILITY_SORT_COUNT; sort++) {
+        frame.visibility.sort = (fnl_visibility_sort)sort;
+        renderer->poison = true;
+        test_render_frame(renderer, &frame);
+        fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        if (sort == FNL_VISIBILITY_SORT_OFF) {
+            plain = radiance;
+            continue;
+        }
+        if (!test_equal(&plain, &radiance)) fail_msg("%u materials, %ux%u: %s differs", material_count, width, height,
+                                                     fnl_visibility_sort_name((fnl_visibility_sort)sort));
+        free_picture(&radiance);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        assert_int_equal(stats.visibility_entries, seen);
+        uint32_t once = 0, never = 0;
+        for (uint32_t i = 0; i < width * height; i++) {
+            once += visited(renderer, i) == LIGHTS;
+            never += visited(renderer, i) == 0;
+        }
+        assert_int_equal(once + never, width * height); /* none twice */
+        assert_true(material_count < 20 || once > 0);
+        assert_true(stats.evaluations == (uint64_t)once * LIGHTS);
+        if (material_count > 1000) assert_true(stats.visibility_classes >= 6 && once < seen); /* unlit ones ask no light */
+        if (material_count == 1) assert_int_equal(stats.visibility_classes, 1);
+    }
+    free_picture(&plain);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_sorts(void **state) {
+    UNUSED(state);
+    check_sorts(1200, 161, 91);
+    check_sorts(1, 37, 23);
+    check_sorts(20, 8, 8);
+    check_sorts(0, 33, 9);
+    check_sorts(2, 1, 1);
+}
+
+/* The dispatches are one for each class of the scene's materials, and the passes hold no other. */
+static void test_plan(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = patches(30, 1);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = patches_frame(40, 30);
+    test_render_frame(renderer, &frame);
+    char plan[32768];
+    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_null(strstr(plan, "visible sort"));
+    frame.visibility.sort = FNL_VISIBILITY_SORT_CLASS;
+    test_render_frame(renderer, &frame);
+    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_non_null(strstr(plan, "visible sort count 1"));
+    assert_null(strstr(plan, "visible sort count 2"));
+    frame.visibility.sort = FNL_VISIBILITY_SORT_MATERIAL; /* 31 materials: 5 bits more */
+    test_render_frame(renderer, &frame);
+    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_non_null(strstr(plan, "visible sort count 3"));
+    assert_null(strstr(plan, "visible sort count 4"));
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- samples ---- */
+
+enum { TRIANGLES = 40, SAMPLES = 4 };
+
+struct flat {
+    vec2 corners[3];
+    float z;
+    vec3 color;
+};
+
+static bool flat_holds(const struct flat *t, vec2 p, float *margin) {
+    float least = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        vec2 a = t->corners[i], b = t->corners[(i + 1) % 3];
+        float length = hypotf(b.x - a.x, b.y - a.y);
+        float d = ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) / length;
+        least = fminf(least, d);
+    }
+    *margin = fminf(*margin, fabsf(least));
+    return least > 0;
+}
+
+static fnl_scene *flat_scene(struct flat *triangles) {
+    fnl_scene *scene = test_scene();
+    struct random_state random = {11};
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        struct flat *t = &triangles[i];
+        float size = i % 4 ? 0.15f : 0.6f;
+        vec2 center = {random_range(&random, -0.9f, 0.9f), random_range(&random, -0.9f, 0.9f)};
+        float turn = random_range(&random, 0, 6);
+        for (int c = 0; c < 3; c++) {
+            float angle = turn + 2 * PI * (float)c / 3 + random_range(&random, -0.5f, 0.5f);
+            t->corners[c] = (vec2){center.x + size * cosf(angle), center.y + size * sinf(angle)};
+        }
+        t->z = 0.02f * (float)i;
+        t->color = (vec3){random_float(&random), random_float(&random), random_float(&random)};
+        vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 3);
+        uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 3);
+        for (uint32_t c = 0; c < 3; c++) {
+            positions[c] = (vec3){t->corners[c].x, t->corners[c].y, t->z};
+            indices[c] = c;
+        }
+        struct scene_material material = test_unlit(t->color.x, t->color.y, t->color.z);
+        struct scene_primitive primitive = {.material = scene_add_material(scene, &material),
+                                            .vertex_count = 3,
+                                            .index_count = 3,
+                                            .indices = indices,
+                                            .positions = positions};
+        assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+        test_place(scene, scene_add_mesh(scene, "", &primitive, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        fnl_light_params light = test_point((vec3){(float)i, 0, 2}, 1, 20);
+        fnl_light_id light_id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &light_id), FNL_OK);
+    }
+    return scene;
+}
+
+/* Each triangle of a pixel is shaded once, and weighs as many samples as show it: against a point-in-triangle test for each sample. */
+static void test_samples(void **state) {
+    UNUSED(state);
+    static const vec2 places[SAMPLES] = {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}};
+    struct flat triangles[TRIANGLES];
+    fnl_scene *scene = flat_scene(triangles);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = patches_frame(61, 47);
+    frame.msaa = SAMPLES;
+    for (int sort = FNL_VISIBILITY_SORT_OFF; sort < FNL_VISIBILITY_SORT_COUNT; sort++) {
+        frame.visibility.sort = (fnl_visibility_sort)sort;
+        renderer->visibility_bits = sort == FNL_VISIBILITY_SORT_CLASS ? 64 : 32;
+        renderer->poison = true;
+        test_render_frame(renderer, &frame);
+        fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        uint32_t checked = 0, mixed = 0;
+        uint64_t shades = 0;
+        float aspect = (float)frame.width / (float)frame.height;
+        for (uint32_t y = 0; y < frame.height; y++)
+            for (uint32_t x = 0; x < frame.width; x++) {
+                uint32_t seen[SAMPLES], distinct = 0;
+                float margin = INFINITY;
+                vec3 sum = {0, 0, 0};
+                for (uint32_t s = 0; s < SAMPLES; s++) {
+                    vec2 p = {(((float)x + places[s].x) * 2 / (float)frame.width - 1) * aspect,
+                              1 - ((float)y + places[s].y) * 2 / (float)frame.height};
+                    uint32_t nearest = UINT32_MAX;
+                    for (uint32_t i = 0; i < TRIANGLES; i++)
+                        if (flat_holds(&triangles[i], p, &margin)) nearest = i;
+                    if (nearest == UINT32_MAX) continue;
+                    bool known = false;
+                    for (uint32_t k = 0; k < distinct; k++) known = known || seen[k] == nearest;
+                    if (!known) seen[distinct++] = nearest;
+                    sum = vec3_add(sum, vec3_scale(triangles[nearest].color, 1.0f / SAMPLES));
+                }
+                shades += visited(renderer, y * frame.width + x) / 2;
+                if (margin < 2e-4f) continue; /* too near an edge to call: 1/256 of a pixel is 1.7e-4 */
+                checked++;
+                mixed += distinct > 1;
+                if (sort == FNL_VISIBILITY_SORT_OFF) assert_int_equal(visited(renderer, y * frame.width + x), 2 * distinct);
+                assert_pixel(&radiance, x, y, (double)sum.x, (double)sum.y, (double)sum.z, 1e-5);
+            }
+        print_message("%u pixels checked, %u with several triangles\n", checked, mixed);
+        assert_true(checked > frame.width * frame.height * 9 / 10 && mixed > 150);
+        assert_int_equal(stats.visibility_entries, stats.msaa_surfaces);
+        assert_int_equal(stats.msaa_shaded, stats.msaa_surfaces);
+        if (sort == FNL_VISIBILITY_SORT_OFF) assert_true(shades == stats.msaa_surfaces);
+        free_picture(&radiance);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Edges: nearer to 32 samples a pixel, each shaded, than forward shading is, and much nearer than one sample. */
+static fnl_scene *turned(void) {
+    fnl_scene *scene = test_scene();
+    fnl_material_params params = fnl_material_params_default();
+    for (int i = 0; i < 5; i++) {
+        params.base_color[0] = 0.2f + 0.15f * (float)i;
+        params.base_color[1] = 0.9f - 0.15f * (float)i;
+        uint32_t mesh = test_sphere_mesh(scene, test_material(scene, &params).index, 7);
+        test_place(scene, mesh, (vec3){0.7f * (float)(i - 2), 0.3f * (float)(i % 2), 0.3f * (float)i}, (vec3){0.5f, 0.7f, 0.4f});
+    }
+    for (int i = 0; i < 3; i++) {
+        fnl_light_params light = test_point((vec3){2 * (float)(i - 1), 2, 3}, 12, 30);
+        fnl_light_id light_id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &light_id), FNL_OK);
+    }
+    return scene;
+}
+
+static double error_of(const fnl_image *image, const double *truth) {
+    double sum = 0;
+    for (uint32_t i = 0; i < image->width * image->height * 4; i++) {
+        double d = (double)((const uint8_t *)image->pixels)[i] - truth[i];
+        sum += i % 4 == 3 ? 0 : d * d;
+    }
+    return sqrt(sum / (image->width * image->height * 3));
+}
+
+static void test_edges(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = turned();
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
+    frame.width = 97;
+    frame.height = 55;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){0.3f, 0.4f, 5};
+    frame.camera.target = (vec3){0, 0, 0};
+    enum { TIMES = 32 };
+    uint32_t count = frame.width * frame.height * 4;
+    double *truth = calloc(count, sizeof *truth);
+    assert_non_null(truth);
+    for (uint32_t i = 0; i < TIMES; i++) {
+        frame.jitter = fnl_jitter(i);
+        test_render_frame(renderer, &frame);
+        fnl_image color = test_read(renderer, FNL_OUTPUT_COLOR);
+        for (uint32_t k = 0; k < count; k++) truth[k] += (double)((const uint8_t *)color.pixels)[k] / TIMES;
+        free_picture(&color);
+    }
+    frame.jitter = (fnl_vec2){0, 0};
+    static const struct {
+        fnl_shading shading;
+        uint32_t msaa;
+    } cases[] = {{FNL_SHADING_VISIBILITY, 1}, {FNL_SHADING_VISIBILITY, 4}, {FNL_SHADING_FORWARD_PREPASS, 4}, {FNL_SHADING_DEFERRED, 4}};
+    double errors[COUNT_OF(cases)];
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        frame.shading = cases[i].shading;
+        frame.msaa = cases[i].msaa;
+        test_render_frame(renderer, &frame);
+        fnl_image color = test_read(renderer, FNL_OUTPUT_COLOR);
+        errors[i] = error_of(&color, truth);
+        print_message("%s, %u samples: %.3f of 255\n", fnl_shading_name(frame.shading), frame.msaa, errors[i]);
+        free_picture(&color);
+    }
+    assert_true(errors[1] < 0.9 * errors[0]);
+    assert_true(errors[1] < 1.02 * errors[2]);
+    assert_true(errors[1] < 1.02 * errors[3]);
+    free(truth);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"ES-78: sorted by class or material, each pixel is shaded once, to the same bits", test_sorts, NULL, NULL, NULL},
+        {"ES-78: keys have as many bits as there are materials", test_plan, NULL, NULL, NULL},
+        {"ES-75: each triangle of a pixel is shaded once and weighs its samples", test_samples, NULL, NULL, NULL},
+        {"ES-75: edges are as smooth as forward shading makes them", test_edges, NULL, NULL, NULL}};
+    return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
+}
