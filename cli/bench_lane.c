@@ -27,11 +27,11 @@ static enum role role_of(const char *name) {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
         "lit forward", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
-        "visible ",    NULL};
+        "visible ",    "texturing sh", NULL};
     static const char *const geometry[] = {"cull",       "sort",           "blend",
                                            "gbuffer",    "depth prepass",  "skin",
                                            "morph",      "light surfaces", "inferred surfaces",
-                                           "visibility", "keep previous",  "update",
+                                           "visibility", "texturing",     "keep previous",  "update",
                                            NULL};
     static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
                                        "tonemap", "resolve",  "clear",          "debug", "encode", "aov",

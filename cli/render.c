@@ -49,7 +49,7 @@ static void print_help(void) {
     puts(
         "Method\n"
         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-        "                             low-res inferred light-indexed zioma visibility mobile auto\n"
+        "                             low-res inferred light-indexed zioma visibility texturing mobile auto\n"
         "                             (deferred; with MSAA forward-prepass)\n"
         "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
         "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -64,7 +64,8 @@ static void print_help(void) {
         "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
         "                             best-fit float (layout: as the layout has them)\n"
         "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
-        "  --gbuffer-prepass          deferred: depth first, so that hidden surfaces read no textures\n"
+        "  --gradients KIND           texturing: how coordinates change from pixel to pixel: stored derived (stored)\n"
+        "  --gbuffer-prepass          deferred, texturing: depth first, so that hidden surfaces read no textures\n"
         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
@@ -116,6 +117,7 @@ static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name
 static const char *deferred_pass_name(int i) { return fnl_deferred_pass_name((fnl_deferred_pass)i); }
 static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
 static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
+static const char *gradients_name(int i) { return fnl_gradients_name((fnl_gradients)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 static const char *aov_name(int i) {
@@ -179,6 +181,7 @@ enum {
     O_GBUFFER,
     O_NORMALS,
     O_CHROMA,
+    O_GRADIENTS,
     O_SUPERSAMPLE,
     O_FRAME_TIME,
     O_DECALS,
@@ -314,6 +317,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_name("normals", value, normals_name, &index)) return false;
         o->frame.normals = (fnl_normal_encoding)index;
         return true;
+    case O_GRADIENTS:
+        if (!argument_name("gradients", value, gradients_name, &index)) return false;
+        o->frame.gradients = (fnl_gradients)index;
+        return true;
     case O_CHROMA:
         o->frame.chroma = true;
         return true;
@@ -434,6 +441,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer", required_argument, NULL, O_GBUFFER},
                                              {"normals", required_argument, NULL, O_NORMALS},
                                              {"chroma", no_argument, NULL, O_CHROMA},
+                                             {"gradients", required_argument, NULL, O_GRADIENTS},
                                              {"supersample", required_argument, NULL, O_SUPERSAMPLE},
                                              {"frame-time", required_argument, NULL, O_FRAME_TIME},
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},

@@ -37,6 +37,11 @@ typedef enum fnl_shading {
     /** The same, but the volumes leave direction, colour and attenuation of each light, in layers. */
     FNL_SHADING_ZIOMA,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward */
+    /**
+     * Texture coordinates with their gradients, the tangent frame and the material, then compute shading that reads the textures of what is
+     * seen; transparent surfaces forward; no MSAA. Normals are rounded as in a G-buffer.
+     */
+    FNL_SHADING_TEXTURING,
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
     FNL_SHADING_AUTO, /**< the fastest order of the first three on this scene and device, found by measuring */
@@ -299,6 +304,14 @@ typedef struct fnl_mobile_target {
 /** Fills in at most `capacity` and returns how many there are; with light in 10 bits. 0 for a value out of range. */
 FNL_API uint32_t fnl_mobile_layout_targets(fnl_mobile_layout layout, fnl_mobile_target *out, uint32_t capacity);
 
+/** Where the order texturing has the gradients of texture coordinates from. */
+typedef enum fnl_gradients {
+    FNL_GRADIENTS_STORED = 0, /**< the geometry pass writes them: 8 bytes a pixel, 16 with a second set of coordinates */
+    FNL_GRADIENTS_DERIVED, /**< from neighbours that stored slopes of depth, 4 bytes a pixel, show to lie on the same surface. Approximate: where no
+                                neighbour does, the level of textures is a guess */
+    FNL_GRADIENTS_COUNT
+} fnl_gradients;
+
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
     FNL_TONEMAP_KHRONOS_NEUTRAL,
@@ -357,6 +370,7 @@ FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
 FNL_API const char *fnl_normal_encoding_name(fnl_normal_encoding normals);
 FNL_API const char *fnl_light_packing_name(fnl_light_packing packing);
 FNL_API const char *fnl_light_buffer_name(fnl_light_buffer buffer);
+FNL_API const char *fnl_gradients_name(fnl_gradients gradients);
 FNL_API const char *fnl_tonemap_name(fnl_tonemap tonemap);
 FNL_API const char *fnl_debug_view_name(fnl_debug_view view);
 
@@ -469,7 +483,8 @@ typedef struct fnl_frame {
         chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
     fnl_visibility_options visibility; /**< of FNL_SHADING_VISIBILITY */
-    bool gbuffer_prepass; /**< deferred, mobile: depth first, so that hidden surfaces cost no texture reads; default false */
+    fnl_gradients gradients;   /**< of FNL_SHADING_TEXTURING; default stored */
+    bool gbuffer_prepass; /**< deferred, texturing, mobile: depth first, so that hidden surfaces read no textures; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
      * run, or the likely one. For single frames, and where every frame must cost the same. Default false.

@@ -62,6 +62,7 @@ static fnl_result upload_primitive(struct upload *u, const struct scene_primitiv
                                    uint32_t first_index) {
     struct gpu_attributes packed[256];
     struct device_scene *d = u->d;
+    if (p->colors) d->attribute_bits |= GEOMETRY_COLORS;
     TRY(gpu_upload_buffer(d->device, &d->positions, first_vertex * 12ull, p->positions, p->vertex_count * 12ull));
     TRY(gpu_upload_buffer(d->device, &d->indices, first_index * 4ull, p->indices, p->index_count * 4ull));
     for (uint32_t v = 0; v < p->vertex_count;) {

@@ -88,6 +88,7 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
         out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
         out->sampler_index = sampler_index(d, t->sampler);
         out->uv_set = t->uv_set;
+        if (t->uv_set) d->attribute_bits |= GEOMETRY_UV1;
         memcpy(out->transform, t->transform, sizeof out->transform);
     }
     return g;

@@ -26,6 +26,7 @@ static void free_structure(struct device_scene *d) {
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
     d->images.count = d->image_blues.count = d->buckets.count = d->node_instances.count = d->deformed.count =
         d->deform_vertex_counts.count = 0;
+    d->attribute_bits = 0;
     d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
 }
 
@@ -228,6 +229,7 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .buckets = d->buckets.data,
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
+                                            .attributes = d->attribute_bits,
                                             .most_triangles = d->most_triangles,
                                             .material_count = d->material_count,
                                             .material_classes = d->material_classes,

@@ -61,6 +61,7 @@ struct device_scene {
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
+    uint32_t attribute_bits; /* GEOMETRY_…: what materials and meshes have */
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */

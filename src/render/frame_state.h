@@ -49,6 +49,7 @@ struct frame_state {
     struct frame_decals decals;
     struct aov_images aov;
     struct linked_lists linked; /* transparency */
+    uint64_t gbuffer_bytes; /* of orders with one of their own */
     uint64_t blend_bytes, light_bytes;
     struct frame_temporal temporal;
     graph_image color;

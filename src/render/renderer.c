@@ -13,7 +13,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward",      "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
                                         "pre-lighting", "low-res",         "inferred", "light-indexed",    "zioma",
-                                        "visibility",   "mobile",          "auto"};
+                                        "visibility",   "texturing",       "mobile",   "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -128,6 +128,12 @@ fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out) {
         out->bits += out->target_bits[i];
     }
     return FNL_OK;
+}
+
+const char *fnl_gradients_name(fnl_gradients gradients) {
+    static const char *const names[] = {"stored", "derived"};
+    _Static_assert(COUNT_OF(names) == FNL_GRADIENTS_COUNT, "each has a name");
+    return NAME_OF(names, gradients);
 }
 
 const char *fnl_tonemap_name(fnl_tonemap tonemap) {
@@ -408,6 +414,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->mobile.light < FNL_MOBILE_LIGHT_COUNT);
     REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
     REQUIRE(host, (uint32_t)frame->visibility.sort < FNL_VISIBILITY_SORT_COUNT);
+    REQUIRE(host, (uint32_t)frame->gradients < FNL_GRADIENTS_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);

@@ -75,6 +75,7 @@ static const struct order {
     [FNL_SHADING_LOW_RES] = {order_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
+    [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_POSITIONS | SHADING_APPROXIMATE},
 };
 
@@ -82,7 +83,9 @@ bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].
 
 bool shading_has_prepass(const fnl_frame *frame) {
     return shading_is(frame->shading, SHADING_PREPASS) ||
-           ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_MOBILE) && frame->gbuffer_prepass);
+           ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_TEXTURING ||
+             frame->shading == FNL_SHADING_MOBILE) &&
+            frame->gbuffer_prepass);
 }
 
 bool shading_shows_volumes(const fnl_frame *frame) {
@@ -124,7 +127,7 @@ void shading_add(struct frame_state *f) {
 
 uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
     const struct gbuffer *g = &f->gbuffer;
-    if (!g->depth.id) return 0;
+    if (!g->depth.id) return f->gbuffer_bytes;
     uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0);
     return bytes * f->frame->width * f->frame->height * f->frame->msaa;
 }

@@ -11,6 +11,9 @@
 #include "passes/geometry/geometry_shared.h"
 #include "scene_shared.h"
 
+/* Bits of geometry_scene.attributes: what surfaces look at besides the first set of texture coordinates. */
+enum { GEOMETRY_UV1 = 1, GEOMETRY_COLORS = 2 };
+
 struct geometry_bucket {
     VkPrimitiveTopology topology;
     bool mask, blend, double_sided, mirrored;
@@ -27,6 +30,7 @@ struct geometry_scene {
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
     uint32_t bucket_count, item_count, group_count;
+    uint32_t attributes;                         /* GEOMETRY_… */
     float gradient_taps;                         /* constant GRADIENT_TAPS of shaders/material.glsl */
     uint32_t most_triangles;                     /* of one item; lines and points count too */
     uint32_t material_count, material_classes;   /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Deferred texturing with bindless textures: the geometry pass writes texture coordinates with their gradients, the tangent frame and the
+ * material, and reads no texture but the alpha of cutouts; a compute pass reads the textures of what is seen and shades it (Pettineo,
+ * "Bindless Texturing for Deferred Rendering and Decals", 2016; RTR 4, 20.5).
+ */
+#ifndef FNL_PASSES_TEXTURING_H
+#define FNL_PASSES_TEXTURING_H
+
+#include "passes/shade/shade.h"
+#include "passes/texturing/texturing_shared.h"
+
+struct texturing {
+    graph_image depth;
+    graph_image targets[TEXTURING_TARGETS]; /* texturing_shared.h */
+    uint32_t target_count, form, bytes;     /* of a pixel, depth left out */
+};
+
+/**
+ * Draws the opaque set into targets and depth, single-sampled. With `prepass` depth is complete. `derived`: gradients of coordinates are not
+ * stored but taken from neighbours. Cost: all attributes; 26 bytes a pixel, 22 derived (2 more beyond 65 536 materials), more with a second set of
+ * coordinates (16, derived 8), vertex colours (8) or decals (up to 32).
+ */
+struct texturing texturing_add(struct graph *graph, const struct shade_input *input, bool derived, bool prepass,
+                               graph_image depth);
+
+/** Reads textures and shades each pixel once into `radiance`; those that show nothing get the background. */
+void texturing_shade_add(struct graph *graph, const struct shade_input *input, const struct texturing *texturing,
+                         graph_image radiance);
+
+#endif

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/** What the targets of the shading order texturing hold. All are of unsigned integers; those of one form follow one another in this order. */
+#ifndef FNL_PASSES_TEXTURING_SHARED_H
+#define FNL_PASSES_TEXTURING_SHARED_H
+
+#include "shared.h"
+
+#define TEXTURING_TARGETS 8u
+
+/* Always: the tangent frame (64 bits, texturing.glsl), texture coordinates (2 or, with UV1, 4 floats), and the material's number, or with
+   ITEMS the draw item's (16 bits where they hold all, else 32). Then, by these bits of the form: */
+#define TEXTURING_UV1 1u       /* the second set of coordinates too */
+#define TEXTURING_GRADIENTS 2u /* how coordinates change to the right and down: 4 or, with UV1, 8 halves */
+#define TEXTURING_SLOPES 4u    /* how depth changes to the right and down, as parts of itself: 2 halves */
+#define TEXTURING_COLORS 8u    /* the vertex colour: 4 x 16 bits */
+#define TEXTURING_ITEMS 16u    /* surfaces have decals, which ask for the item */
+#define TEXTURING_BIND                                                                                                      \
+    32u /* of decals of meshes: the position before deforming (3 floats) and its changes (6 halves), in two targets */
+
+struct gpu_texturing_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;
+    uint targets[TEXTURING_TARGETS]; /* sampled */
+    uint depth;                      /* sampled */
+    uint radiance;                   /* storage */
+    vec3 background;
+};
+
+#endif

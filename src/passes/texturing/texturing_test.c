@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT */
+/** Deferred texturing with bindless textures: what its targets hold, and surfaces of every kind. Whole scenes: texturing_scenes_test.c. */
+#include "passes/texturing/texturing.h"
+#include "render/render_test.h"
+#include "shaders.h"
+
+/* ---- pictures ---- */
+
+static fnl_frame wide_frame(void) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR);
+    frame.width = 131;
+    frame.height = 77;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){0.3f, 0.4f, 5};
+    frame.camera.target = (vec3){0, 0, 0};
+    return frame;
+}
+
+/* Of texturing against forward; `out_bytes`: of a pixel of the G-buffer. */
+static double psnr_against_forward(fnl_scene *scene, fnl_frame frame, uint32_t *out_bytes) {
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_image colors[2];
+    fnl_frame_stats stats;
+    for (int k = 0; k < 2; k++) {
+        frame.shading = k ? FNL_SHADING_TEXTURING : FNL_SHADING_FORWARD;
+        test_render_frame(renderer, &frame);
+        colors[k] = test_read(renderer, FNL_OUTPUT_COLOR);
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    }
+    *out_bytes = (uint32_t)(stats.gbuffer_bytes / (frame.width * frame.height));
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &colors[0], &colors[1], &difference), FNL_OK);
+    uint32_t lit = 0;
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) lit += test_pixel8(&colors[0], x, y)[1] > 8;
+    assert_true(lit > 2000);
+    for (int k = 0; k < 2; k++) free_picture(&colors[k]);
+    fnl_renderer_destroy(&renderer);
+    return difference.psnr;
+}
+
+/* ---- surfaces of every kind ---- */
+
+static fnl_image_id pattern(fnl_scene *scene, uint32_t side, uint32_t seed, bool color) {
+    uint8_t *texels = malloc(side * side * 4);
+    assert_non_null(texels);
+    struct random_state random = {seed};
+    uint8_t tint[4] = {(uint8_t)(60 + seed * 37 % 190), (uint8_t)(60 + seed * 91 % 190), (uint8_t)(60 + seed * 53 % 190),
+                       255};
+    for (uint32_t i = 0; i < side * side; i++) {
+        bool dark = ((i % side / 8) ^ (i / side / 8)) & 1;
+        for (uint32_t k = 0; k < 4; k++) texels[i * 4 + k] = (uint8_t)(dark ? tint[k] / 3 : tint[k]);
+        if (!color) { /* a normal map */
+            texels[i * 4] = (uint8_t)random_range(&random, 90, 165);
+            texels[i * 4 + 1] = (uint8_t)random_range(&random, 90, 165);
+            texels[i * 4 + 2] = 240;
+        }
+        texels[i * 4 + 3] = dark ? 60 : 255;
+    }
+    fnl_image image = {side, side, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, color, &id), FNL_OK);
+    free(texels);
+    return id;
+}
+
+enum { WITH_UV1 = 1, WITH_COLORS = 2, WITH_DECALS = 4, WITH_MESH_DECALS = 8 };
+
+static uint32_t sphere(fnl_scene *scene, const struct scene_material *material, uint32_t kinds) {
+    uint32_t mesh = test_sphere_mesh(scene, scene_add_material(scene, material), 8);
+    struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh].first_primitive];
+    vec2 *uv1 = ARENA_ARRAY(&scene->arena, vec2, p->vertex_count);
+    vec4 *colors = ARENA_ARRAY(&scene->arena, vec4, p->vertex_count);
+    for (uint32_t v = 0; v < p->vertex_count; v++) {
+        uv1[v] = (vec2){p->positions[v].x * 3, p->positions[v].y * 2 + 100};
+        colors[v] = (vec4){0.5f + 0.5f * p->positions[v].x, 0.7f, 0.5f - 0.5f * p->positions[v].z, 1};
+    }
+    if (kinds & WITH_UV1) p->uv[1] = uv1;
+    if (kinds & WITH_COLORS) p->colors = colors;
+    return mesh;
+}
+
+/* Spheres and squares: tiled far beyond 1, turned and shifted, clamped and mirrored; normal maps on mirrored instances; cut out, seen from both
+ * sides, unlit. */
+static fnl_scene *variety(uint32_t kinds) {
+    fnl_scene *scene = test_scene();
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
+                                    .min = SCENE_FILTER_LINEAR,
+                                    .mip = SCENE_FILTER_LINEAR,
+                                    .mipmapped = true,
+                                    .wrap_u = SCENE_WRAP_MIRROR,
+                                    .wrap_v = SCENE_WRAP_CLAMP};
+    uint32_t clamped = scene_add_sampler(scene, &sampler);
+    sampler.wrap_v = sampler.wrap_u = SCENE_WRAP_REPEAT;
+    uint32_t repeated = scene_add_sampler(scene, &sampler);
+    uint32_t color = pattern(scene, 128, 1, true).index, normal = pattern(scene, 64, 2, false).index;
+    fnl_instance_id first = {0};
+    for (uint32_t i = 0; i < 6; i++) {
+        struct scene_material m = scene_material_default();
+        m.roughness = 0.6f;
+        m.metallic = 0;
+        m.textures[SCENE_TEXTURE_BASE_COLOR] =
+            (struct scene_texture){color,
+                                   i == 2 ? clamped : repeated,
+                                   i == 1 && kinds & WITH_UV1,
+                                   {i == 0 ? 1 : 2.37f, 0.3f, i == 3 ? 1000.5f : -0.7f, i == 4 ? 0.1f : -0.3f, 1.7f, 0.1f}};
+        if (i != 2) m.textures[SCENE_TEXTURE_NORMAL] = (struct scene_texture){normal, repeated, 0, {4, 0, 0, 0, 4, 0}};
+        m.double_sided = i == 3;
+        m.unlit = i == 4;
+        m.alpha_mode = i == 3 ? FNL_ALPHA_MASK : FNL_ALPHA_OPAQUE;
+        m.alpha_cutoff = 0.5f;
+        vec3 scale = {i % 2 ? -0.8f : 0.8f, 0.8f, i == 5 ? 0.3f : 0.8f};
+        uint32_t node =
+            test_place(scene, i == 0 ? test_quad_mesh(scene, scene_add_material(scene, &m)) : sphere(scene, &m, kinds),
+                       (vec3){(float)(i % 3) * 2 - 2, (float)(i / 3) * 1.8f - 0.9f, 0}, scale);
+        if (i == 4) first = (fnl_instance_id){node, scene->nodes.data[node].generation};
+    }
+    fnl_light_params light = test_point((vec3){2, 3, 5}, 60, 40);
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    assert_int_equal(fnl_scene_set_ambient(scene, (vec3){0.5f, 0.5f, 0.5f}, (vec3){0.2f, 0.2f, 0.2f}), FNL_OK);
+    scene_update_transforms(scene);
+    if (kinds & (WITH_DECALS | WITH_MESH_DECALS)) {
+        fnl_decal_params p = fnl_decal_params_default();
+        p.color_image = pattern(scene, 64, 9, true);
+        p.color[1] = 0.1f;
+        fnl_decal_id decal;
+        if (kinds & WITH_DECALS) {
+            mat4 box = mat4_from_trs((vec3){1, 0, 0.4f}, quat_identity(), (vec3){3, 2, 2});
+            p.transform = box;
+            assert_int_equal(fnl_scene_add_decal(scene, &p, &decal), FNL_OK);
+        }
+        if (kinds & WITH_MESH_DECALS) {
+            p.kind = FNL_DECAL_MESH;
+            p.instance = first;
+            p.transform = mat4_from_trs((vec3){0, 0.1f, 0.8f}, quat_identity(), (vec3){1.2f, 1.2f, 1});
+            assert_int_equal(fnl_scene_add_decal(scene, &p, &decal), FNL_OK);
+        }
+    }
+    return scene;
+}
+
+static void test_every_kind_of_surface(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t kinds, stored, derived; /* bytes of a pixel */
+    } cases[] = {{0, 26, 22},
+                 {WITH_UV1, 42, 30},
+                 {WITH_COLORS, 34, 30},
+                 {WITH_DECALS, 30, 22},
+                 {WITH_MESH_DECALS, 54, 46},
+                 {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 78, 62}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (int derived = 0; derived < 2; derived++) {
+            fnl_scene *scene = variety(cases[i].kinds);
+            fnl_frame frame = wide_frame();
+            frame.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
+            uint32_t bytes;
+            double psnr = psnr_against_forward(scene, frame, &bytes);
+            print_message("kinds %u, %s: %.1f dB, %u bytes a pixel\n", cases[i].kinds, fnl_gradients_name(frame.gradients),
+                          psnr, bytes);
+            assert_int_equal(bytes, derived ? cases[i].derived : cases[i].stored);
+            assert_true(psnr > (derived ? 38 : 58));
+            fnl_scene_destroy(&scene);
+        }
+}
+
+static void test_thousand_textures(void **state) {
+    UNUSED(state);
+    enum { ACROSS = 40, DOWN = 25 };
+    fnl_scene *scene = test_scene();
+    for (uint32_t i = 0; i < ACROSS * DOWN; i++) {
+        struct scene_material m = test_unlit(1, 1, 1);
+        m.textures[SCENE_TEXTURE_BASE_COLOR] = scene_texture_none();
+        m.textures[SCENE_TEXTURE_BASE_COLOR].image = pattern(scene, 16, i, true).index;
+        m.textures[SCENE_TEXTURE_BASE_COLOR].sampler = 0;
+        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &m)),
+                   (vec3){((float)(i % ACROSS) + 0.5f) / ACROSS * 2 - 1, ((float)(i / ACROSS) + 0.5f) / DOWN * 2 - 1, 0},
+                   (vec3){0.9f / ACROSS, 0.9f / DOWN, 1});
+    }
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR);
+    frame.width = frame.height = 200;
+    uint32_t bytes;
+    double psnr = psnr_against_forward(scene, frame, &bytes);
+    print_message("1000 textures: %.1f dB\n", psnr);
+    assert_true(psnr > 48); /* what drivers make of explicit gradients: the visibility buffer gives as much */
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- the first pass ---- */
+
+static uint32_t count_image_reads(const struct gpu_shader *shader) {
+    uint32_t count = 0;
+    size_t words = shader->size / 4;
+    for (size_t i = 5; i < words; i += shader->code[i] >> 16) {
+        uint32_t operation = shader->code[i] & 0xffff;
+        count += operation >= 87 && operation <= 98; /* OpImageSampleImplicitLod .. OpImageRead */
+        assert_true(shader->code[i] >> 16 > 0);
+    }
+    return count;
+}
+
+static void test_first_pass_reads_alpha_alone(void **state) {
+    UNUSED(state);
+    assert_int_equal(count_image_reads(&shader_texturing_frag), 0);
+    assert_int_equal(count_image_reads(&shader_texturing_mask_frag), 1);
+    assert_true(count_image_reads(&shader_texturing_shade_comp) > 7);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"ES-76: surfaces of every kind as in forward shading", test_every_kind_of_surface, NULL, NULL, NULL},
+        {"ES-76: 1000 textures", test_thousand_textures, NULL, NULL, NULL},
+        {"ES-76, ES-79: the first pass reads no texture but the alpha of cutouts", test_first_pass_reads_alpha_alone, NULL,
+         NULL, NULL}};
+    return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
+}
