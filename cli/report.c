@@ -89,6 +89,7 @@ void report_print(const struct render_report *r) {
     if (s->blend_fragments)
         printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
                s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
+    if (s->light_draws) printf("  light volumes: %u draw calls\n", s->light_draws);
     if (s->light_bytes)
         printf("  light apart from materials: %.1f KiB, %.0f bytes a pixel\n", (double)s->light_bytes / 1024,
                (double)s->light_bytes / ((double)r->frame.width * r->frame.height));
@@ -191,6 +192,7 @@ static void add_traffic(json_t *json, const struct render_report *r) {
         json_object_set_new(json, "visibility",
                             json_pack("{s:s,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort), "entries",
                                       integer(s->visibility_entries), "classes", integer(s->visibility_classes)));
+    json_object_set_new(json, "light_draws", integer(s->light_draws));
     if (s->shading != FNL_SHADING_MOBILE) return;
     json_object_set_new(json, "mobile",
                         json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",

@@ -111,6 +111,7 @@ typedef enum fnl_volume_shape {
     FNL_VOLUME_FULLSCREEN, /**< the whole screen: every pixel asks whether the light reaches it */
     FNL_VOLUME_ELLIPSE,    /**< as quads, but an octagon round the ellipse that the bounding sphere is on the screen */
     FNL_VOLUME_DEPTH_BOUNDS, /**< as solids, and nothing where the surface is nearer than the light's nearest point or beyond its farthest */
+    FNL_VOLUME_STENCIL, /**< as solids, but where its front faces are behind the surface a stencil holds a light off: light by light, two draws each; the lights in view beyond 2048 as solids. Falls back to depth-bounds where there is no D32_SFLOAT_S8_UINT */
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
 
@@ -532,6 +533,8 @@ typedef struct fnl_frame_stats {
      * sums of light, layers. Depth and radiance of the frame's size are left out; 0 with other orders. Ids of light-indexed are in list_bytes.
      */
     uint64_t light_bytes;
+    uint32_t
+        light_draws; /**< with deferred-volumes, draw calls of the volumes: 2, and 2 for each light that the shape stencil draws alone */
     uint64_t
         gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
     uint64_t

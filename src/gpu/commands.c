@@ -237,13 +237,17 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
     VkRenderingAttachmentInfo colors[GPU_MAX_COLORS], depth;
     for (uint32_t i = 0; i < rendering->color_count; i++)
         colors[i] = attachment_info(&rendering->colors[i], VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    bool is_stencil = rendering->depth.image && rendering->depth.image->params.format == VK_FORMAT_S8_UINT;
+    VkFormat format = rendering->depth.image ? rendering->depth.image->params.format : VK_FORMAT_UNDEFINED;
+    bool is_stencil = format == VK_FORMAT_S8_UINT, is_both = format == VK_FORMAT_D32_SFLOAT_S8_UINT;
     if (rendering->depth.image) {
         VkImageLayout layout =
             rendering->depth.read_only ? VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
         if (is_stencil)
             layout = rendering->depth.read_only ? VK_IMAGE_LAYOUT_STENCIL_READ_ONLY_OPTIMAL
                                                 : VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL;
+        else if (is_both)
+            layout = rendering->depth.read_only ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
+                                                : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         depth = attachment_info(&rendering->depth, layout);
         if (rendering->depth.read_only) depth.storeOp = VK_ATTACHMENT_STORE_OP_NONE; /* STORE would count as a write */
     }
@@ -255,7 +259,7 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
         .colorAttachmentCount = rendering->color_count,
         .pColorAttachments = colors,
         .pDepthAttachment = rendering->depth.image && !is_stencil ? &depth : NULL,
-        .pStencilAttachment = is_stencil ? &depth : NULL,
+        .pStencilAttachment = is_stencil || is_both ? &depth : NULL,
     };
     vk->CmdBeginRendering(commands->handle, &info);
     VkViewport viewport = {0, (float)rendering->height, (float)rendering->width, -(float)rendering->height, 0, 1};
@@ -265,6 +269,18 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
 
 void gpu_end_rendering(struct gpu_commands *commands) {
     if (commands->handle) commands->device->vk.CmdEndRendering(commands->handle);
+}
+
+void gpu_stencil_reference(struct gpu_commands *commands, uint32_t reference) {
+    if (commands->handle)
+        commands->device->vk.CmdSetStencilReference(commands->handle, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
+}
+
+void gpu_clear_stencil(struct gpu_commands *commands, uint32_t width, uint32_t height, uint32_t value) {
+    if (!commands->handle) return;
+    VkClearAttachment clear = {.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT, .clearValue.depthStencil.stencil = value};
+    VkClearRect area = {.rect.extent = {width, height}, .layerCount = 1};
+    commands->device->vk.CmdClearAttachments(commands->handle, 1, &clear, 1, &area);
 }
 
 /* ---- barriers, labels, timestamps ---- */

@@ -29,26 +29,29 @@
 #define GPU_DEVICE_FUNCTIONS(X)                                                                                             \
     X(DestroyDevice)                                                                                                        \
     X(GetDeviceQueue)                                                                                                       \
-    X(QueueSubmit2) X(AllocateMemory) X(FreeMemory) X(MapMemory) X(CreateBuffer) X(DestroyBuffer) X(BindBufferMemory)       \
-        X(GetBufferDeviceAddress) X(GetDeviceBufferMemoryRequirements) X(CreateImage) X(DestroyImage) X(BindImageMemory)    \
-            X(GetDeviceImageMemoryRequirements) X(CreateImageView) X(DestroyImageView) X(CreateSampler) X(DestroySampler)   \
-                X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) X(CreateDescriptorPool) X(DestroyDescriptorPool) \
-                    X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreatePipelineLayout) X(DestroyPipelineLayout)      \
-                        X(CreatePipelineCache) X(DestroyPipelineCache) X(GetPipelineCacheData) X(CreateShaderModule)        \
-                            X(DestroyShaderModule) X(CreateComputePipelines) X(CreateGraphicsPipelines) X(DestroyPipeline)  \
-                                X(CreateCommandPool) X(DestroyCommandPool) X(ResetCommandPool) X(AllocateCommandBuffers)    \
-                                    X(BeginCommandBuffer) X(EndCommandBuffer) X(CreateSemaphore) X(DestroySemaphore)        \
-                                        X(WaitSemaphores) X(GetSemaphoreCounterValue) X(CreateQueryPool)                    \
-                                            X(DestroyQueryPool) X(ResetQueryPool) X(GetQueryPoolResults) X(CmdBindPipeline) \
-                                                X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch)                 \
-                                                    X(CmdDispatchIndirect) X(CmdBindIndexBuffer) X(CmdDraw)                 \
-                                                        X(CmdDrawIndexedIndirect) X(CmdDrawIndexedIndirectCount)            \
-                                                            X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdCopyBufferToImage)       \
-                                                                X(CmdCopyImageToBuffer) X(CmdCopyImage) X(CmdBlitImage)     \
-                                                                    X(CmdBeginRendering) X(CmdEndRendering)                 \
-                                                                        X(CmdSetViewport) X(CmdSetScissor)                  \
-                                                                            X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)    \
-                                                                                GPU_SCOPE_FUNCTIONS(X)
+    X(QueueSubmit2)                                                                                                         \
+    X(AllocateMemory)                                                                                                       \
+    X(FreeMemory)                                                                                                           \
+    X(MapMemory)                                                                                                            \
+    X(CreateBuffer) X(DestroyBuffer) X(BindBufferMemory) X(GetBufferDeviceAddress) X(GetDeviceBufferMemoryRequirements)     \
+        X(CreateImage) X(DestroyImage) X(BindImageMemory) X(GetDeviceImageMemoryRequirements) X(CreateImageView) X(         \
+            DestroyImageView) X(CreateSampler) X(DestroySampler) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) \
+            X(CreateDescriptorPool) X(DestroyDescriptorPool) X(AllocateDescriptorSets) X(UpdateDescriptorSets)              \
+                X(CreatePipelineLayout) X(DestroyPipelineLayout) X(CreatePipelineCache) X(DestroyPipelineCache)             \
+                    X(GetPipelineCacheData) X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines)          \
+                        X(CreateGraphicsPipelines) X(DestroyPipeline) X(CreateCommandPool) X(DestroyCommandPool)            \
+                            X(ResetCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer)         \
+                                X(CreateSemaphore) X(DestroySemaphore) X(WaitSemaphores) X(GetSemaphoreCounterValue)        \
+                                    X(CreateQueryPool) X(DestroyQueryPool) X(ResetQueryPool) X(GetQueryPoolResults)         \
+                                        X(CmdBindPipeline) X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch)      \
+                                            X(CmdDispatchIndirect) X(CmdBindIndexBuffer) X(CmdDraw)                         \
+                                                X(CmdDrawIndexedIndirect) X(CmdDrawIndexedIndirectCount) X(CmdCopyBuffer)   \
+                                                    X(CmdFillBuffer) X(CmdCopyBufferToImage) X(CmdCopyImageToBuffer)        \
+                                                        X(CmdCopyImage) X(CmdBlitImage) X(CmdBeginRendering)                \
+                                                            X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)           \
+                                                                X(CmdSetStencilReference) X(CmdClearAttachments)            \
+                                                                    X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)            \
+                                                                        GPU_SCOPE_FUNCTIONS(X)
 
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)

@@ -178,6 +178,7 @@ enum gpu_blend {
     GPU_BLEND_ADD,
     GPU_BLEND_MAX,     /* of each channel */
     GPU_BLEND_QUARTER, /* source + destination / 4 */
+    GPU_BLEND_KEEP,    /* nothing is written */
 };
 
 /** Compares the stencil with a reference, all bits; fragments that pass change it, with a stencil format that is not read-only. */
@@ -185,8 +186,9 @@ struct gpu_stencil {
     uint32_t test; /* 1, or 0: none */
     VkCompareOp compare;
     VkStencilOp pass;
-    uint32_t reference;
+    uint32_t reference; /* or GPU_STENCIL_SET: what gpu_stencil_reference says */
 };
+#define GPU_STENCIL_SET UINT32_MAX
 
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
@@ -199,7 +201,7 @@ struct gpu_graphics_params {
     uint32_t color_count;
     VkFormat color_formats[GPU_MAX_COLORS];
     enum gpu_blend blends[GPU_MAX_COLORS];
-    VkFormat depth_format; /* UNDEFINED: none; S8_UINT: a stencil and no depth */
+    VkFormat depth_format; /* UNDEFINED: none; S8_UINT: a stencil and no depth; D32_SFLOAT_S8_UINT: both */
     struct gpu_stencil stencil;
     bool depth_test, depth_write, depth_clamp;
     bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
@@ -264,11 +266,15 @@ struct gpu_attachment {
 struct gpu_rendering {
     uint32_t width, height, layers, color_count;
     struct gpu_attachment colors[GPU_MAX_COLORS];
-    struct gpu_attachment depth; /* image NULL: none; of S8_UINT: the stencil */
+    struct gpu_attachment depth; /* image NULL: none; of S8_UINT: the stencil; of D32_SFLOAT_S8_UINT: both */
 };
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);
 void gpu_end_rendering(struct gpu_commands *commands);
+/** Inside of it. For the draws that follow with pipelines of GPU_STENCIL_SET, and once before the first of them. */
+void gpu_stencil_reference(struct gpu_commands *commands, uint32_t reference);
+/** Inside of it: the whole stencil of the area, in the order of the draws. */
+void gpu_clear_stencil(struct gpu_commands *commands, uint32_t width, uint32_t height, uint32_t value);
 
 /*
  * ---- scopes: several steps of drawing, one over the other, of which later ones read what earlier ones drew at the same pixel ----

@@ -202,8 +202,10 @@ static fnl_result create_view(gpu_device *device, const struct gpu_image *image,
         .image = image->handle,
         .viewType = view->type,
         .format = view->format,
-        .subresourceRange = {aspect & VK_IMAGE_ASPECT_DEPTH_BIT ? VK_IMAGE_ASPECT_DEPTH_BIT : aspect, 0, view->mips, 0,
-                             image->params.layers},
+        .subresourceRange = {view->usage & VK_IMAGE_USAGE_SAMPLED_BIT && aspect & VK_IMAGE_ASPECT_DEPTH_BIT
+                                 ? VK_IMAGE_ASPECT_DEPTH_BIT
+                                 : aspect,
+                             0, view->mips, 0, image->params.layers},
     };
     VkResult result = device->vk.CreateImageView(device->handle, &info, NULL, out);
     TRY(gpu_check(device, result, "'%s': vkCreateImageView", image->params.name));

@@ -130,15 +130,16 @@ static VkPipelineColorBlendAttachmentState blend_state(enum gpu_blend blend) {
                                                              : VK_BLEND_FACTOR_ONE;
     VkBlendOp operation = blend == GPU_BLEND_MAX ? VK_BLEND_OP_MAX : VK_BLEND_OP_ADD;
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = blend != GPU_BLEND_NONE,
+        .blendEnable = blend != GPU_BLEND_NONE && blend != GPU_BLEND_KEEP,
         .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstColorBlendFactor = destination,
         .colorBlendOp = operation,
         .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
         .dstAlphaBlendFactor = destination,
         .alphaBlendOp = operation,
-        .colorWriteMask =
-            VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT,
+        .colorWriteMask = blend == GPU_BLEND_KEEP ? 0
+                                                  : VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                                        VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT,
     };
 }
 
@@ -192,10 +193,12 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .pAttachments = attachments,
         .blendConstants = {0.25f, 0.25f, 0.25f, 0.25f}, /* GPU_BLEND_QUARTER */
     };
-    VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                       VK_DYNAMIC_STATE_STENCIL_REFERENCE};
+    bool reference_is_set = params->stencil.test && params->stencil.reference == GPU_STENCIL_SET;
     VkPipelineDynamicStateCreateInfo dynamic = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-        .dynamicStateCount = COUNT_OF(dynamic_states),
+        .dynamicStateCount = COUNT_OF(dynamic_states) - (reference_is_set ? 0 : 1),
         .pDynamicStates = dynamic_states,
     };
     VkPipelineRenderingCreateInfo rendering = {
@@ -203,7 +206,10 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .colorAttachmentCount = params->color_count,
         .pColorAttachmentFormats = params->color_formats,
         .depthAttachmentFormat = params->depth_format == VK_FORMAT_S8_UINT ? VK_FORMAT_UNDEFINED : params->depth_format,
-        .stencilAttachmentFormat = params->depth_format == VK_FORMAT_S8_UINT ? VK_FORMAT_S8_UINT : VK_FORMAT_UNDEFINED,
+        .stencilAttachmentFormat =
+            params->depth_format == VK_FORMAT_S8_UINT || params->depth_format == VK_FORMAT_D32_SFLOAT_S8_UINT
+                ? params->depth_format
+                : VK_FORMAT_UNDEFINED,
     };
     VkGraphicsPipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,

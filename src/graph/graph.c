@@ -74,7 +74,9 @@ static VkImageLayout layout_of(enum use_layout layout, VkFormat format) {
     return VK_IMAGE_LAYOUT_UNDEFINED;
 }
 
-bool graph_is_depth_format(VkFormat format) { return format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_S8_UINT; }
+bool graph_is_depth_format(VkFormat format) {
+    return (format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_S8_UINT) || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
+}
 
 static bool is_stencil(VkFormat format) { return format == VK_FORMAT_S8_UINT; }
 
@@ -498,6 +500,10 @@ static void add_depth(struct graph_pass *pass, graph_image image, VkAttachmentLo
         pass->depth.clear.depthStencil.depth = clear_depth;
     VkImageLayout writing = stencil ? VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
     VkImageLayout reading = stencil ? VK_IMAGE_LAYOUT_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL;
+    if (resource->params.format == VK_FORMAT_D32_SFLOAT_S8_UINT) {
+        writing = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        reading = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
+    }
     VkAccessFlags2 write = read_only ? 0 : ACCESS(DEPTH_STENCIL_ATTACHMENT_WRITE);
     add_use(pass, resource,
             &(struct graph_access){.stages = STAGE(EARLY_FRAGMENT_TESTS) | STAGE(LATE_FRAGMENT_TESTS),

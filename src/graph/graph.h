@@ -105,7 +105,7 @@ void graph_use_buffer(struct graph_pass *pass, graph_buffer buffer, enum graph_u
 void graph_color(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, const float clear[4]);
 /** Multisampled colour attachment `index` (in the order of graph_color) is averaged into `image` at the end. */
 void graph_resolve(struct graph_pass *pass, uint32_t index, graph_image image);
-/** An image of S8_UINT is attached as the stencil; it cannot be sampled. */
+/** An image of S8_UINT is attached as the stencil, one of D32_SFLOAT_S8_UINT as both, its stencil cleared to 0; neither can be sampled. */
 void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, float clear_depth);
 /** Depth test without writes; the image may be sampled by the same pass. */
 void graph_depth_read_only(struct graph_pass *pass, graph_image image);

@@ -225,7 +225,7 @@ void graph_misuse(struct graph *graph, const char *format, ...) __attribute__((f
 void graph_fail(struct graph *graph, fnl_result result);
 /** The resource of a handle; NULL when it is none, stale, or of the other kind. */
 struct graph_resource *graph_find_resource(const struct graph *graph, uint32_t id, bool is_image);
-/** The formats of one kind: D16, X8_D24, D32, and S8, a stencil. */
+/** D16, X8_D24, D32, S8, a stencil, and D32_S8, both. */
 bool graph_is_depth_format(VkFormat format);
 struct gpu_image_params graph_gpu_params(const struct graph_resource *resource);
 

@@ -4,6 +4,7 @@
 #include "passes/decals/decals.h"
 #include "passes/decals/decals_gbuffer.h"
 #include "passes/decals/decals_redraw.h"
+#include "passes/lights/bvh.h"
 #include "render/shading.h"
 
 static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene.decals; }
@@ -66,7 +67,7 @@ fnl_result decals_add_list(struct frame_state *f) {
                                 .height = f->frame->height,
                                 .spheres_only = true,
                                 .queue = GRAPH_QUEUE_ASYNC,
-                                .decals = true};
+                                .use = LIGHTS_DECALS};
     d->input = input;
     if (all->count) d->in_view = lights_in_view_add(f->graph, f->r->device, &input);
     *d->set = (struct gpu_decal_set){.decals = all->decals.address,
@@ -81,7 +82,8 @@ fnl_result decals_add_list(struct frame_state *f) {
     memcpy(geometry->feature_buffers, uses, sizeof uses);
     if (!needs_list(f)) return FNL_OK;
     struct clustered_params params = cluster_params(f);
-    d->list = clustered_add(f->graph, f->r->device, &input, &d->in_view, &params);
+    d->list = all->count < f->r->decal_tree ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
+                                            : bvh_add(f->graph, f->r->device, &input, &d->in_view, &params);
     d->set->list = d->list.header;
     geometry->features |= GPU_FEATURE_DECALS;
     geometry->feature_buffers[3] = d->list.cells;

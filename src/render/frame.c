@@ -262,6 +262,7 @@ static void note_stats(struct frame_state *f) {
     s->draws = shading_draw_count(f);
     s->gbuffer_bytes = shading_gbuffer_bytes(f);
     s->light_bytes = f->light_bytes;
+    s->light_draws = f->light_draws;
     s->decals_total = f->decals.set ? f->r->device_scene.decals.order.count : 0;
     s->blend_bytes = f->blend_bytes;
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;

@@ -51,6 +51,7 @@ struct frame_state {
     struct linked_lists linked; /* transparency */
     uint64_t gbuffer_bytes; /* of orders with one of their own */
     uint64_t blend_bytes, light_bytes;
+    uint32_t light_draws; /* of light volumes */
     struct frame_temporal temporal;
     graph_image color;
     const struct frame_target *target; /* or NULL: where the picture goes besides */

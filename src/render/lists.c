@@ -266,6 +266,21 @@ static void add_backface(struct lists_context *c) {
     add_blend_tiles(c, &visible, &params.tiles);
 }
 
+struct light_list lists_add_fallback(const struct lists_context *c) {
+    enum { TREE_LIGHTS = 1024, TILE = 32 };
+    struct light_input input = *c->input;
+    if (c->frame->lists == FNL_LISTS_ALL) return light_list_all_add(c->graph, c->device, &input);
+    input.use = LIGHTS_FALLBACK;
+    input.queue = GRAPH_QUEUE_ASYNC;
+    input.keep_unseen = !c->frame->list_options.frustum_cull;
+    input.spheres_only = !c->frame->list_options.cone_tests;
+    struct lights_in_view visible = lights_in_view_add(c->graph, c->device, &input);
+    struct clustered_params params = cluster_params(c);
+    params.tile_size = MIN(params.tile_size, (uint32_t)TILE); /* asked here and there, at edges: small cells pay */
+    return input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
+                                           : bvh_add(c->graph, c->device, &input, &visible, &params);
+}
+
 /* ---- the table ---- */
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2, CULLS_ON_CPU = 4 };

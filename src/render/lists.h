@@ -49,6 +49,8 @@ struct lists_context {
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);
+/** Lights once more, beside a list that does not serve every pixel: clusters, whatever the frame's lists are but `all`, which stays so. */
+struct light_list lists_add_fallback(const struct lists_context *context);
 /** Whether the builder looks at each light of the view on the CPU. */
 bool lists_cull_on_cpu(fnl_light_lists lists);
 

@@ -45,7 +45,7 @@ void order_deferred(struct frame_state *f, struct shade_input *input, bool prepa
     f->gbuffer = gbuffer;
 }
 
-_Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_DEPTH_BOUNDS + 1,
+_Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_STENCIL + 1,
                "volumes_shared.h has the values of fnl_volume_shape");
 
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
@@ -77,8 +77,11 @@ void order_volumes(struct frame_state *f, struct shade_input *input, bool prepas
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input->lights = &base;
     deferred_add(f->graph, input, &gbuffer, NULL, f->radiance);
-    struct volumes volumes = order_prepare_volumes(f, (uint32_t)f->frame->list_options.volume_shape);
+    uint32_t shape = (uint32_t)f->frame->list_options.volume_shape;
+    if (shape == VOLUME_STENCIL && !volumes_stencil_supported(f->r->device)) shape = VOLUME_DEPTH_BOUNDS;
+    struct volumes volumes = order_prepare_volumes(f, shape);
     volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
+    f->light_draws = 2 + 2 * volumes.alone;
     if (gbuffer.mask.id) {
         input->lights = &own;
         hybrid_add(f->graph, input, &gbuffer, f->radiance);

@@ -122,7 +122,7 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
     lights->width = whole.width;
     lights->height = whole.height;
     lights->view = whole.view;
-    f->blend_lights = light_list_all_add(f->graph, f->r->device, lights);
+    f->blend_lights = order_add_fallback_lists(f);
     input->lights = &f->blend_lights;
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);

@@ -28,6 +28,8 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
 bool order_has_blend(const struct frame_state *f);
 /** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
+/** Makes lists beside those of the frame, for pixels that those do not serve. */
+struct light_list order_add_fallback_lists(struct frame_state *f);
 /** The local lights' volumes of a shape of volumes_shared.h. */
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape);
 /** The lights in view are those whose volumes are drawn, where no lists count them. */

@@ -55,7 +55,7 @@ const char *fnl_raster_nodes_name(fnl_raster_nodes nodes) {
 }
 
 const char *fnl_volume_shape_name(fnl_volume_shape shape) {
-    static const char *const names[] = {"solids", "quads", "fullscreen", "ellipse", "depth-bounds"};
+    static const char *const names[] = {"solids", "quads", "fullscreen", "ellipse", "depth-bounds", "stencil"};
     _Static_assert(COUNT_OF(names) == FNL_VOLUME_SHAPE_COUNT, "each has a name");
     return NAME_OF(names, shape);
 }
@@ -285,6 +285,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->scene = scene;
     r->pool_capacity = POOL_START;
     r->decal_capacity = DECAL_POOL_START;
+    r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
     device_scene_init(&r->device_scene, device, scene);
     lists_init(&r->lists, &r->host);
     load_choices(r);

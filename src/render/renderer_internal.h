@@ -45,6 +45,7 @@ struct fnl_renderer {
     uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
+    uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
     bool cannot_merge;        /* tests: as on devices whose scopes are too small for the order mobile */
     bool weighted_half;       /* tests: weighted transparency as on devices that cannot blend 32-bit targets */

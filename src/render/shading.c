@@ -13,23 +13,32 @@ bool order_has_blend(const struct frame_state *f) {
     return false;
 }
 
+static struct lists_context lists_context(struct frame_state *f) {
+    return (struct lists_context){.graph = f->graph,
+                                  .device = f->r->device,
+                                  .frame = f->frame,
+                                  .view = &f->view,
+                                  .device_scene = &f->r->device_scene,
+                                  .scene = &f->scene->geometry,
+                                  .draws = &f->draws,
+                                  .input = &f->scene->lights,
+                                  .state = &f->r->lists,
+                                  .has_blend = order_has_blend(f),
+                                  .pool_capacity = f->r->pool_capacity};
+}
+
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {
-    struct lists_context context = {.graph = f->graph,
-                                    .device = f->r->device,
-                                    .frame = f->frame,
-                                    .view = &f->view,
-                                    .device_scene = &f->r->device_scene,
-                                    .scene = &f->scene->geometry,
-                                    .draws = &f->draws,
-                                    .input = &f->scene->lights,
-                                    .state = &f->r->lists,
-                                    .depth = depth,
-                                    .gbuffer = gbuffer,
-                                    .has_blend = order_has_blend(f),
-                                    .pool_capacity = f->r->pool_capacity};
+    struct lists_context context = lists_context(f);
+    context.depth = depth;
+    context.gbuffer = gbuffer;
     lists_add(&context);
     f->lights = context.lights;
     f->blend_lights = context.blend_lights;
+}
+
+struct light_list order_add_fallback_lists(struct frame_state *f) {
+    struct lists_context context = lists_context(f);
+    return lists_add_fallback(&context);
 }
 
 /* ---- blended surfaces ---- */

@@ -651,8 +651,9 @@ static void test_baked_decals_cost_nothing_ES_29(void **state) {
 }
 
 /* All orders, both ways, MSAA: the same picture, and overflowing pools change no bit. */
-static void test_all_orders_agree_EQ(void **state) {
+static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
     (void)state;
+    static char plan[1 << 17];
     fnl_scene *scene = test_load("builtin:hall?lights=64&decals=1500", false);
     fnl_frame frame = test_frame(FNL_OUTPUT_COLOR);
     assert_int_equal(fnl_scene_query_camera(scene, 2, &frame.camera), FNL_OK);
@@ -690,6 +691,18 @@ static void test_all_orders_agree_EQ(void **state) {
             assert_true(stats.decal_overflow > 0);
             assert_true(test_equal(&full, &cramped));
             assert_true(r->decal_capacity > 7); /* for the next frame */
+            for (uint32_t tree = 0; tree < 2; tree++) { /* cells that ask each box, and a tree over few: the same entries */
+                uint64_t entries = stats.decal_entries;
+                r->decal_tree = tree ? 0 : UINT32_MAX;
+                test_render_frame(r, &frame);
+                fnl_image same = test_read(r, FNL_OUTPUT_COLOR);
+                assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
+                assert_int_equal(stats.decal_entries, entries);
+                assert_true(test_equal(&full, &same));
+                free_picture(&same);
+                fnl_renderer_print_plan(r, plan, sizeof plan);
+                assert_true((strstr(plan, "decal bvh keys") != NULL) == (tree == 1 && strstr(plan, "decal cells count")));
+            }
             free_picture(&full);
             free_picture(&cramped);
             fnl_renderer_destroy(&r);
@@ -774,7 +787,7 @@ int main(void) {
         cmocka_unit_test(test_mesh_decals_do_not_slide_ES_27),
         cmocka_unit_test(test_redrawn_triangles_ES_28),
         cmocka_unit_test(test_baked_decals_cost_nothing_ES_29),
-        cmocka_unit_test(test_all_orders_agree_EQ),
+        cmocka_unit_test(test_all_orders_agree_EQ_ES_36_ES_59),
         cmocka_unit_test(test_none_cost_nothing),
         cmocka_unit_test(test_a_hundred_thousand_decals),
     };

@@ -42,11 +42,23 @@ static void execute_tree(const struct graph_context *context, const void *data) 
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
 }
 
+/* Of passes and buffers. */
+struct tree_names {
+    const char *keys, *spheres, *boxes, *levels[BVH_LEVELS];
+    struct radix_sort_names sort;
+};
+#define TREE_NAMES(what)                                                                                                    \
+    {                                                                                                                       \
+        what " keys", what " spheres", what " boxes", {what " leaves",  what " nodes",   what " nodes 2", what " nodes 3",  \
+                                                       what " nodes 4", what " nodes 5", what " nodes 6"},                  \
+            RADIX_SORT_NAMES(what)                                                                                          \
+    }
+
 struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                         VkDeviceAddress header) {
-    static const struct radix_sort_names sort_names = RADIX_SORT_NAMES("bvh");
-    static const char *const level_names[BVH_LEVELS] = {"bvh leaves",  "bvh nodes",   "bvh nodes 2", "bvh nodes 3",
-                                                        "bvh nodes 4", "bvh nodes 5", "bvh nodes 6"};
+    static const struct tree_names all_names[LIGHT_USE_COUNT] = {TREE_NAMES("bvh"), TREE_NAMES("decal bvh"),
+                                                                 TREE_NAMES("fallback bvh")};
+    const struct tree_names *names = &all_names[input->use];
     uint32_t count = MAX(input->local_count, 1u), box_count = 0;
     struct tree_data data = {.input = *input, .in_view = *in_view, .header = header, .threads = count};
     struct bvh *tree = &data.tree;
@@ -56,27 +68,27 @@ struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, co
         box_count += nodes;
         if (nodes <= BVH_WIDTH) break;
     }
-    graph_buffer pairs = graph_create_buffer(graph, "bvh keys", count * 8ull);
+    graph_buffer pairs = graph_create_buffer(graph, names->keys, count * 8ull);
     tree->pairs = pairs;
     data.shader = &shader_bvh_keys_comp;
-    struct graph_pass *pass = graph_add_pass(graph, "bvh keys", input->queue, execute_tree, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, names->keys, input->queue, execute_tree, &data, sizeof data);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, pairs, GRAPH_WRITE_COMPUTE);
 
-    tree->pairs = radix_sort_add(graph, &(struct radix_sort_params){.names = &sort_names,
+    tree->pairs = radix_sort_add(graph, &(struct radix_sort_params){.names = &names->sort,
                                                                     .queue = input->queue,
                                                                     .pairs = pairs,
                                                                     .capacity = count,
                                                                     .bits = BVH_KEY_BITS,
                                                                     .count = in_view->sums,
                                                                     .count_offset = input->local_count * 4ull});
-    tree->spheres = graph_create_buffer(graph, "bvh spheres", count * sizeof(struct gpu_bound));
-    tree->boxes = graph_create_buffer(graph, "bvh boxes", box_count * sizeof(struct gpu_bvh_box));
+    tree->spheres = graph_create_buffer(graph, names->spheres, count * sizeof(struct gpu_bound));
+    tree->boxes = graph_create_buffer(graph, names->boxes, box_count * sizeof(struct gpu_bvh_box));
     for (data.level = 0; data.level < tree->level_count; data.level++) {
         data.shader = data.level == 0 ? &shader_bvh_leaves_comp : &shader_bvh_level_comp;
         data.threads = tree->counts[data.level];
-        pass = graph_add_pass(graph, level_names[data.level], input->queue, execute_tree, &data, sizeof data);
+        pass = graph_add_pass(graph, names->levels[data.level], input->queue, execute_tree, &data, sizeof data);
         if (data.level == 0) {
             graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
             graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
@@ -366,10 +378,11 @@ struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, cons
 
 struct light_list bvh_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                           const struct lights_in_view *in_view, const struct clustered_params *params) {
-    static const struct bvh_names names = BVH_NAMES("bvh");
+    static const struct bvh_names names[LIGHT_USE_COUNT] = {BVH_NAMES("bvh"), BVH_NAMES("decal cells"),
+                                                            BVH_NAMES("fallback cells")};
     VkDeviceAddress address;
     struct gpu_light_list *header = light_list_header(device, input, &address);
     if (header) clustered_grid(header, input->width, input->height, params);
     struct bvh tree = bvh_tree_add(graph, input, in_view, address);
-    return bvh_clusters_add(graph, device, input, in_view, &tree, &names, header, address, params);
+    return bvh_clusters_add(graph, device, input, in_view, &tree, &names[input->use], header, address, params);
 }

@@ -63,7 +63,7 @@ struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, cons
                                    const struct bvh_names *names, struct gpu_light_list *header,
                                    VkDeviceAddress header_address, const struct clustered_params *params);
 
-/** The clusters of clustered_add, filled from a tree made for them. Needs no depth. */
+/** The clusters of clustered_add, filled from a tree made for them: the same entries in the same order. Needs no depth. */
 struct light_list bvh_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                           const struct lights_in_view *in_view, const struct clustered_params *params);
 

@@ -65,13 +65,15 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
     static const struct in_view_names {
         const char *mark, *gather, *sums, *ids, *bounds, *reaches;
         struct prefix_sum_names sum;
-    } all_names[2] = {
+    } all_names[LIGHT_USE_COUNT] = {
         {"lights mark", "lights gather", "light sums", "lights in view", "light bounds", "light reaches",
          PREFIX_SUM_NAMES("lights")},
         {"decals mark", "decals gather", "decal sums", "decals in view", "decal bounds", "decal reaches",
          PREFIX_SUM_NAMES("decals")},
+        {"fallback mark", "fallback gather", "fallback sums", "fallback in view", "fallback bounds", "fallback reaches",
+         PREFIX_SUM_NAMES("fallback")},
     };
-    const struct in_view_names *names = &all_names[input->decals];
+    const struct in_view_names *names = &all_names[input->use];
     uint64_t count = MAX(input->local_count, 1u);
     struct view_data data = {.input = *input, .shader = &shader_lights_mark_comp};
     data.in_view.sums = graph_create_buffer(graph, names->sums, (input->local_count + 1) * 4ull);

@@ -12,6 +12,14 @@
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
 
+/** A frame may hold several lists: each use has passes and buffers of names of its own. */
+enum light_use {
+    LIGHTS_SHADE,    /* those that shading goes through */
+    LIGHTS_DECALS,   /* decals, over whose boxes a list is made as over lights */
+    LIGHTS_FALLBACK, /* lights once more, for pixels that the first list does not serve (clusters) */
+    LIGHT_USE_COUNT
+};
+
 /** Lights on the device: directional ones first. */
 struct light_input {
     graph_buffer buffer;    /* the lights, for their hazards */
@@ -20,7 +28,7 @@ struct light_input {
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
-    bool decals;            /* a second list of the frame, over decals: its passes have names of their own */
+    enum light_use use;     /* default LIGHTS_SHADE */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };

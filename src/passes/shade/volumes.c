@@ -6,6 +6,8 @@
 #include "scene_shared.h"
 #include "shaders.h"
 
+#define STENCIL_FORMAT VK_FORMAT_D32_SFLOAT_S8_UINT
+
 _Static_assert(VOLUME_INDEX_COUNT == VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES, "both solids");
 
 VkFormat volumes_format(const gpu_device *device) {
@@ -51,7 +53,7 @@ struct cull_data {
     struct light_input lights;
     VkDeviceAddress view, list;
     graph_buffer sums, ids, draws;
-    uint32_t shape;
+    uint32_t shape, alone;
     bool cull, fills;
 };
 
@@ -65,7 +67,8 @@ static void execute_cull(const struct graph_context *context, const void *data) 
                                     .draws = d->fills ? graph_address(context, d->draws) : 0,
                                     .light_count = d->lights.local_count,
                                     .cull = d->cull,
-                                    .shape = d->shape};
+                                    .shape = d->shape,
+                                    .alone = d->alone};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
@@ -126,11 +129,17 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
         .list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
-    struct cull_data cull = {
-        .lights = *lights, .view = input->view, .list = volumes.list.header, .cull = input->cull, .shape = input->shape};
+    if (input->shape == VOLUME_STENCIL) volumes.alone = MIN(count, VOLUME_STENCIL_LIGHTS);
+    struct cull_data cull = {.lights = *lights,
+                             .view = input->view,
+                             .list = volumes.list.header,
+                             .cull = input->cull,
+                             .shape = input->shape,
+                             .alone = volumes.alone};
     volumes.sums = cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
     volumes.ids = cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
-    volumes.draws = cull.draws = graph_create_buffer(graph, "volume draws", 2 * sizeof(struct gpu_draw));
+    volumes.draws = cull.draws =
+        graph_create_buffer(graph, "volume draws", (2ull + volumes.alone) * sizeof(struct gpu_draw));
     struct graph_pass *pass = graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
@@ -164,21 +173,29 @@ void volumes_use(struct graph_pass *pass, const struct volumes *volumes) {
     graph_use_buffer(pass, volumes->draws, GRAPH_INDIRECT);
 }
 
-void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,
-                  struct gpu_volume_head *push, uint32_t size) {
-    if (!volumes->indices.data) return; /* the device carries a sticky error */
-    bool solid = volumes->shape == VOLUME_SOLIDS || volumes->shape == VOLUME_DEPTH_BOUNDS;
+static bool is_solid(uint32_t shape) {
+    return shape == VOLUME_SOLIDS || shape == VOLUME_DEPTH_BOUNDS || shape == VOLUME_STENCIL;
+}
+
+static void set_state(const struct volumes *volumes, struct gpu_graphics_params *state) {
+    bool solid = is_solid(volumes->shape);
     /* Solids: back faces alone, and only those that are not in front of the surface. Flat shapes: not behind it. Depth is reversed. */
     state->vertex = &shader_volumes_vert;
     state->topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     state->cull = solid ? VK_CULL_MODE_FRONT_BIT : VK_CULL_MODE_NONE;
-    state->depth_format = GEOMETRY_DEPTH_FORMAT;
+    if (!state->depth_format) state->depth_format = GEOMETRY_DEPTH_FORMAT;
     state->depth_clamp = true;
     state->samples = 1;
     if (!state->depth_write) {
         state->depth_test = volumes->shape != VOLUME_SCREEN;
         state->depth_compare = solid ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL;
     }
+}
+
+void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,
+                  struct gpu_volume_head *push, uint32_t size) {
+    if (!volumes->indices.data) return; /* the device carries a sticky error */
+    set_state(volumes, state);
     push->list = volumes->list.header;
     push->ids = graph_address(context, volumes->ids);
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, state));
@@ -193,7 +210,62 @@ struct draw_data {
     VkDeviceAddress view;
     graph_buffer counters;
     VkFormat format;
+    uint32_t width, height;
 };
+
+/* The depth of what is lit here, once more beside a stencil; sky and what is lit forward lie behind everything. */
+static void copy_depth(const struct graph_context *context, const struct draw_data *d) {
+    struct gpu_graphics_params state = {.vertex = &shader_screen_vert,
+                                        .fragment = &shader_volumes_depth_frag,
+                                        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                        .color_count = 1,
+                                        .color_formats = {d->format},
+                                        .blends = {GPU_BLEND_KEEP},
+                                        .depth_format = STENCIL_FORMAT,
+                                        .depth_write = true,
+                                        .samples = 1};
+    gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
+    struct gpu_volume_push push = {.view = d->view, .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, 1, 0, 0);
+}
+
+/* Light by light: what is behind its front faces is marked, then its back faces are drawn where nothing is. `state` and `push` are those
+   of the rest. */
+static void draw_alone(const struct graph_context *context, const struct draw_data *d,
+                       const struct gpu_graphics_params *state, struct gpu_volume_push push) {
+    if (!d->volumes.indices.data) return;
+    struct gpu_graphics_params fronts, backs;
+    memcpy(&backs, state, sizeof backs); /* hashed as bytes */
+    set_state(&d->volumes, &backs);
+    memcpy(&fronts, &backs, sizeof fronts);
+    fronts.fragment = NULL;
+    fronts.constants[15] = 1;
+    fronts.blends[0] = GPU_BLEND_KEEP;
+    fronts.cull = VK_CULL_MODE_BACK_BIT;
+    fronts.depth_compare = VK_COMPARE_OP_LESS;
+    fronts.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, GPU_STENCIL_SET};
+    backs.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_NOT_EQUAL, VK_STENCIL_OP_KEEP, GPU_STENCIL_SET};
+    const struct gpu_pipeline *mark = gpu_graphics_pipeline(context->device, &fronts);
+    const struct gpu_pipeline *light = gpu_graphics_pipeline(context->device, &backs);
+    const struct gpu_buffer *draws = graph_get_buffer(context, d->volumes.draws);
+    push.list = d->volumes.list.header;
+    push.ids = graph_address(context, d->volumes.ids);
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_bind_indices(context->commands, d->volumes.indices.buffer, d->volumes.indices.offset);
+    for (uint32_t i = 0; i < d->volumes.alone; i++) {
+        const uint64_t offset = (2ull + i) * sizeof(struct gpu_draw);
+        if (i > 0 && i % 255 == 0) gpu_clear_stencil(context->commands, d->width, d->height, 0);
+        gpu_bind(context->commands, mark);
+        gpu_stencil_reference(context->commands, i % 255 + 1);
+        gpu_draw_indexed_indirect(context->commands, draws, offset, 1);
+        gpu_bind(context->commands, light);
+        /* Mesa's CPU driver 25.0 takes constants for sent to a fragment shader after a draw that has none. */
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_draw_indexed_indirect(context->commands, draws, offset, 1);
+    }
+}
 
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct draw_data *d = data;
@@ -209,7 +281,17 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     struct gpu_volume_push push = {.view = d->view,
                                    .counters = d->counters.id ? graph_address(context, d->counters) : 0,
                                    .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+    if (d->volumes.shape == VOLUME_STENCIL) {
+        copy_depth(context, d);
+        state.depth_format = STENCIL_FORMAT;
+        state.constant_count = 16;
+        draw_alone(context, d, &state, push);
+    }
     volumes_draw(context, &d->volumes, &state, (struct gpu_volume_head *)&push, sizeof push);
+}
+
+bool volumes_stencil_supported(const gpu_device *device) {
+    return gpu_format_supports(device, STENCIL_FORMAT, VK_FORMAT_FEATURE_2_DEPTH_STENCIL_ATTACHMENT_BIT);
 }
 
 void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
@@ -218,11 +300,20 @@ void volumes_add(struct graph *graph, const struct shade_input *input, const str
                              .volumes = *volumes,
                              .view = input->view,
                              .counters = input->counters,
-                             .format = graph_image_info(graph, radiance).format};
+                             .format = graph_image_info(graph, radiance).format,
+                             .width = input->width,
+                             .height = input->height};
     struct graph_pass *pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
     volumes_use(pass, volumes);
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
-    graph_depth_read_only(pass, gbuffer->depth);
+    if (volumes->shape == VOLUME_STENCIL) {
+        graph_image both = graph_create_image(
+            graph, &(struct graph_image_params){
+                       .name = "volume stencil", .format = STENCIL_FORMAT, .width = input->width, .height = input->height});
+        graph_depth(pass, both, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    } else {
+        graph_depth_read_only(pass, gbuffer->depth);
+    }
 }

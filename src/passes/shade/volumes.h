@@ -27,10 +27,13 @@ struct volumes_input {
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
 struct volumes {
     struct light_list list;        /* all lights */
-    graph_buffer sums, ids, draws; /* two prefix sums per light; instance -> local light; two indirect draws */
+    graph_buffer sums, ids,
+        draws; /* two prefix sums per light; instance -> local light; indirect draws: two, then `alone` of one light */
     graph_buffer totals;           /* struct light_totals: volumes drawn, 0, 0 */
     struct gpu_slice indices;
     uint32_t shape, light_count;
+    uint32_t
+        alone; /* the first so many are drawn one by one: VOLUME_STENCIL; VOLUME_STENCIL_LIGHTS and all lights at most */
 };
 /** Instances ascend by light, spheres before cones (flat shapes know no cones), so that what they add up repeats to the bit. */
 struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input);
@@ -43,9 +46,14 @@ void volumes_use(struct graph_pass *pass, const struct volumes *volumes);
 void volumes_draw(const struct graph_context *context, const struct volumes *volumes, struct gpu_graphics_params *state,
                   struct gpu_volume_head *push, uint32_t size);
 
+/** Whether the device has the format of depth and stencil that VOLUME_STENCIL needs. */
+bool volumes_stencil_supported(const gpu_device *device);
 /**
  * Adds all local lights to `radiance`, which holds everything else already. Cost: per light 49 vertices (cones 16, rectangles 4, octagons 8),
  * per pixel that a solid covers in front of its far side, or a flat shape not behind the surface, a read of the G-buffer and a blend.
+ * VOLUME_STENCIL: two draws for each of `alone` lights, in the order of the lights. The first marks where its front faces are behind
+ * the surface, the second draws its back faces where they are not in front of it and nothing is marked: surfaces inside, and those alone.
+ * A mark is the light's number modulo 255, so that the stencil is cleared once for 255 lights. Beside: a copy of the depth with a stencil.
  */
 void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
                  const struct gbuffer *gbuffer, graph_image radiance);

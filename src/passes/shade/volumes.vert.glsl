@@ -7,6 +7,8 @@
 #include "passes/shade/volumes.glsl"
 #include "passes/lights/cells.glsl"
 
+layout(constant_id = 15) const uint FRONTS = 0u; // 1: the draw looks for front faces behind the surface
+
 layout(push_constant, scalar) uniform push_block { gpu_volume_head push; };
 
 layout(location = 0) flat out uint out_light;
@@ -116,6 +118,7 @@ void main() {
         position = center + direction * ((radius + slack) / VOLUME_SPHERE_INSIDE);
         gl_Position = push.view.view.world_to_clip * vec4(position, 1.0);
         if (everywhere) gl_Position.z = 0.0; // behind all that is seen
+        if (everywhere && FRONTS == 1u) gl_Position = vec4(0.0, 0.0, 0.0, 1.0); // and has no front
         return;
     }
     vertex -= VOLUME_SPHERE_VERTICES;

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Writes which light each instance is, ascending, and the two indirect draws.
+// Writes which light each instance is, ascending, and the indirect draws: two, then those of one light each.
 #include "common.glsl"
 #include "passes/shade/volumes.glsl"
 #include "scene.glsl"
@@ -9,6 +9,17 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer volume_draws { gpu_draw at[]; };
 
 layout(local_size_x = 64) in;
+
+gpu_draw solid_draw(bool sphere, uint first, uint count) {
+    gpu_draw draw;
+    draw.index_count = sphere ? VOLUME_SPHERE_INDICES : VOLUME_CONE_INDICES;
+    draw.instance_count = count;
+    draw.first_index = sphere ? 0u : VOLUME_SPHERE_INDICES;
+    draw.vertex_offset = 0;
+    draw.first_instance = first;
+    return draw;
+}
+
 layout(push_constant, scalar) uniform push_block { gpu_volumes_push push; };
 
 void main() {
@@ -16,16 +27,15 @@ void main() {
     uint count = push.light_count;
     if (index < 2u * count) {
         uint slot = push.sums.at[index];
-        if (push.sums.at[index + 1u] != slot) push.ids.at[slot] = index < count ? index : index - count;
+        if (push.sums.at[index + 1u] != slot) {
+            push.ids.at[slot] = index < count ? index : index - count;
+            if (slot < push.alone) push.draws.at[2u + slot] = solid_draw(index < count, slot, 1u);
+        }
+        if (index < push.alone && index >= push.sums.at[2u * count]) push.draws.at[2u + index] = solid_draw(true, 0u, 0u);
     }
     if (index < 2u) {
-        uint first = push.sums.at[index * count];
-        gpu_draw draw;
-        draw.index_count = index == 0u ? VOLUME_SPHERE_INDICES : VOLUME_CONE_INDICES;
-        draw.instance_count = push.sums.at[(index + 1u) * count] - first;
-        draw.first_index = index == 0u ? 0u : VOLUME_SPHERE_INDICES;
-        draw.vertex_offset = 0;
-        draw.first_instance = first;
+        uint end = push.sums.at[(index + 1u) * count], first = min(max(push.sums.at[index * count], push.alone), end);
+        gpu_draw draw = solid_draw(index == 0u, first, end - first);
         const uint quads = VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES;
         if (index == 0u && push.shape == VOLUME_QUADS) {
             draw.index_count = VOLUME_QUAD_INDICES;

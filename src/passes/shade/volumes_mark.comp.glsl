@@ -19,7 +19,8 @@ void main() {
     gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
     bool drawn = light.bound_radius > 0.0 &&
                  (push.cull == 0u || light_in_view(push.view, light.bound_center, light.bound_radius));
-    bool cone = (push.shape == VOLUME_SOLIDS || push.shape == VOLUME_DEPTH_BOUNDS) && volume_is_cone(light);
+    bool solid = push.shape == VOLUME_SOLIDS || push.shape == VOLUME_DEPTH_BOUNDS || push.shape == VOLUME_STENCIL;
+    bool cone = solid && volume_is_cone(light);
     push.sums.at[index] = drawn && !cone ? 1u : 0u;
     push.sums.at[push.light_count + index] = drawn && cone ? 1u : 0u;
 }

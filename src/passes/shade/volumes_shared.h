@@ -25,6 +25,9 @@
 #define VOLUME_SCREEN 2u
 #define VOLUME_ELLIPSE 3u
 #define VOLUME_DEPTH_BOUNDS 4u
+#define VOLUME_STENCIL 5u
+/* So many lights in view are drawn one by one, each behind its own stencil; those beyond as VOLUME_SOLIDS. */
+#define VOLUME_STENCIL_LIGHTS 2048u
 /* The farthest face of the sphere's solid is this far from the middle when its vertices are at 1, and the cosine of pi / VOLUME_RING. */
 #define VOLUME_SPHERE_INSIDE 0.92475f
 #define VOLUME_CONE_INSIDE 0.92387f
@@ -39,6 +42,7 @@ struct gpu_volumes_push {
     uint light_count;           /* local lights */
     uint cull;                  /* 0: lights out of the view are drawn too */
     uint shape;                 /* VOLUME_…; flat ones are sorted as spheres are */
+    uint alone;                 /* so many of the volumes have a draw each, after the two of the rest */
 };
 
 /* What the vertex shader reads: push constants of all that draws volumes begin with it. */

@@ -67,8 +67,8 @@ static void test_solids(void **state) {
 /* ---- pictures ---- */
 
 /* Whatever is drawn instead of solids: the same picture, again without a light missing anywhere, none twice. */
-static void check_shapes(struct stage *stage, const struct shot *all, uint64_t solids, const char *what) {
-    uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT] = {solids};
+static void check_shapes(struct stage *stage, const struct shot *all, const struct shot *solids, const char *what) {
+    uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT] = {solids->stats.evaluations};
     fnl_frame frame = stage->frame;
     frame.count_lights = true;
     frame.lists = FNL_LISTS_ALL;
@@ -85,6 +85,9 @@ static void check_shapes(struct stage *stage, const struct shot *all, uint64_t s
         assert_true(shape.stats.evaluations >= shape.stats.evaluations_useful);
         assert_true(shape.stats.evaluations <= all->stats.evaluations);
         assert_int_equal(count_differing(&shape.radiance, &again.radiance), 0);
+        /* The same solids in the same order: the bits, for what the stencil holds off is not lit. */
+        if (i == FNL_VOLUME_STENCIL || i == FNL_VOLUME_DEPTH_BOUNDS)
+            assert_int_equal(count_differing(&solids->radiance, &shape.radiance), 0);
         shot_free(&shape);
         shot_free(&again);
     }
@@ -92,6 +95,7 @@ static void check_shapes(struct stage *stage, const struct shot *all, uint64_t s
     assert_true(evaluations[FNL_VOLUME_FULLSCREEN] >= evaluations[FNL_VOLUME_QUADS]);
     assert_true(evaluations[FNL_VOLUME_QUADS] >= evaluations[FNL_VOLUME_ELLIPSE]);
     assert_true(evaluations[FNL_VOLUME_SOLIDS] >= evaluations[FNL_VOLUME_DEPTH_BOUNDS]);
+    assert_true(evaluations[FNL_VOLUME_SOLIDS] >= evaluations[FNL_VOLUME_STENCIL]);
 }
 
 /* Shoots both orders. Every light that reaches a surface is found there (SUP): the useful evaluations are the same. */
@@ -116,7 +120,7 @@ static void check(struct stage *stage, const char *what) {
     struct shot unculled = stage_shoot(stage, &frame);
     assert_int_equal(count_differing(&volumes.radiance, &unculled.radiance), 0);
     assert_true(unculled.stats.lights_in_view >= volumes.stats.lights_in_view);
-    check_shapes(stage, &all, volumes.stats.evaluations, what);
+    check_shapes(stage, &all, &volumes, what);
     shot_free(&all);
     shot_free(&volumes);
     shot_free(&again);
@@ -303,16 +307,19 @@ static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
         struct shot solids = stage_shoot(&stage, &frame);
         frame.list_options.volume_shape = FNL_VOLUME_DEPTH_BOUNDS;
         struct shot bounds = stage_shoot(&stage, &frame);
+        frame.list_options.volume_shape = FNL_VOLUME_STENCIL;
+        struct shot stencil = stage_shoot(&stage, &frame);
         frame.list_options.volume_shape = FNL_VOLUME_FULLSCREEN;
         struct shot screen = stage_shoot(&stage, &frame);
         frame.list_options.volume_shape = FNL_VOLUME_ELLIPSE;
         struct shot ellipses = stage_shoot(&stage, &frame);
         frame.list_options.volume_shape = FNL_VOLUME_QUADS;
         struct shot quads = stage_shoot(&stage, &frame);
-        print_message("  %s: screen %llu, rectangles %llu, ellipses %llu, solids %llu, depth bounds %llu\n",
+        print_message("  %s: screen %llu, rectangles %llu, ellipses %llu, solids %llu, depth bounds %llu, stencil %llu\n",
                       hidden ? "hidden" : "open", (unsigned long long)screen.stats.evaluations,
                       (unsigned long long)quads.stats.evaluations, (unsigned long long)ellipses.stats.evaluations,
-                      (unsigned long long)solids.stats.evaluations, (unsigned long long)bounds.stats.evaluations);
+                      (unsigned long long)solids.stats.evaluations, (unsigned long long)bounds.stats.evaluations,
+                      (unsigned long long)stencil.stats.evaluations);
         print_message("  %s: all %llu, rectangles %llu, solids %llu evaluations\n", hidden ? "hidden" : "open",
                       (unsigned long long)all.stats.evaluations, (unsigned long long)quads.stats.evaluations,
                       (unsigned long long)solids.stats.evaluations);
@@ -322,6 +329,7 @@ static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
         assert_true(screen.stats.evaluations > quads.stats.evaluations);
         if (hidden) {
             assert_int_equal(bounds.stats.evaluations, 0);
+            assert_int_equal(stencil.stats.evaluations, 0);
             assert_int_equal(quads.stats.evaluations, 0);
             assert_true(solids.stats.evaluations > 1000);
         } else {
@@ -329,9 +337,11 @@ static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
             assert_true(quads.stats.evaluations > ellipses.stats.evaluations);
             assert_true(ellipses.stats.evaluations >= solids.stats.evaluations);
             assert_true(solids.stats.evaluations > bounds.stats.evaluations && bounds.stats.evaluations > 1000);
+            assert_true(solids.stats.evaluations > stencil.stats.evaluations && stencil.stats.evaluations > 1000);
             /* Surfaces fill the screen: every pixel for every light in view. */
             assert_int_equal(screen.stats.evaluations, (uint64_t)screen.stats.lights_in_view * frame.width * frame.height);
         }
+        shot_free(&stencil);
         shot_free(&bounds);
         shot_free(&screen);
         shot_free(&ellipses);
@@ -343,7 +353,7 @@ static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
 }
 
 /* Ten thousand random spheres round the viewer, many through the near plane: no pixel that one covers is outside of its shape. */
-static void test_random_spheres_ES_15(void **state) {
+static void test_random_spheres_ES_15_ES_16(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=0", 0);
     struct random_state random = {21};
@@ -368,6 +378,7 @@ static void test_random_spheres_ES_15(void **state) {
     struct shot all = stage_shoot(&stage, &frame);
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
     uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT];
+    struct shot solids = {0};
     for (uint32_t i = 0; i < FNL_VOLUME_SHAPE_COUNT; i++) {
         frame.list_options.volume_shape = (fnl_volume_shape)i;
         struct shot shape = stage_shoot(&stage, &frame);
@@ -375,8 +386,20 @@ static void test_random_spheres_ES_15(void **state) {
         print_message("  %s: %llu evaluations, %llu of use\n", fnl_volume_shape_name((fnl_volume_shape)i),
                       (unsigned long long)shape.stats.evaluations, (unsigned long long)shape.stats.evaluations_useful);
         assert_int_equal(shape.stats.evaluations_useful, all.stats.evaluations_useful);
-        shot_free(&shape);
+        if (i == FNL_VOLUME_STENCIL) { /* more lights than are drawn alone, and far more than the stencil has marks */
+            assert_in_range(shape.stats.lights_in_view, VOLUME_STENCIL_LIGHTS + 100, 10000);
+            assert_int_equal(shape.stats.light_draws, 2 + 2 * VOLUME_STENCIL_LIGHTS);
+            assert_int_equal(count_differing(&solids.radiance, &shape.radiance), 0);
+        } else {
+            assert_int_equal(shape.stats.light_draws, 2);
+        }
+        if (i == FNL_VOLUME_SOLIDS)
+            solids = shape;
+        else
+            shot_free(&shape);
     }
+    assert_true(evaluations[FNL_VOLUME_STENCIL] < evaluations[FNL_VOLUME_SOLIDS]);
+    shot_free(&solids);
     assert_true(all.stats.evaluations_useful > 20000);
     assert_true(evaluations[FNL_VOLUME_ELLIPSE] < evaluations[FNL_VOLUME_QUADS]);
     assert_true(evaluations[FNL_VOLUME_QUADS] < evaluations[FNL_VOLUME_FULLSCREEN]);
@@ -444,7 +467,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
         cmocka_unit_test_teardown(test_rectangles_MP_22, harness_check),
         cmocka_unit_test_teardown(test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22, harness_check),
-        cmocka_unit_test_teardown(test_random_spheres_ES_15, harness_check),
+        cmocka_unit_test_teardown(test_random_spheres_ES_15_ES_16, harness_check),
         cmocka_unit_test_teardown(test_tiles_against_rectangles_MP_23, harness_check),
         cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
     };
