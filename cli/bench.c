@@ -31,8 +31,10 @@ static const char *gbuffer_name(int i) { return bench_way_name(BENCH_WAY_GBUFFER
 static const char *transparency_name(int i) { return bench_way_name(BENCH_WAY_TRANSPARENCY, i); }
 static const char *decals_name(int i) { return bench_way_name(BENCH_WAY_DECALS, i); }
 static const char *msaa_method_name(int i) { return bench_way_name(BENCH_WAY_MSAA_METHOD, i); }
-static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name, transparency_name, decals_name,
-                                                               msaa_method_name};
+static const char *visibility_sort_name(int i) { return bench_way_name(BENCH_WAY_VISIBILITY_SORT, i); }
+static const char *barycentrics_name(int i) { return bench_way_name(BENCH_WAY_BARYCENTRICS, i); }
+static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,     transparency_name,    decals_name,
+                                                               msaa_method_name, visibility_sort_name, barycentrics_name};
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -57,6 +59,8 @@ static void print_help(void) {
          "  --transparency KINDS|all   how blended surfaces are put together (sorted)\n"
          "  --decals WAYS|all          how decals get onto surfaces: lists, gbuffer, off (lists)\n"
          "  --msaa-method KINDS        of deferred with MSAA; 'all' is one of them (compact)\n"
+         "  --visibility-sort KINDS|all    of visibility: off, class, material (off)\n"
+         "  --visibility-barycentrics KINDS|all    of visibility with 1 sample: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours\n"
          "\n"
@@ -176,6 +180,8 @@ enum {
     O_TRANSPARENCY,
     O_DECALS,
     O_MSAA_METHOD,
+    O_VISIBILITY_SORT,
+    O_VISIBILITY_BARYCENTRICS,
     O_LIST_OPTION,
     O_SUITE,
     O_CAMERA,
@@ -201,6 +207,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
                                              {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
+                                             {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
+                                             {"visibility-barycentrics", required_argument, NULL, O_VISIBILITY_BARYCENTRICS},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
                                              {"camera", required_argument, NULL, O_CAMERA},
@@ -244,6 +252,10 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_DECALS, value);
     case O_MSAA_METHOD:
         return parse_way(o, BENCH_WAY_MSAA_METHOD, value);
+    case O_VISIBILITY_SORT:
+        return parse_way(o, BENCH_WAY_VISIBILITY_SORT, value);
+    case O_VISIBILITY_BARYCENTRICS:
+        return parse_way(o, BENCH_WAY_BARYCENTRICS, value);
     case O_LIST_OPTION:
         return add_list_option(o, value);
     case O_SUITE:
@@ -324,7 +336,8 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
     if (!fnl_lists_supported(candidate->shading, candidate->lists))
         return skip(plan, to, candidate, "these lists do not go with this shading order");
     bool has_samples = candidate->shading == FNL_SHADING_FORWARD || candidate->shading == FNL_SHADING_FORWARD_PREPASS ||
-                       candidate->shading == FNL_SHADING_DEFERRED || candidate->shading == FNL_SHADING_AUTO;
+                       candidate->shading == FNL_SHADING_DEFERRED || candidate->shading == FNL_SHADING_VISIBILITY ||
+                       candidate->shading == FNL_SHADING_AUTO;
     if (to->msaa > 1 && !has_samples) return skip(plan, to, candidate, "this shading order has no MSAA");
     if (to->msaa > 1 && strncmp(candidate->options, "gbuffer=", 8) == 0)
         return skip(plan, to, candidate, "this layout of the G-buffer has 1 sample a pixel");

@@ -12,6 +12,9 @@ static const char *transparency_name(int i) { return fnl_transparency_name((fnl_
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 
+static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
+static const char *switch_name(int i) { return i == 0 ? "off" : i == 1 ? "on" : NULL; }
+
 static const struct {
     const char *key, *column;
     const char *(*name_of)(int);
@@ -20,6 +23,8 @@ static const struct {
     [BENCH_WAY_TRANSPARENCY] = {"transparency", "transparency", transparency_name},
     [BENCH_WAY_DECALS] = {"decals", "decals", decals_name},
     [BENCH_WAY_MSAA_METHOD] = {"msaa-method", "msaa_method", msaa_method_name},
+    [BENCH_WAY_VISIBILITY_SORT] = {"visibility-sort", "visibility_sort", visibility_sort_name},
+    [BENCH_WAY_BARYCENTRICS] = {"visibility-barycentrics", "visibility_barycentrics", switch_name},
 };
 
 const char *bench_way_key(enum bench_way way) { return ways[way].key; }
@@ -30,7 +35,9 @@ struct bench_ways bench_ways_default(void) {
     return (struct bench_ways){.values = {[BENCH_WAY_GBUFFER] = (int)frame.gbuffer,
                                           [BENCH_WAY_TRANSPARENCY] = (int)frame.transparency,
                                           [BENCH_WAY_DECALS] = (int)frame.decals,
-                                          [BENCH_WAY_MSAA_METHOD] = (int)frame.msaa_method}};
+                                          [BENCH_WAY_MSAA_METHOD] = (int)frame.msaa_method,
+                                          [BENCH_WAY_VISIBILITY_SORT] = (int)frame.visibility.sort,
+                                          [BENCH_WAY_BARYCENTRICS] = frame.visibility.barycentrics}};
 }
 
 bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32_t msaa) {
@@ -44,6 +51,10 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
         return value != FNL_DECALS_GBUFFER || ((has_gbuffer || shading == FNL_SHADING_MOBILE) && msaa == 1);
     case BENCH_WAY_MSAA_METHOD:
         return shading == FNL_SHADING_DEFERRED && msaa > 1;
+    case BENCH_WAY_VISIBILITY_SORT:
+        return shading == FNL_SHADING_VISIBILITY;
+    case BENCH_WAY_BARYCENTRICS:
+        return shading == FNL_SHADING_VISIBILITY && msaa == 1;
     default:
         return false;
     }
@@ -91,6 +102,8 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->transparency = (fnl_transparency)chosen.values[BENCH_WAY_TRANSPARENCY];
     frame->decals = (fnl_decals)chosen.values[BENCH_WAY_DECALS];
     frame->msaa_method = (fnl_msaa_method)chosen.values[BENCH_WAY_MSAA_METHOD];
+    frame->visibility.sort = (fnl_visibility_sort)chosen.values[BENCH_WAY_VISIBILITY_SORT];
+    frame->visibility.barycentrics = chosen.values[BENCH_WAY_BARYCENTRICS];
     return argument_list_options("list-option", list_options, &frame->list_options);
 }
 

@@ -69,6 +69,7 @@ static void print_help(void) {
         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
+        "  --visibility-barycentrics  visibility: weights of corners are stored, so that shading fetches no positions\n"
         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
@@ -173,6 +174,7 @@ enum {
     O_GBUFFER_PREPASS,
     O_MOBILE,
     O_VISIBILITY_SORT,
+    O_VISIBILITY_BARYCENTRICS,
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_TRAFFIC,
@@ -284,6 +286,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_MOBILE:
         return argument_mobile("mobile", value, &o->frame.mobile);
+    case O_VISIBILITY_BARYCENTRICS:
+        o->frame.visibility.barycentrics = true;
+        return true;
     case O_VISIBILITY_SORT:
         if (!argument_name("visibility-sort", value, visibility_sort_name, &index)) return false;
         o->frame.visibility.sort = (fnl_visibility_sort)index;
@@ -449,6 +454,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"decals", required_argument, NULL, O_DECALS},
                                              {"mobile", required_argument, NULL, O_MOBILE},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
+                                             {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},
                                              {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"traffic", no_argument, NULL, O_TRAFFIC},

@@ -190,7 +190,8 @@ static void add_traffic(json_t *json, const struct render_report *r) {
     json_object_set_new(json, "light_bytes", integer(s->light_bytes));
     if (s->shading == FNL_SHADING_VISIBILITY)
         json_object_set_new(json, "visibility",
-                            json_pack("{s:s,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort), "entries",
+                            json_pack("{s:s,s:b,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort),
+                                      "barycentrics", r->frame.visibility.barycentrics, "entries",
                                       integer(s->visibility_entries), "classes", integer(s->visibility_classes)));
     json_object_set_new(json, "light_draws", integer(s->light_draws));
     if (s->shading != FNL_SHADING_MOBILE) return;

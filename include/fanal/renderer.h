@@ -411,6 +411,8 @@ typedef enum fnl_visibility_sort {
 /** Settings of the order visibility. */
 typedef struct fnl_visibility_options {
     fnl_visibility_sort sort; /**< default off. The picture is the same */
+    /** The id pass stores where in its triangle each pixel is, so that shading fetches no positions; 1 sample. Default false. */
+    bool barycentrics;
 } fnl_visibility_options;
 
 FNL_API fnl_visibility_options fnl_visibility_options_default(void);

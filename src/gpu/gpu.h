@@ -192,6 +192,7 @@ struct gpu_stencil {
 
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
+    const struct gpu_shader *geometry;          /* or NULL; needs fnl_device_info.primitive_ids */
     uint32_t features;                          /* specialisation constant GPU_FEATURES_ID of both stages */
     uint32_t constant_count;                    /* the same constants go to both stages */
     uint32_t constants[GPU_MAX_CONSTANTS];

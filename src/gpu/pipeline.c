@@ -236,22 +236,24 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
 }
 
 static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out) {
-    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
+    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE, geometry = VK_NULL_HANDLE;
     struct constants constants;
     describe_constants(params->constant_count, params->constants, params->features, &constants);
     fnl_result result = create_module(device, params->vertex, &vertex);
     if (result == FNL_OK && params->fragment) result = create_module(device, params->fragment, &fragment);
+    if (result == FNL_OK && params->geometry) result = create_module(device, params->geometry, &geometry);
     if (result == FNL_OK) {
-        VkPipelineShaderStageCreateInfo stages[] = {
-            stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, &constants),
-            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants),
-        };
-        VkResult vulkan = create_graphics_from(device, params, stages, params->fragment ? 2 : 1, out);
+        VkPipelineShaderStageCreateInfo stages[3] = {stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, &constants)};
+        uint32_t count = 1;
+        if (params->geometry) stages[count++] = stage_info(VK_SHADER_STAGE_GEOMETRY_BIT, geometry, &constants);
+        if (params->fragment) stages[count++] = stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants);
+        VkResult vulkan = create_graphics_from(device, params, stages, count, out);
         result = gpu_check(device, vulkan, "%s, %s: vkCreateGraphicsPipelines", params->vertex->name,
                            params->fragment ? params->fragment->name : "no fragment shader");
     }
     device->vk.DestroyShaderModule(device->handle, vertex, NULL);
     device->vk.DestroyShaderModule(device->handle, fragment, NULL);
+    device->vk.DestroyShaderModule(device->handle, geometry, NULL);
     if (result == FNL_OK)
         gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out,
                  (params->fragment ? params->fragment : params->vertex)->name);
@@ -270,6 +272,7 @@ static fnl_result check_graphics(const gpu_device *device, const struct gpu_grap
     REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
     REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
     REQUIRE(host, !params->conservative || device->info.conservative_raster);
+    REQUIRE(host, !params->geometry || device->info.primitive_ids);
     if (params->scope) {
         REQUIRE(host, params->scope_step < params->scope->params.step_count);
         REQUIRE(host, params->color_count == params->scope->params.steps[params->scope_step].color_count);

@@ -438,6 +438,10 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
+    if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics && frame->msaa > 1) {
+        log_error(host, "barycentrics are stored with 1 sample a pixel");
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (frame->shading == FNL_SHADING_VISIBILITY && !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which visibility shading needs");
         return FNL_ERROR_UNSUPPORTED;

@@ -53,6 +53,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         const struct geometry_bucket *bucket = &scene->buckets[i];
         if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
         params.topology = bucket->topology;
+        params.geometry = bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST ? state->geometry : NULL;
         params.cull = bucket->double_sided ? VK_CULL_MODE_NONE
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;

@@ -69,7 +69,7 @@ void geometry_use_features(struct graph_pass *pass, const struct geometry_scene 
 
 /**
  * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only.
- * Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
+ * A geometry shader takes triangles alone. Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
  */
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
                    const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,

@@ -22,21 +22,30 @@ struct triangle {
     vec3 seen[3];      // view space
 };
 
-triangle triangle_fetch(scene_block scene, const_uint_array indices, view_block view, uint item_index, uint number) {
+triangle triangle_of_item(scene_block scene, uint item_index) {
     triangle t;
     t.item_index = item_index;
     t.item = scene.scene.items.at[item_index];
     t.primitive = scene.scene.primitives.at[t.item.primitive];
     t.instance = scene.scene.instances.at[t.item.instance];
+    for (uint i = 0u; i < 3u; i++) t.positions[i] = t.seen[i] = vec3(0.0);
+    return t;
+}
+
+void triangle_fetch_vertices(inout triangle t, scene_block scene, const_uint_array indices, uint number) {
     uint corners = t.primitive.corners;
     for (uint i = 0u; i < 3u; i++) {
         uint index = indices.at[t.primitive.first_index + number * corners + min(i, corners - 1u)];
         t.vertices[i] = uint(int(index) + t.primitive.vertex_offset);
+    }
+}
+
+void triangle_fetch_positions(inout triangle t, scene_block scene, view_block view) {
+    for (uint i = 0u; i < 3u; i++) {
         precise vec3 position = transform_point(t.instance, scene.scene.positions.at[t.vertices[i]]);
         t.positions[i] = position;
         t.seen[i] = (view.view.world_to_view * vec4(position, 1.0)).xyz;
     }
-    return t;
 }
 
 // Weights of the three vertices at a point of the screen, pixels from the top left. Lines: those of the nearest point on the screen. Beyond

@@ -30,43 +30,60 @@ struct ids_data {
 
 static void execute_ids(const struct graph_context *context, const void *data) {
     const struct ids_data *d = data;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state,
-                  d->state.samples > 1 ? &shader_visibility_samples_mask_frag : &shader_visibility_mask_frag,
-                  (struct gpu_geometry_push){.view = d->view});
+    const struct gpu_shader *mask = d->state.geometry      ? &shader_weights_mask_frag
+                                    : d->state.samples > 1 ? &shader_visibility_samples_mask_frag
+                                                           : &shader_visibility_mask_frag;
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask, (struct gpu_geometry_push){.view = d->view});
 }
 
-struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, graph_image depth) {
+static graph_image add_target(struct graph *graph, const char *name, VkFormat format, const struct shade_input *input,
+                              struct gpu_graphics_params *state) {
+    state->color_formats[state->color_count++] = format;
+    return graph_create_image(graph, &(struct graph_image_params){.name = name,
+                                                                  .format = format,
+                                                                  .width = input->width,
+                                                                  .height = input->height,
+                                                                  .samples = state->samples});
+}
+
+struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
+                                 graph_image depth) {
     struct visibility v = {.depth = depth};
     uint32_t item_count = input->scene->item_count;
     uint32_t needed = visibility_bits(item_count, input->scene->most_triangles, &v.triangle_bits);
     if (bits > needed) v.triangle_bits = MIN(bits - bits_of(item_count), 31u); /* items reach into the upper bits */
     bits = MAX(bits, needed);
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
-    VkFormat low = samples > 1 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32_UINT;
-    struct graph_image_params params = {
-        .name = "visibility", .format = low, .width = input->width, .height = input->height, .samples = samples};
-    v.ids = graph_create_image(graph, &params);
-    if (bits > 32) {
-        params.name = "visibility high";
-        if (samples == 1 && bits == 48) params.format = VK_FORMAT_R16_UINT;
-        v.ids_high = graph_create_image(graph, &params);
-    }
     struct ids_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
         (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_visibility_samples_frag : &shader_visibility_frag,
                                      .constant_count = 8,
                                      .constants = {[7] = v.triangle_bits},
-                                     .color_count = bits > 32 ? 2 : 1,
-                                     .color_formats = {low, bits > 32 ? params.format : 0},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = true,
                                      /* Of surfaces at equal depth the last one drawn wins, as in forward shading. */
                                      .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
                                      .samples = samples};
+    if (weights && samples == 1) {
+        data.state.vertex = &shader_weights_vert;
+        data.state.geometry = &shader_weights_geom;
+        data.state.fragment = &shader_weights_frag;
+        v.weights = add_target(graph, "visibility weights", VK_FORMAT_R32G32_SFLOAT, input, &data.state);
+        v.gradients = add_target(graph, "visibility gradients", VK_FORMAT_R16G16B16A16_SFLOAT, input, &data.state);
+    }
+    VkFormat word = samples > 1 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32_UINT;
+    v.ids = add_target(graph, "visibility", word, input, &data.state);
+    if (bits > 32)
+        v.ids_high = add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input,
+                                &data.state);
     struct graph_pass *pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     static const float none[4];
+    if (v.weights.id) {
+        graph_color(pass, v.weights, VK_ATTACHMENT_LOAD_OP_DONT_CARE, none);
+        graph_color(pass, v.gradients, VK_ATTACHMENT_LOAD_OP_DONT_CARE, none);
+    }
     graph_color(pass, v.ids, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     if (v.ids_high.id) graph_color(pass, v.ids_high, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
@@ -90,7 +107,7 @@ struct shade_data {
 /* Decals may give a material what it has not. */
 static void set_constants(const struct shade_data *d, uint32_t class_bits, struct gpu_compute_params *params) {
     bool all = d->list.listed != VISIBLE_SORTED, decals = d->scene->features != 0;
-    const uint32_t values[15] = {d->kind,
+    const uint32_t values[16] = {d->kind,
                                  d->counters.id != 0,
                                  all || decals || class_bits & GPU_CLASS_LIT,
                                  all || decals || class_bits & GPU_CLASS_METAL,
@@ -99,7 +116,8 @@ static void set_constants(const struct shade_data *d, uint32_t class_bits, struc
                                  [11] = all || class_bits & GPU_CLASS_NORMAL_MAP,
                                  [12] = d->list.listed,
                                  [13] = d->samples,
-                                 [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
+                                 [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 [15] = d->visibility.weights.id != 0};
     params->constant_count = COUNT_OF(values);
     memcpy(params->constants, values, sizeof values);
     memcpy(&params->constants[8], &d->scene->gradient_taps, sizeof(float));
@@ -115,6 +133,11 @@ static struct gpu_visibility_push shade_push(const struct graph_context *context
                                        .triangle_bits = d->visibility.triangle_bits,
                                        .background = {d->background[0], d->background[1], d->background[2]}};
     if (d->visibility.ids_high.id) push.ids_high = graph_sampled(context, d->visibility.ids_high);
+    if (d->visibility.weights.id) {
+        push.weights = graph_sampled(context, d->visibility.weights);
+        push.gradients = graph_sampled(context, d->visibility.gradients);
+        push.depth = graph_sampled(context, d->visibility.depth);
+    }
     if (d->counters.id) push.counters = graph_address(context, d->counters);
     if (d->list.listed != VISIBLE_GRID) push.entries = graph_address(context, d->list.entries);
     if (d->samples == 1) {
@@ -176,6 +199,11 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
     if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
+    if (visibility->weights.id) {
+        graph_use_image(pass, visibility->weights, GRAPH_SAMPLE_COMPUTE);
+        graph_use_image(pass, visibility->gradients, GRAPH_SAMPLE_COMPUTE);
+        graph_use_image(pass, visibility->depth, GRAPH_SAMPLE_COMPUTE);
+    }
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
     if (lists) {

@@ -10,13 +10,16 @@ layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
+#ifndef ID_TARGETS
+#define ID_TARGETS 0 // render targets before those of ids
+#endif
 #ifdef ID_BYTES // few devices have several samples of integers
-layout(location = 0) out vec4 out_id;
-layout(location = 1) out vec4 out_high;
+layout(location = ID_TARGETS) out vec4 out_id;
+layout(location = ID_TARGETS + 1) out vec4 out_high;
 #define ID_STORED(word) unpackUnorm4x8(word)
 #else
-layout(location = 0) out uint out_id;
-layout(location = 1) out uint out_high;
+layout(location = ID_TARGETS) out uint out_id;
+layout(location = ID_TARGETS + 1) out uint out_high;
 #define ID_STORED(word) (word)
 #endif
 

@@ -11,6 +11,7 @@
 /** Ids of what is seen: 32 bits where items and triangles fit, else 48 or 64 in two images. */
 struct visibility {
     graph_image depth, ids, ids_high; /* ids_high.id 0: 32 bits */
+    graph_image weights, gradients;   /* id 0: not stored */
     uint32_t triangle_bits;
 };
 
@@ -19,10 +20,13 @@ uint32_t visibility_bits(uint32_t item_count, uint32_t triangle_count, uint32_t 
 
 /**
  * Draws the opaque set into ids and depth, of one or several samples; cutouts are tested here. The device needs fnl_device_info.primitive_ids. `bits` 48 or
- * 64 makes ids wider than they need to be; 0: as wide as they need to be. Cost: of attributes only the position is read, but for cutouts; 4 to 8
+ * 64 makes ids wider than they need to be; 0: as wide as they need to be. With `weights` and one sample it stores where in its triangle a
+ * pixel is, too: weights of two corners and how they change (after T. Stachowiak, "A Deferred Material Rendering System", 2015); shading then
+ * takes positions from depth and fetches none; 16 bytes more a pixel, and a geometry shader, which tells the corners apart. Cost: of attributes only the position is read, but for cutouts; 4 to 8
  * bytes a pixel.
  */
-struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, graph_image depth);
+struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
+                                 graph_image depth);
 
 /** What pixels are sorted by before they are shaded; the picture is the same. */
 enum visibility_sort { VISIBILITY_SORT_OFF, VISIBILITY_SORT_CLASS, VISIBILITY_SORT_MATERIAL };

@@ -14,16 +14,12 @@
 layout(local_size_x = 64) in; // 8x8 pixels, or entries of a list
 layout(push_constant, scalar) uniform push_block { gpu_visibility_push push; };
 
+layout(constant_id = 15) const uint STORED_WEIGHTS = 0u; // 1: the id pass has stored weights; one sample
+
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
 
-// Fills what material.glsl reads.
-void interpolate(triangle t, vec2 pixel) {
-    vec3 w = triangle_weights(t, push.view, pixel);
-    // The differences that a square of four pixels takes, so that textures are filtered as in forward shading.
-    vec2 corner = floor(pixel * 0.5) * 2.0 + 0.5;
-    vec3 first = triangle_weights(t, push.view, corner);
-    vec3 wx = triangle_weights(t, push.view, corner + vec2(1.0, 0.0)) - first;
-    vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
+// Fills what material.glsl reads, from weights of the three corners and how they change to the right and down.
+void interpolate(triangle t, vec3 w, vec3 wx, vec3 wy) {
     in_position_dx = t.positions[0] * wx.x + t.positions[1] * wx.y + t.positions[2] * wx.z;
     in_position_dy = t.positions[0] * wy.x + t.positions[1] * wy.y + t.positions[2] * wy.z;
     in_bind = in_bind_dx = in_bind_dy = vec3(0.0);
@@ -49,13 +45,42 @@ void interpolate(triangle t, vec2 pixel) {
         in_color += vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y)) * w[i];
     }
     in_ids = uvec3(t.primitive.material, t.item_index, uint(mirror < 0.0 && t.primitive.corners == 3u));
+}
+
+// As a square of four pixels interpolates, so that textures are filtered as in forward shading.
+void interpolate_at(triangle t, vec2 pixel) {
+    vec2 corner = floor(pixel * 0.5) * 2.0 + 0.5;
+    vec3 first = triangle_weights(t, push.view, corner);
+    vec3 wx = triangle_weights(t, push.view, corner + vec2(1.0, 0.0)) - first;
+    vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
+    interpolate(t, triangle_weights(t, push.view, pixel), wx, wy);
     in_front_facing = triangle_front_facing(t, push.view);
 }
 
+// The same from what the id pass has stored: positions are not looked at, but for decals. False where it has stored nothing.
+bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
+    vec2 stored = texelFetch(textures[push.weights], pixel, 0).xy;
+    if (stored.y < -1.0) return false;
+    vec4 gradients = texelFetch(textures[push.gradients], pixel, 0);
+    vec2 w = vec2(abs(stored.x), stored.y);
+    triangle_fetch_vertices(t, push.scene, push.indices, number);
+    if (FEATURES != 0u) triangle_fetch_positions(t, push.scene, push.view);
+    interpolate(t, vec3(1.0 - w.x - w.y, w), vec3(-gradients.x - gradients.y, gradients.xy), vec3(-gradients.z - gradients.w, gradients.zw));
+    float view_depth = view_depth_of(push.view, texelFetch(textures[push.depth], pixel, 0).r);
+    vec3 seen = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
+    in_position = (push.view.view.view_to_world * vec4(seen, 1.0)).xyz;
+    in_front_facing = (floatBitsToUint(stored.x) & 0x80000000u) == 0u;
+    return true;
+}
+
 vec3 shade(ivec2 pixel, vec2 point, uvec2 id) {
-    triangle t = triangle_fetch(push.scene, push.indices, push.view, visible_item(id, push.triangle_bits) - 1u,
-                                visible_triangle(id, push.triangle_bits));
-    interpolate(t, point);
+    triangle t = triangle_of_item(push.scene, visible_item(id, push.triangle_bits) - 1u);
+    uint number = visible_triangle(id, push.triangle_bits);
+    if (STORED_WEIGHTS == 0u || !interpolate_stored(t, number, pixel)) {
+        triangle_fetch_vertices(t, push.scene, push.indices, number);
+        triangle_fetch_positions(t, push.scene, push.view);
+        interpolate_at(t, point);
+    }
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     in_pixel = uvec2(pixel);

@@ -21,6 +21,9 @@ struct gpu_visibility_push {
     uint radiance;                     /* storage; with one sample */
     uint triangle_bits;                /* an id is (item + 1) << triangle_bits | triangle */
     vec3 background;
+    uint weights;                      /* sampled, all three: with stored weights */
+    uint gradients;
+    uint depth;
 };
 
 #endif

@@ -166,6 +166,59 @@ static void test_gradients(void **state) {
     }
 }
 
+/* Stored weights against those that shading finds by itself, with lines and points, across the near plane; the number of what is beyond. */
+static void check_stored(fnl_scene *scene, fnl_frame frame, double allowed, uint32_t part) {
+    fnl_renderer *renderer = test_renderer(scene);
+    frame.shading = FNL_SHADING_VISIBILITY;
+    fnl_image pictures[2];
+    for (int k = 0; k < 2; k++) {
+        frame.visibility.barycentrics = k;
+        renderer->poison = true;
+        test_render_frame(renderer, &frame);
+        pictures[k] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        char plan[32768];
+        assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+        assert_int_equal(strstr(plan, "visibility weights") != NULL, k);
+    }
+    double worst = 0;
+    uint32_t beyond = 0, shown = 0;
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) {
+            double error = 0;
+            for (int c = 0; c < 3; c++)
+                error = fmax(error, fabs((double)test_pixel(&pictures[0], x, y)[c] - (double)test_pixel(&pictures[1], x, y)[c]));
+            beyond += error > allowed;
+            shown += test_pixel(&pictures[0], x, y)[0] > 0;
+            worst = fmax(worst, error);
+        }
+    print_message("%u of %u pixels beyond %g, %.2g at most\n", beyond, shown, allowed, worst);
+    assert_true(shown > 3000);
+    assert_true(beyond * part < shown);
+    for (int k = 0; k < 2; k++) free_picture(&pictures[k]);
+    fnl_renderer_destroy(&renderer);
+}
+
+static void test_stored_weights(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = colorful();
+    for (int view = 0; view < 3; view++) check_stored(scene, wide_frame(view), 1e-4, 200);
+    fnl_scene_destroy(&scene);
+    scene = textured_floor(1);
+    check_stored(scene, wide_frame(0), 4.0 / 255, 200);
+    /* Both sides of surfaces, lit: positions come from depth here. */
+    struct scene_material material = scene_material_default();
+    material.double_sided = true;
+    material.metallic = 0;
+    uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &material));
+    mat4 matrix = mat4_from_trs((vec3){-1, 0.5f, 1}, quat_axis_angle((vec3){0, 1, 0}, PI * 0.8f), (vec3){-1, 1, 1});
+    scene_add_node(scene, "", SCENE_NONE, &matrix, mesh);
+    fnl_light_params light = test_point((vec3){0, 1, 2.5f}, 4, 20);
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    check_stored(scene, wide_frame(0), 4.0 / 255, 200);
+    fnl_scene_destroy(&scene);
+}
+
 static void test_wide_ids(void **state) {
     UNUSED(state);
     fnl_scene *scene = colorful();
@@ -198,6 +251,7 @@ int main(void) {
         {"ES-73: ids are as wide as the scene needs", test_bits, NULL, NULL, NULL},
         {"ES-73: weights are the rasteriser's, across the near plane too", test_interpolation, NULL, NULL, NULL},
         {"ES-73: textures are filtered as in forward shading", test_gradients, NULL, NULL, NULL},
+        {"ES-74: stored weights give the picture of ES-73", test_stored_weights, NULL, NULL, NULL},
         {"ES-73: ids of 48 and 64 bits give the same picture", test_wide_ids, NULL, NULL, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
 }

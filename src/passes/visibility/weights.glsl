@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Writes the id of what a pixel shows, the weights of the second and third corner there, and how they change over the square of four pixels.
+#define ID_TARGETS 2
+#include "passes/visibility/visibility.glsl"
+
+layout(location = 8) in vec2 in_weights;
+
+layout(location = 0) out vec2 out_weights; // the sign of the first: the back is seen; the second below -1: not known
+layout(location = 1) out vec4 out_gradients;
+
+void write_weights() {
+    out_gradients = clamp(vec4(dFdx(in_weights), dFdy(in_weights)), -HALF_MAX, HALF_MAX);
+    uint bits = floatBitsToUint(max(in_weights.x, 0.0)) | (gl_FrontFacing ? 0u : 0x80000000u);
+    out_weights = vec2(uintBitsToFloat(bits), in_weights.y);
+    write_id();
+}
