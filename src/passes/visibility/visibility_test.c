@@ -210,7 +210,7 @@ static void test_stored_weights(void **state) {
     material.double_sided = true;
     material.metallic = 0;
     uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &material));
-    mat4 matrix = mat4_from_trs((vec3){-1, 0.5f, 1}, quat_axis_angle((vec3){0, 1, 0}, PI * 0.8f), (vec3){-1, 1, 1});
+    mat4 matrix = mat4_from_trs((vec3){-1, 0.5f, 1}, quat_axis_angle((vec3){0, 1, 0}, PI * 0.8f), (vec3){1, 1, 1});
     scene_add_node(scene, "", SCENE_NONE, &matrix, mesh);
     fnl_light_params light = test_point((vec3){0, 1, 2.5f}, 4, 20);
     fnl_light_id id;
