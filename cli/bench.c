@@ -33,8 +33,12 @@ static const char *decals_name(int i) { return bench_way_name(BENCH_WAY_DECALS, 
 static const char *msaa_method_name(int i) { return bench_way_name(BENCH_WAY_MSAA_METHOD, i); }
 static const char *visibility_sort_name(int i) { return bench_way_name(BENCH_WAY_VISIBILITY_SORT, i); }
 static const char *barycentrics_name(int i) { return bench_way_name(BENCH_WAY_BARYCENTRICS, i); }
-static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,     transparency_name,    decals_name,
-                                                               msaa_method_name, visibility_sort_name, barycentrics_name};
+static const char *mobile_layout_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LAYOUT, i); }
+static const char *mobile_lights_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LIGHTS, i); }
+static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_GAMMA, i); }
+static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
+                                                               msaa_method_name,   visibility_sort_name, barycentrics_name,
+                                                               mobile_layout_name, mobile_lights_name,   mobile_gamma_name};
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -58,6 +62,7 @@ static void print_help(void) {
          "  --gbuffer KINDS|all        layouts of the G-buffer, of orders that have one (default)\n"
          "  --transparency KINDS|all   how blended surfaces are put together (sorted)\n"
          "  --decals WAYS|all          how decals get onto surfaces: lists, gbuffer, off (lists)\n"
+         "  --mobile-layout, --mobile-lights, --mobile-gamma KINDS|all    of mobile (metallic-128; lists; srgb)\n"
          "  --msaa-method KINDS        of deferred with MSAA; 'all' is one of them (compact)\n"
          "  --visibility-sort KINDS|all    of visibility: off, class, material (off)\n"
          "  --visibility-barycentrics KINDS|all    of visibility with 1 sample: off, on (off)\n"
@@ -182,6 +187,9 @@ enum {
     O_MSAA_METHOD,
     O_VISIBILITY_SORT,
     O_VISIBILITY_BARYCENTRICS,
+    O_MOBILE_LAYOUT,
+    O_MOBILE_LIGHTS,
+    O_MOBILE_GAMMA,
     O_LIST_OPTION,
     O_SUITE,
     O_CAMERA,
@@ -209,6 +217,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"visibility-barycentrics", required_argument, NULL, O_VISIBILITY_BARYCENTRICS},
+                                             {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
+                                             {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
+                                             {"mobile-gamma", required_argument, NULL, O_MOBILE_GAMMA},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
                                              {"camera", required_argument, NULL, O_CAMERA},
@@ -256,6 +267,12 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_VISIBILITY_SORT, value);
     case O_VISIBILITY_BARYCENTRICS:
         return parse_way(o, BENCH_WAY_BARYCENTRICS, value);
+    case O_MOBILE_LAYOUT:
+        return parse_way(o, BENCH_WAY_MOBILE_LAYOUT, value);
+    case O_MOBILE_LIGHTS:
+        return parse_way(o, BENCH_WAY_MOBILE_LIGHTS, value);
+    case O_MOBILE_GAMMA:
+        return parse_way(o, BENCH_WAY_MOBILE_GAMMA, value);
     case O_LIST_OPTION:
         return add_list_option(o, value);
     case O_SUITE:

@@ -52,7 +52,18 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
 /* ---- ways (bench_ways.c) ---- */
 
 /** What candidates may vary beside shading and lists; each is an option of its own. */
-enum bench_way { BENCH_WAY_GBUFFER, BENCH_WAY_TRANSPARENCY, BENCH_WAY_DECALS, BENCH_WAY_MSAA_METHOD, BENCH_WAY_VISIBILITY_SORT, BENCH_WAY_BARYCENTRICS, BENCH_WAY_COUNT };
+enum bench_way {
+    BENCH_WAY_GBUFFER,
+    BENCH_WAY_TRANSPARENCY,
+    BENCH_WAY_DECALS,
+    BENCH_WAY_MSAA_METHOD,
+    BENCH_WAY_VISIBILITY_SORT,
+    BENCH_WAY_BARYCENTRICS,
+    BENCH_WAY_MOBILE_LAYOUT,
+    BENCH_WAY_MOBILE_LIGHTS,
+    BENCH_WAY_MOBILE_GAMMA,
+    BENCH_WAY_COUNT
+};
 
 struct bench_ways {
     int values[BENCH_WAY_COUNT]; /* of fnl_gbuffer and so on */

@@ -14,6 +14,9 @@ static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_ms
 
 static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
 static const char *switch_name(int i) { return i == 0 ? "off" : i == 1 ? "on" : NULL; }
+static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
+static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
+static const char *mobile_gamma_name(int i) { return fnl_mobile_gamma_name((fnl_mobile_gamma)i); }
 
 static const struct {
     const char *key, *column;
@@ -25,6 +28,9 @@ static const struct {
     [BENCH_WAY_MSAA_METHOD] = {"msaa-method", "msaa_method", msaa_method_name},
     [BENCH_WAY_VISIBILITY_SORT] = {"visibility-sort", "visibility_sort", visibility_sort_name},
     [BENCH_WAY_BARYCENTRICS] = {"visibility-barycentrics", "visibility_barycentrics", switch_name},
+    [BENCH_WAY_MOBILE_LAYOUT] = {"mobile-layout", "mobile_layout", mobile_layout_name},
+    [BENCH_WAY_MOBILE_LIGHTS] = {"mobile-lights", "mobile_lights", mobile_lights_name},
+    [BENCH_WAY_MOBILE_GAMMA] = {"mobile-gamma", "mobile_gamma", mobile_gamma_name},
 };
 
 const char *bench_way_key(enum bench_way way) { return ways[way].key; }
@@ -37,7 +43,10 @@ struct bench_ways bench_ways_default(void) {
                                           [BENCH_WAY_DECALS] = (int)frame.decals,
                                           [BENCH_WAY_MSAA_METHOD] = (int)frame.msaa_method,
                                           [BENCH_WAY_VISIBILITY_SORT] = (int)frame.visibility.sort,
-                                          [BENCH_WAY_BARYCENTRICS] = frame.visibility.barycentrics}};
+                                          [BENCH_WAY_BARYCENTRICS] = frame.visibility.barycentrics,
+                                          [BENCH_WAY_MOBILE_LAYOUT] = (int)frame.mobile.layout,
+                                          [BENCH_WAY_MOBILE_LIGHTS] = (int)frame.mobile.lights,
+                                          [BENCH_WAY_MOBILE_GAMMA] = (int)frame.mobile.gamma}};
 }
 
 bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32_t msaa) {
@@ -55,6 +64,10 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
         return shading == FNL_SHADING_VISIBILITY;
     case BENCH_WAY_BARYCENTRICS:
         return shading == FNL_SHADING_VISIBILITY && msaa == 1;
+    case BENCH_WAY_MOBILE_LAYOUT:
+    case BENCH_WAY_MOBILE_LIGHTS:
+    case BENCH_WAY_MOBILE_GAMMA:
+        return shading == FNL_SHADING_MOBILE;
     default:
         return false;
     }
@@ -104,6 +117,9 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->msaa_method = (fnl_msaa_method)chosen.values[BENCH_WAY_MSAA_METHOD];
     frame->visibility.sort = (fnl_visibility_sort)chosen.values[BENCH_WAY_VISIBILITY_SORT];
     frame->visibility.barycentrics = chosen.values[BENCH_WAY_BARYCENTRICS];
+    frame->mobile.layout = (fnl_mobile_layout)chosen.values[BENCH_WAY_MOBILE_LAYOUT];
+    frame->mobile.lights = (fnl_mobile_lights)chosen.values[BENCH_WAY_MOBILE_LIGHTS];
+    frame->mobile.gamma = (fnl_mobile_gamma)chosen.values[BENCH_WAY_MOBILE_GAMMA];
     return argument_list_options("list-option", list_options, &frame->list_options);
 }
 

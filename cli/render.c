@@ -34,7 +34,7 @@ static void print_help(void) {
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces layers motion decals gbuffer-0 … gbuffer-4\n"
-         "                             material-id lit-forward edges, instead of the picture\n"
+         "                             material-id lit-forward edges halos, instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position,motion: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -70,7 +70,9 @@ static void print_help(void) {
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
         "  --visibility-barycentrics  visibility: weights of corners are stored, so that shading fetches no positions\n"
-        "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
+        "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
+        "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle");
+    puts(
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
         "                             (compact)\n"
@@ -112,6 +114,7 @@ static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_li
 static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
+static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
 static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
@@ -177,6 +180,7 @@ enum {
     O_VISIBILITY_BARYCENTRICS,
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
+    O_MOBILE_LIGHTS,
     O_TRAFFIC,
     O_TRANSPARENCY,
     O_DEFERRED_PASS,
@@ -296,6 +300,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_MOBILE_LAYOUT:
         if (!argument_name("mobile-layout", value, mobile_layout_name, &index)) return false;
         o->frame.mobile.layout = (fnl_mobile_layout)index;
+        return true;
+    case O_MOBILE_LIGHTS:
+        if (!argument_name("mobile-lights", value, mobile_lights_name, &index)) return false;
+        o->frame.mobile.lights = (fnl_mobile_lights)index;
         return true;
     case O_TRAFFIC:
         o->traffic = true;
@@ -457,6 +465,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},
                                              {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
+                                             {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
                                              {"traffic", no_argument, NULL, O_TRAFFIC},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},

@@ -281,11 +281,20 @@ typedef enum fnl_mobile_light {
     FNL_MOBILE_LIGHT_COUNT
 } fnl_mobile_light;
 
+/** How the order mobile finds the lights of a pixel. */
+typedef enum fnl_mobile_lights {
+    FNL_MOBILE_LIGHTS_LISTS = 0, /**< by fnl_frame.lists */
+    FNL_MOBILE_LIGHTS_VOLUMES,   /**< a volume drawn for each (fnl_list_options.volume_shape), added up in a target of 64 or 128 bits besides;
+                                      lists serve only blended surfaces. The same lights and the same picture, to the rounding of sums */
+    FNL_MOBILE_LIGHTS_COUNT
+} fnl_mobile_lights;
+
 /** Settings of the order mobile. */
 typedef struct fnl_mobile_options {
     fnl_mobile_layout layout; /**< default metallic-128 */
     fnl_mobile_gamma gamma;   /**< default srgb */
     fnl_mobile_light light;   /**< default float */
+    fnl_mobile_lights lights; /**< default lists */
     float range;              /**< of unorm light: exposed radiance that it can hold, > 0; default 8 */
     bool separate;            /**< passes of their own, as where the device cannot merge them; default false */
     bool
@@ -296,6 +305,7 @@ FNL_API fnl_mobile_options fnl_mobile_options_default(void);
 FNL_API const char *fnl_mobile_layout_name(fnl_mobile_layout layout);
 FNL_API const char *fnl_mobile_gamma_name(fnl_mobile_gamma gamma);
 FNL_API const char *fnl_mobile_light_name(fnl_mobile_light light);
+FNL_API const char *fnl_mobile_lights_name(fnl_mobile_lights lights);
 
 /** One attachment of a layout. */
 typedef struct fnl_mobile_target {
@@ -350,6 +360,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_LIT_FORWARD, /**< white where the layout cannot hold the material, which is therefore lit forward */
     FNL_DEBUG_EDGES, /**< deferred MSAA: pixels that show several things: blue one surface and sky, green 2 surfaces, yellow 3, red more */
     FNL_DEBUG_MOTION, /**< motion vectors: hue is direction, saturation speed; grey stands still */
+    FNL_DEBUG_HALOS, /**< metals blue; what is neither metal nor not, metalness from 0.1 to 0.9, red, the brighter the more its colour shines */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

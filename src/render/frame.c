@@ -110,8 +110,12 @@ static void add_picture(struct frame_state *f) {
                 layers_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height), 1};
         if (f->frame->debug == FNL_DEBUG_DECALS) counts = (struct debug_counts){decals_count_add(f), 1};
         if (f->frame->debug == FNL_DEBUG_EDGES && f->surfaces.id) counts = (struct debug_counts){f->surfaces, 1};
+        graph_image metal = {0};
+        if (f->frame->debug == FNL_DEBUG_HALOS)
+            metal = halos_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
         if (shading_shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
-        debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, f->view_address, f->color, swap);
+        debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, metal, f->view_address, f->color,
+                       swap);
     }
 }
 

@@ -12,6 +12,7 @@ static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, str
                                   .gamma = o->gamma,
                                   .float_light = o->light == FNL_MOBILE_LIGHT_FLOAT || frame->exposure == FNL_EXPOSURE_AUTO,
                                   .separate = o->separate,
+                                  .sum_format = volumes_format(device),
                                   .recycle = o->recycle};
     bool supported = mobile_supported(device, out);
     if (!supported && frame->exposure != FNL_EXPOSURE_AUTO) { /* fractions need to know what white is */
@@ -60,21 +61,42 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
         note_once(f->r, 0,
                   params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
                                      : "light adds up in fractions: the device cannot blend packed floats");
-    order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
-    struct shade_input blend = *input;
-    blend.lights = &f->blend_lights;
-    if (!f->frame->count_lights) blend.counters = (graph_buffer){0};
+    bool by_volumes = shading_draws_volumes(f->frame), has_blend = order_has_blend(f);
+    if (!by_volumes || has_blend)
+        order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
+    struct light_list base;
+    struct volumes volumes;
+    if (by_volumes) {
+        struct light_input suns = f->scene->lights;
+        suns.local_count = 0;
+        base = light_list_all_add(f->graph, f->r->device, &suns);
+        input->lights = suns.directional_count ? &base : NULL;
+        uint32_t shape = (uint32_t)f->frame->list_options.volume_shape;
+        if (shape == VOLUME_STENCIL) shape = VOLUME_DEPTH_BOUNDS; /* the scope has no stencil */
+        volumes = order_prepare_volumes(f, shape);
+        if (!has_blend) f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);
+        f->lights = f->blend_lights;
+        if (!has_blend) order_count_volumes(f, &volumes);
+    }
+    struct shade_input blend_input = *input;
+    blend_input.lights = &f->blend_lights;
+    if (!f->frame->count_lights) blend_input.counters = (graph_buffer){0};
+    const struct mobile_blend blend = {.input = &blend_input,
+                                       .weighted = f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED,
+                                       .half = f->r->weighted_half || weighted_needs_half(f->r->device)};
     params.separate |= f->r->cannot_merge;
     /* What is drawn over opaque surfaces comes before blended ones. */
     bool more = f->frame->light_lod > 0 || decals_redraws(f);
-    f->blended = order_has_blend(f) && !more && f->frame->transparency == FNL_TRANSPARENCY_SORTED;
+    f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
+    if (f->blended && blend.weighted)
+        f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half);
     const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
     struct picture picture = frame_picture(f);
     f->mobile_tonemapped = !more && mobile_tonemaps(f, f->blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
     if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
-    struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, prepass, f->depth, &params,
-                                             decals_in_gbuffer(f) ? &decals : NULL, &finish);
+    struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, by_volumes ? &volumes : NULL,
+                                             prepass, f->depth, &params, decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
     if (!result.merged && !f->frame->mobile.separate)

@@ -146,7 +146,7 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {
         "none",         "albedo",    "normal",      "depth",       "roughness", "lights",    "cells",     "overdraw",
         "tile-normals", "backfaces", "overshading", "layers",      "decals",    "gbuffer-0", "gbuffer-1", "gbuffer-2",
-        "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion"};
+        "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion",    "halos"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -413,6 +413,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->mobile.layout < FNL_MOBILE_LAYOUT_COUNT);
     REQUIRE(host, (uint32_t)frame->mobile.gamma < FNL_MOBILE_GAMMA_COUNT);
     REQUIRE(host, (uint32_t)frame->mobile.light < FNL_MOBILE_LIGHT_COUNT);
+    REQUIRE(host, (uint32_t)frame->mobile.lights < FNL_MOBILE_LIGHTS_COUNT);
     REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
     REQUIRE(host, (uint32_t)frame->visibility.sort < FNL_VISIBILITY_SORT_COUNT);
     REQUIRE(host, (uint32_t)frame->gradients < FNL_GRADIENTS_COUNT);

@@ -97,8 +97,13 @@ bool shading_has_prepass(const fnl_frame *frame) {
             frame->gbuffer_prepass);
 }
 
+bool shading_draws_volumes(const fnl_frame *frame) {
+    return shading_is(frame->shading, SHADING_VOLUMES) ||
+           (frame->shading == FNL_SHADING_MOBILE && frame->mobile.lights == FNL_MOBILE_LIGHTS_VOLUMES);
+}
+
 bool shading_shows_volumes(const fnl_frame *frame) {
-    return shading_is(frame->shading, SHADING_VOLUMES) && frame->debug == FNL_DEBUG_LIGHTS;
+    return shading_draws_volumes(frame) && frame->debug == FNL_DEBUG_LIGHTS;
 }
 
 VkFormat shading_format(const struct frame_state *f) {

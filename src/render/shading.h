@@ -23,6 +23,8 @@ bool shading_is(fnl_shading shading, uint32_t traits);
 
 /** Whether the frame draws the depth of the opaque set first. */
 bool shading_has_prepass(const fnl_frame *frame);
+/** Whether opaque surfaces find their lights by volumes. */
+bool shading_draws_volumes(const fnl_frame *frame);
 /** Whether the debug view of lights shows counts of this very frame's volumes. */
 bool shading_shows_volumes(const fnl_frame *frame);
 /** The format of the radiance target. */

@@ -6,7 +6,8 @@
 
 _Static_assert((uint32_t)FNL_DEBUG_DECALS == GPU_DEBUG_DECALS && FNL_DEBUG_GBUFFER_0 == FNL_DEBUG_DECALS + 1,
                "debug_shared.h has the values of fnl_debug_view");
-_Static_assert((uint32_t)FNL_DEBUG_EDGES == GPU_DEBUG_EDGES, "and that of the view of edges");
+_Static_assert((uint32_t)FNL_DEBUG_EDGES == GPU_DEBUG_EDGES && (uint32_t)FNL_DEBUG_HALOS == GPU_DEBUG_HALOS,
+               "and those of the views of edges and halos");
 
 struct draw_data {
     const struct geometry_scene *scene;
@@ -116,13 +117,34 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
     return counters;
 }
 
+graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                      VkDeviceAddress view, uint32_t width, uint32_t height) {
+    const struct graph_image_params params = {
+        .name = "halos", .format = VK_FORMAT_R16G16_SFLOAT, .width = width, .height = height};
+    graph_image metal = graph_create_image(graph, &params);
+    struct draw_data data = {.scene = scene, .draws = *draws, .view = view};
+    data.state = (struct gpu_graphics_params){.fragment = &shader_halos_frag,
+                                              .color_count = 1,
+                                              .color_formats = {params.format},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_write = true,
+                                              .depth_compare = VK_COMPARE_OP_GREATER_OR_EQUAL,
+                                              .samples = 1};
+    struct graph_pass *pass = graph_add_pass(graph, "halos", GRAPH_QUEUE_GRAPHICS, execute_draw, &data, sizeof data);
+    geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
+    graph_color(pass, metal, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
+    graph_depth(pass, create_depth(graph, "halos depth", width, height), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    return metal;
+}
+
 struct view_data {
     uint32_t mode, kind, width, height;
     struct aov_images aov;
     struct debug_counts counts;
     VkDeviceAddress view, lights;
     graph_buffer cones;
-    graph_image target;
+    graph_image metal, target;
     bool swap;
 };
 
@@ -134,6 +156,7 @@ static void execute_view(const struct graph_context *context, const void *data) 
                                   .counts = d->counts.buffer.id ? graph_address(context, d->counts.buffer) : 0,
                                   .cones = d->cones.id ? graph_address(context, d->cones) : 0,
                                   .has_cones = d->cones.id != 0,
+                                  .metal = d->metal.id ? graph_sampled(context, d->metal) : 0,
                                   .albedo = graph_sampled(context, d->aov.albedo),
                                   .normal = graph_sampled(context, d->aov.normal),
                                   .position = graph_sampled(context, d->aov.position),
@@ -147,16 +170,17 @@ static void execute_view(const struct graph_context *context, const void *data) 
 }
 
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
-                    struct debug_counts counts, VkDeviceAddress view, graph_image target, bool swap) {
+                    struct debug_counts counts, graph_image metal, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {mode, lights->kind,   image.width,   image.height, *aov, counts,
-                             view, lights->header, lights->cones, target,       swap};
+    struct view_data data = {mode, lights->kind,   image.width,   image.height, *aov,   counts,
+                             view, lights->header, lights->cones, metal,        target, swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, aov->position, GRAPH_SAMPLE_COMPUTE);
     if (lights->cones.id) graph_use_buffer(pass, lights->cones, GRAPH_READ_COMPUTE);
     if (counts.buffer.id) graph_use_buffer(pass, counts.buffer, GRAPH_READ_COMPUTE);
+    if (metal.id) graph_use_image(pass, metal, GRAPH_SAMPLE_COMPUTE);
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
     graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
 }

@@ -26,6 +26,10 @@ graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scen
 graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                              VkDeviceAddress view, uint32_t width, uint32_t height);
 
+/** RG16F image of the nearest opaque surface: metalness, and the luminance of the diffuse colour that it leaves. */
+graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                      VkDeviceAddress view, uint32_t width, uint32_t height);
+
 /** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of parts of invocations for
  *  GPU_DEBUG_OVERSHADING, of blended fragments for GPU_DEBUG_LAYERS, of lights where shading does not go by the list. */
 struct debug_counts {
@@ -33,8 +37,8 @@ struct debug_counts {
     uint32_t stride;
 };
 
-/** Writes the view `mode` (GPU_DEBUG_…) to a storage image. */
+/** Writes the view `mode` (GPU_DEBUG_…) to a storage image. `metal`: of halos_add, for GPU_DEBUG_HALOS alone. */
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
-                    struct debug_counts counts, VkDeviceAddress view, graph_image target, bool swap);
+                    struct debug_counts counts, graph_image metal, VkDeviceAddress view, graph_image target, bool swap);
 
 #endif

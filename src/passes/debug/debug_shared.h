@@ -20,6 +20,7 @@
 #define GPU_DEBUG_LAYERS 11u
 #define GPU_DEBUG_DECALS 12u
 #define GPU_DEBUG_EDGES 20u /* those between are views of the G-buffer (shade/gbuffer.h) */
+#define GPU_DEBUG_HALOS 22u /* after that of motion, which aa/motion.c draws */
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u
@@ -37,6 +38,7 @@ struct gpu_debug_push {
     uint mode;
     uint count_stride;            /* 0: no counts */
     uint has_cones;
+    uint metal;                   /* sampled: metalness, luminance of the diffuse colour */
 };
 
 #endif

@@ -80,6 +80,11 @@ void main() {
         color = heat((log2(float(counted) / float(GPU_OVERSHADING_UNIT)) + 1.0) / 9.0); // as count_level() has whole numbers
     if (mode == GPU_DEBUG_LAYERS || mode == GPU_DEBUG_DECALS) color = counted == 0u ? vec3(grey) * 0.5 : mix(vec3(grey), heat(count_level(counted)), 0.8);
     if (mode == GPU_DEBUG_EDGES) color = push.count_stride != 0u ? edge_color(counted, grey) : vec3(grey * 0.5);
+    if (mode == GPU_DEBUG_HALOS) {
+        vec2 metal = texelFetch(textures[push.metal], pixel, 0).xy;
+        color = metal.x >= 0.9 ? mix(vec3(grey), vec3(0.1, 0.35, 0.95), 0.6) : vec3(grey * 0.5);
+        if (metal.x > 0.1 && metal.x < 0.9) color = mix(vec3(0.25, 0.0, 0.0), vec3(1.0, 0.15, 0.0), min(4.0 * metal.y, 1.0));
+    }
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);
         light_point point = light_point(uvec2(pixel), sky ? 1.0 : normal.w, position.xyz, normal.xyz, uint(position.w) - 1u);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/mobile/mobile.h"
 
-#include "passes/mobile/mobile_shared.h"
+#include "passes/mobile/mobile_volume_shared.h"
 #include "passes/post/post_shared.h"
+#include "passes/transparency/transparency.h"
 #include "shaders.h"
 
 #include <math.h>
@@ -36,6 +37,12 @@ const char *fnl_mobile_gamma_name(fnl_mobile_gamma gamma) {
     static const char *const names[] = {"srgb", "sqrt", "power"};
     _Static_assert(COUNT_OF(names) == FNL_MOBILE_GAMMA_COUNT, "each has a name");
     return NAME_OF(names, gamma);
+}
+
+const char *fnl_mobile_lights_name(fnl_mobile_lights lights) {
+    static const char *const names[] = {"lists", "volumes"};
+    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LIGHTS_COUNT, "each has a name");
+    return NAME_OF(names, lights);
 }
 
 const char *fnl_mobile_light_name(fnl_mobile_light light) {
@@ -142,6 +149,10 @@ struct step_data {
     struct gpu_graphics_params state;
     struct gpu_mobile_push push;
     uint32_t reads; /* targets that are sampled when separate, as bits */
+    struct {
+        graph_image image; /* id 0: none */
+        uint32_t input;
+    } others[2]; /* what else is */
 };
 
 static void set_formats(struct gpu_graphics_params *state, const struct mobile_layout *layout, const uint32_t *indices,
@@ -156,6 +167,8 @@ static void execute_screen(const struct graph_context *context, const void *data
     push.counters = d->counters.id ? graph_address(context, d->counters) : 0;
     for (uint32_t i = 0; i < d->targets.layout.target_count && !d->merged; i++)
         if (d->reads >> i & 1) push.images[i] = graph_sampled(context, d->targets.images[i]);
+    for (uint32_t i = 0; i < COUNT_OF(d->others) && !d->merged; i++)
+        if (d->others[i].image.id) push.images[d->others[i].input] = graph_sampled(context, d->others[i].image);
     gpu_bind(context->commands, graph_pipeline(context, &d->state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, 1, 0, 0);
@@ -297,6 +310,81 @@ static void add_lights(struct graph *graph, const struct shade_input *input, con
     }
 }
 
+/* ---- lights as volumes ---- */
+
+struct volume_data {
+    struct targets targets;
+    struct volumes volumes;
+    bool merged;
+    VkDeviceAddress view;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+};
+
+static void execute_volumes(const struct graph_context *context, const void *data) {
+    const struct volume_data *d = data;
+    struct gpu_graphics_params state = d->state;
+    struct gpu_mobile_volume_push push = {.view = d->view,
+                                          .counters = d->counters.id ? graph_address(context, d->counters) : 0};
+    for (uint32_t i = 0; i < d->targets.layout.target_count && !d->merged; i++)
+        push.images[i] = graph_sampled(context, d->targets.images[i]);
+    volumes_draw(context, &d->volumes, &state, (struct gpu_volume_head *)&push, sizeof push);
+}
+
+_Static_assert(offsetof(struct gpu_mobile_volume_push, images) == sizeof(struct gpu_volume_head),
+               "it begins as gpu_volume_head");
+
+/* Into a sum of their own: in ten bits of light a pixel's faint lights would get lost one by one. */
+static void add_volumes(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
+                        const struct mobile_params *params, bool merged, graph_image depth, graph_image sum,
+                        const struct targets *targets) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_volume_metallic_128_frag, &shader_mobile_volume_metallic_128_local_frag},
+        {&shader_mobile_volume_specular_160_frag, &shader_mobile_volume_specular_160_local_frag},
+        {&shader_mobile_volume_metallic_256_frag, &shader_mobile_volume_metallic_256_local_frag},
+        {&shader_mobile_volume_specular_256_frag, &shader_mobile_volume_specular_256_local_frag}};
+    struct volume_data data = {.targets = *targets,
+                               .volumes = *volumes,
+                               .merged = merged,
+                               .view = input->view,
+                               .counters = input->counters,
+                               .state = {.fragment = shaders[params->layout][merged],
+                                         .constant_count = 14,
+                                         .constants = {GPU_LIST_ALL, input->counters.id != 0, 1, 1},
+                                         .color_count = 1,
+                                         .color_formats = {graph_image_info(graph, sum).format},
+                                         .blends = {GPU_BLEND_ADD}}};
+    data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
+    data.state.constants[13] = volumes->shape == VOLUME_DEPTH_BOUNDS;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile volumes", GRAPH_QUEUE_GRAPHICS, execute_volumes, &data, sizeof data);
+    volumes_use(pass, volumes);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    for (uint32_t i = 0; i < targets->layout.target_count; i++) graph_local_read(pass, i, targets->images[i]);
+    graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
+    graph_depth_read_only(pass, depth);
+}
+
+static void add_sum(struct graph *graph, const struct shade_input *input, bool merged, graph_image sum,
+                    struct targets *targets) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_sum_narrow_frag, &shader_mobile_sum_narrow_local_frag},
+        {&shader_mobile_sum_wide_frag, &shader_mobile_sum_wide_local_frag}};
+    const struct mobile_layout *layout = &targets->layout;
+    const uint32_t at = layout->wide ? 0 : 1; /* MOBILE_SUM of mobile_sum.glsl */
+    struct step_data data = {
+        .targets = *targets, .merged = merged, .others = {{sum, at}}, .state = screen_state(shaders[layout->wide][merged])};
+    for (uint32_t i = 0; i < layout->light_count; i++) data.reads |= 1u << layout->lights[i];
+    data.push.view = input->view;
+    set_formats(&data.state, layout, layout->lights, layout->light_count);
+    struct graph_pass *pass = graph_add_pass(graph, "mobile sum", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    graph_local_read(pass, at, sum);
+    for (uint32_t i = 0; i < layout->light_count; i++) {
+        uint32_t light = layout->lights[i];
+        targets->images[light] = graph_local_rewrite(pass, light, targets->images[light]);
+    }
+}
+
 /* ---- blended surfaces ---- */
 
 static void add_glass(struct graph *graph, const struct shade_input *input, graph_image depth,
@@ -326,6 +414,28 @@ static void add_glass(struct graph *graph, const struct shade_input *input, grap
     for (uint32_t i = 0; i < layout->light_count; i++)
         graph_color(pass, targets->images[layout->lights[i]], VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
     graph_depth_read_only(pass, depth);
+}
+
+static void add_weighted(struct graph *graph, const struct mobile_blend *blend, bool merged, graph_image depth,
+                         const struct targets *targets) {
+    static const struct gpu_shader *const shaders[][2] = {
+        {&shader_mobile_weighted_narrow_frag, &shader_mobile_weighted_narrow_local_frag},
+        {&shader_mobile_weighted_wide_frag, &shader_mobile_weighted_wide_local_frag}};
+    const struct mobile_layout *layout = &targets->layout;
+    struct weighted_sums sums = weighted_sums_add(graph, blend->input, blend->half, depth);
+    struct step_data data = {.targets = *targets,
+                             .merged = merged,
+                             .others = {{sums.sum, 0}, {sums.density, 1}},
+                             .state = screen_state(shaders[layout->wide][merged])};
+    data.push.view = blend->input->view;
+    data.state.blends[0] = data.state.blends[1] = GPU_BLEND_ALPHA;
+    set_formats(&data.state, layout, layout->lights, layout->light_count);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "mobile weighted", GRAPH_QUEUE_GRAPHICS, execute_screen, &data, sizeof data);
+    graph_local_read(pass, 0, sums.sum);
+    graph_local_read(pass, 1, sums.density);
+    for (uint32_t i = 0; i < layout->light_count; i++)
+        graph_color(pass, targets->images[layout->lights[i]], VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
 }
 
 /* ---- the end ---- */
@@ -364,9 +474,10 @@ static graph_image add_finish(struct graph *graph, const struct shade_input *inp
 
 /* ---- the whole ---- */
 
-struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct shade_input *blend,
-                                bool prepass, graph_image depth, const struct mobile_params *params,
-                                const struct mobile_decals *decals, const struct mobile_finish *finish) {
+struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct mobile_blend *blend,
+                                const struct volumes *volumes, bool prepass, graph_image depth,
+                                const struct mobile_params *params, const struct mobile_decals *decals,
+                                const struct mobile_finish *finish) {
     struct targets targets = {.layout = mobile_layout(params->layout, params->gamma, params->float_light)};
     struct mobile_result result = {.bits = 0};
     for (uint32_t i = 0; i < targets.layout.target_count; i++) {
@@ -377,6 +488,11 @@ struct mobile_result mobile_add(struct graph *graph, const struct shade_input *i
                                                                    .height = input->height});
         result.bits += targets.layout.targets[i].bits;
     }
+    graph_image sum = {0};
+    if (volumes)
+        sum = graph_create_image(
+            graph, &(struct graph_image_params){
+                       .name = "mobile sum", .format = params->sum_format, .width = input->width, .height = input->height});
     const struct graph_scope_params scope = {.name = "mobile",
                                              .most_colors = targets.layout.target_count,
                                              .most_inputs = targets.layout.target_count,
@@ -384,8 +500,13 @@ struct mobile_result mobile_add(struct graph *graph, const struct shade_input *i
     result.merged = graph_begin_scope(graph, &scope);
     add_gbuffer(graph, input, prepass, depth, params, &targets);
     if (decals) add_decals(graph, input, params, result.merged, decals, &targets);
-    add_lights(graph, input, params, result.merged, &targets);
-    if (blend) add_glass(graph, blend, depth, &targets);
+    if (input->lights) add_lights(graph, input, params, result.merged, &targets);
+    if (volumes) {
+        add_volumes(graph, input, volumes, params, result.merged, depth, sum, &targets);
+        add_sum(graph, input, result.merged, sum, &targets);
+    }
+    if (blend && blend->weighted) add_weighted(graph, blend, result.merged, depth, &targets);
+    if (blend && !blend->weighted) add_glass(graph, blend->input, depth, &targets);
     result.target = add_finish(graph, input, result.merged, &targets, params, finish);
     graph_end_scope(graph);
     return result;

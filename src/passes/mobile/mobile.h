@@ -12,7 +12,7 @@
 
 #include "fanal/renderer.h"
 #include "passes/post/post.h"
-#include "passes/shade/shade.h"
+#include "passes/shade/volumes.h"
 
 enum { MOBILE_TARGETS = 8 }; /* at most */
 
@@ -40,9 +40,10 @@ struct mobile_scale {
 struct mobile_params {
     fnl_mobile_layout layout;
     fnl_mobile_gamma gamma;
-    bool float_light; /* 128 and 160 bits: light as B10G11R11 floats instead of 10-bit fractions */
-    bool separate;    /* not merged, whatever the device can do */
-    bool recycle;     /* 128 and 160 bits: the picture takes the place of the normals; the target must be RGBA8 UNORM */
+    bool float_light;    /* 128 and 160 bits: light as B10G11R11 floats instead of 10-bit fractions */
+    bool separate;       /* not merged, whatever the device can do */
+    bool recycle;        /* 128 and 160 bits: the picture takes the place of the normals; the target must be RGBA8 UNORM */
+    VkFormat sum_format; /* of lights as volumes: volumes_format() */
     struct mobile_scale scale;
 };
 
@@ -56,6 +57,12 @@ bool mobile_supported(const gpu_device *device, const struct mobile_params *para
 struct mobile_decals {
     const struct light_list *list; /* of clusters; the view has the address of the set */
     graph_buffer decals;
+};
+
+/** Blended surfaces. */
+struct mobile_blend {
+    const struct shade_input *input; /* with the lists for them */
+    bool weighted, half;             /* as weighted_add() puts them together; else back to front */
 };
 
 /** Where it ends. */
@@ -73,11 +80,13 @@ struct mobile_result {
 };
 
 /**
- * Declares the whole scope. `blend`: lists for blended surfaces, NULL: they are not drawn here. The view has params->scale.
- * With `prepass`, `depth` is complete. `decals` may be NULL.
+ * Declares the whole scope. `blend` NULL: they are not drawn here. The view has params->scale. With `prepass`, `depth` is complete.
+ * `decals` may be NULL. `volumes`: local lights are drawn, into a sum of volumes_format() in a target of its own, and added to the light once;
+ * input->lights are directional ones alone, or NULL. `volumes` NULL: all lights are those of input->lights.
  */
-struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct shade_input *blend,
-                                bool prepass, graph_image depth, const struct mobile_params *params,
-                                const struct mobile_decals *decals, const struct mobile_finish *finish);
+struct mobile_result mobile_add(struct graph *graph, const struct shade_input *input, const struct mobile_blend *blend,
+                                const struct volumes *volumes, bool prepass, graph_image depth,
+                                const struct mobile_params *params, const struct mobile_decals *decals,
+                                const struct mobile_finish *finish);
 
 #endif

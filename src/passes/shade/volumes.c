@@ -198,7 +198,7 @@ void volumes_draw(const struct graph_context *context, const struct volumes *vol
     set_state(volumes, state);
     push->list = volumes->list.header;
     push->ids = graph_address(context, volumes->ids);
-    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, state));
+    gpu_bind(context->commands, graph_pipeline(context, state));
     gpu_push(context->commands, push, size);
     gpu_bind_indices(context->commands, volumes->indices.buffer, volumes->indices.offset);
     gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, volumes->draws), 0, 2);

@@ -18,6 +18,11 @@ void weighted_add(struct graph *graph, const struct shade_input *input, bool hal
 /** `half`: of 16-bit sums, which devices get that cannot blend 32-bit ones. They tell distances apart between 0.35 and 22 m only. */
 bool weighted_needs_half(const gpu_device *device);
 uint32_t weighted_bytes(bool half);
+/** The first of its two passes: weighted colours and weights; in red, minus the logarithm of what stays open. For those that go on by themselves. */
+struct weighted_sums {
+    graph_image sum, density;
+};
+struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_input *input, bool half, graph_image depth);
 
 /**
  * Lists of all fragments of a pixel (Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the GPU", EGSR), here without

@@ -63,10 +63,10 @@ static void execute_composite(const struct graph_context *context, const void *d
     }
 }
 
-void weighted_add(struct graph *graph, const struct shade_input *input, bool half, graph_image radiance, graph_image depth) {
-    struct graph_image_params target = graph_image_info(graph, radiance), params = target;
+struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_input *input, bool half, graph_image depth) {
+    struct graph_image_params params = graph_image_info(graph, depth);
     struct formats formats = formats_of(half);
-    uint32_t samples = MAX(target.samples, 1u);
+    uint32_t samples = MAX(params.samples, 1u);
     params.name = "weighted sum";
     params.format = formats.sum;
     graph_image sum = graph_create_image(graph, &params);
@@ -98,11 +98,16 @@ void weighted_add(struct graph *graph, const struct shade_input *input, bool hal
     graph_color(pass, sum, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
     graph_color(pass, density, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){0, 0, 0, 0});
     graph_depth_read_only(pass, depth);
+    return (struct weighted_sums){sum, density};
+}
 
-    struct composite_data composite = {sum, density, target.format, samples};
-    pass =
+void weighted_add(struct graph *graph, const struct shade_input *input, bool half, graph_image radiance, graph_image depth) {
+    struct graph_image_params target = graph_image_info(graph, radiance);
+    struct weighted_sums sums = weighted_sums_add(graph, input, half, depth);
+    struct composite_data composite = {sums.sum, sums.density, target.format, MAX(target.samples, 1u)};
+    struct graph_pass *pass =
         graph_add_pass(graph, "weighted composite", GRAPH_QUEUE_GRAPHICS, execute_composite, &composite, sizeof composite);
-    graph_use_image(pass, sum, GRAPH_SAMPLE_FRAGMENT);
-    graph_use_image(pass, density, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, sums.sum, GRAPH_SAMPLE_FRAGMENT);
+    graph_use_image(pass, sums.density, GRAPH_SAMPLE_FRAGMENT);
     graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, NULL);
 }

@@ -130,7 +130,7 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     uint64_t capacity = (uint64_t)input->width * input->height * data.samples;
     bool sorts = sort != VISIBILITY_SORT_OFF && capacity < 1u << 31; /* what radix_sort_add takes */
     if (sort == VISIBILITY_SORT_MATERIAL) {
-        while (input->scene->material_count - 1 >> data.material_bits) data.material_bits++;
+        while ((input->scene->material_count - 1) >> data.material_bits) data.material_bits++;
         data.material_bits = MIN(data.material_bits, 28u);
     }
     data.list.capacity = (uint32_t)capacity;
