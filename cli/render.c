@@ -80,6 +80,7 @@ static void print_help(void) {
         "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
         "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
+        "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
         "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
         "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
         "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
@@ -115,6 +116,7 @@ static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_ms
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
+static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
 static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
@@ -191,6 +193,7 @@ enum {
     O_SUPERSAMPLE,
     O_FRAME_TIME,
     O_DECALS,
+    O_CULL,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -314,6 +317,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_DECALS:
         return parse_decals(value, &o->frame);
+    case O_CULL:
+        if (!argument_name("cull", value, culling_name, &index)) return false;
+        o->frame.culling = (fnl_culling)index;
+        return true;
     case O_AA:
         if (!argument_name("aa", value, antialiasing_name, &index)) return false;
         o->frame.aa = (fnl_antialiasing)index;
@@ -460,6 +467,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
+                                             {"cull", required_argument, NULL, O_CULL},
                                              {"mobile", required_argument, NULL, O_MOBILE},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},

@@ -70,6 +70,14 @@ void report_print(const struct render_report *r) {
         printf("  light evaluations %" PRIu64 ": %.2f per pixel, at most %u; %.2f times those that reach the surface\n",
                s->evaluations, s->mean_per_pixel, s->max_per_pixel,
                (double)s->evaluations / (double)(s->evaluations_useful ? s->evaluations_useful : 1));
+    if (r->frame.culling != FNL_CULLING_INSTANCES && s->triangles_total) {
+        double whole = 100 / (double)s->triangles_total;
+        printf("  triangles drawn %" PRIu64 " of %" PRIu64 " (%.1f%%); out of view %.1f%%, facing away %.1f%%, too small %.1f%%; clusters %" PRIu64
+               " of %" PRIu64 "; whole items %u\n",
+               s->triangles_drawn, s->triangles_total, (double)s->triangles_drawn * whole, (double)s->triangles_outside * whole,
+               (double)s->triangles_back * whole, (double)s->triangles_small * whole, s->clusters_drawn, s->clusters_total,
+               s->items_whole);
+    }
     if (r->frame.class_blocks) {
         printf("  blocks of %u pixels by class:", r->frame.class_blocks);
         for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
@@ -155,6 +163,20 @@ static void add_decals(json_t *json, const struct render_report *r) {
                                   integer(s->decal_entries), "overflow", integer(s->decal_overflow)));
 }
 
+static void add_culling(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    json_t *culling = json_object_get(json, "culling");
+    json_object_set_new(culling, "kind", json_string(fnl_culling_name(r->frame.culling)));
+    json_object_set_new(culling, "triangles_total", integer(s->triangles_total));
+    json_object_set_new(culling, "triangles_drawn", integer(s->triangles_drawn));
+    json_object_set_new(culling, "triangles_outside", integer(s->triangles_outside));
+    json_object_set_new(culling, "triangles_back", integer(s->triangles_back));
+    json_object_set_new(culling, "triangles_small", integer(s->triangles_small));
+    json_object_set_new(culling, "clusters_total", integer(s->clusters_total));
+    json_object_set_new(culling, "clusters_drawn", integer(s->clusters_drawn));
+    json_object_set_new(culling, "items_whole", integer(s->items_whole));
+}
+
 static void add_msaa(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     if (s->msaa_pixels == 0) return;
@@ -204,6 +226,7 @@ bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
     add_gbuffer(json, r);
     add_decals(json, r);
+    add_culling(json, r);
     add_transparency(json, r);
     add_msaa(json, r);
     add_traffic(json, r);

@@ -16,6 +16,7 @@ layout(buffer_reference) buffer primitive_array;
 layout(buffer_reference) buffer material_array;
 layout(buffer_reference) buffer item_array;
 layout(buffer_reference) buffer group_array;
+layout(buffer_reference) buffer cluster_array;
 
 #include "scene_shared.h"
 
@@ -26,6 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer pri
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer material_array { gpu_material at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer item_array { gpu_item at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer group_array { gpu_group at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer cluster_array { gpu_cluster at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer scene_block { gpu_scene scene; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer draw_array { gpu_draw at[]; };
 

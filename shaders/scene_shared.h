@@ -24,6 +24,7 @@
 /* Bits of the feature constant of shaders that draw the scene (gpu_graphics_params.features). */
 #define GPU_FEATURE_DECALS 1u      /* box and volume decals are looked up in a list */
 #define GPU_FEATURE_MESH_DECALS 2u /* some instance has decals of its own, in the space of its mesh */
+#define GPU_FEATURE_COMPACTED 4u   /* draws leave out triangles: passes/geometry/clusters.h */
 
 /* Vertex data apart from the position, which is a stream of its own (3 floats). */
 struct gpu_attributes {
@@ -71,6 +72,19 @@ struct gpu_primitive {
     int vertex_offset;
     uint corners;      /* 3: triangles; 2: lines, 1: points, which have no back */
     int bind_offset;   /* from a deformed vertex to the one that it was made from */
+    uint first_cluster;
+    uint cluster_count; /* 0: not cut into clusters */
+};
+
+/* A run of triangles of a primitive that lie together; object space. */
+struct gpu_cluster {
+    vec3 center; /* of a sphere round them */
+    float radius;
+    vec3 cone_axis;    /* with e from the eye to the centre, all face away where dot(e, axis) >= cutoff * length(e) + radius */
+    float cone_cutoff; /* 1: never */
+    float thinnest;    /* the smallest altitude of a triangle that has an area */
+    uint first_triangle; /* of the primitive */
+    uint triangle_count;
 };
 
 /* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */
@@ -104,6 +118,7 @@ struct gpu_scene {
     ADDRESS(material_array) materials;
     ADDRESS(item_array) items;
     ADDRESS(group_array) groups;
+    ADDRESS(cluster_array) clusters;
 };
 
 #endif

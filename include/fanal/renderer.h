@@ -257,6 +257,14 @@ typedef enum fnl_decals {
     FNL_DECALS_OFF,     /**< none, of no kind but those that are baked */
     FNL_DECALS_COUNT
 } fnl_decals;
+/** How finely what cannot be seen is left out before it is drawn. The picture is the same. docs/techniques/culling.md compares them. */
+typedef enum fnl_culling {
+    FNL_CULLING_INSTANCES = 0, /**< primitives of instances out of the view */
+    FNL_CULLING_CLUSTERS,  /**< of the others, clusters of up to 124 triangles that are out of it, face away, or lie between samples */
+    FNL_CULLING_TRIANGLES, /**< of the others, each triangle likewise */
+    FNL_CULLING_COUNT
+} fnl_culling;
+
 /** What the order mobile keeps at a pixel, and in how many bits. */
 typedef enum fnl_mobile_layout {
     FNL_MOBILE_METALLIC_128 = 0, /**< light, depth, normal and roughness, colour and metalness; dielectrics reflect 4 % */
@@ -376,6 +384,7 @@ FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
 FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
 FNL_API const char *fnl_decals_name(fnl_decals decals);
+FNL_API const char *fnl_culling_name(fnl_culling culling);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_deferred_pass_name(fnl_deferred_pass pass);
 FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
@@ -459,6 +468,7 @@ typedef struct fnl_frame {
      * is then shaded as the first of them. 0 (default): what is stored must be equal. FNL_SHADING_DEFERRED, but for FNL_MSAA_ALL.
      */
     float msaa_tolerance;
+    fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances */
     fnl_transparency transparency; /**< default sorted */
     fnl_decals decals;             /**< default lists */
     /**
@@ -553,6 +563,13 @@ typedef struct fnl_frame_stats {
     uint64_t
         items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
     uint64_t triangles_visible; /**< of opaque surfaces and cutouts; known with count_lights */
+    /**
+     * Opaque triangles and cutouts of all instances, and with clusters or triangles of fnl_culling what became of them: drawn, out of the view,
+     * facing away, between samples. Those of objects that one list or another draws in its own way (batches, multipass) count all the same.
+     */
+    uint64_t triangles_total, triangles_drawn, triangles_outside, triangles_back, triangles_small;
+    uint64_t clusters_total, clusters_drawn; /**< clusters of all instances, those of which something is drawn */
+    uint32_t items_whole; /**< visible items that were drawn as a whole because a pool was too small in this frame */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];
     /**

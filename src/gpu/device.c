@@ -89,6 +89,8 @@ struct jobs *gpu_jobs(gpu_device *device) {
 }
 const fnl_device_info *gpu_info(const gpu_device *device) { return &device->info; }
 
+bool gpu_standard_samples(const gpu_device *device) { return device->properties.limits.standardSampleLocations; }
+uint32_t gpu_subpixel_bits(const gpu_device *device) { return device->properties.limits.subPixelPrecisionBits; }
 bool gpu_isotropic_gradients(const gpu_device *device) { return device->isotropic_gradients; }
 
 bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features) {

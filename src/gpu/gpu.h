@@ -38,6 +38,10 @@ struct jobs *gpu_jobs(gpu_device *device);
 const fnl_device_info *gpu_info(const gpu_device *device);
 /** True where textureGrad() filters without anisotropy whatever the sampler says: shaders then take several samples along the longer gradient. */
 bool gpu_isotropic_gradients(const gpu_device *device);
+/** Whether samples lie where Vulkan's standard locations are. */
+bool gpu_standard_samples(const gpu_device *device);
+/** Bits of a pixel's fraction that a rasteriser keeps of a vertex's place. */
+uint32_t gpu_subpixel_bits(const gpu_device *device);
 bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features);
 /** Waits until all submitted work is done. */
 fnl_result gpu_wait_idle(gpu_device *device);

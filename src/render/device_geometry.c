@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "render/device_clusters.h"
 #include "render/device_scene.h"
 
 /* Whether a node's vertices are its own, moved every frame. */
@@ -35,6 +36,7 @@ struct upload {
     uint32_t *first_vertex;                 /* of each scene primitive */
     uint32_t *node_primitives;              /* of each node: its first own primitive, or SCENE_NONE */
     ARRAY(struct gpu_deform) deforms;
+    gpu_cluster_list clusters;
 };
 
 static struct geometry_totals count_geometry(const fnl_scene *scene) {
@@ -58,13 +60,34 @@ static struct geometry_totals count_geometry(const fnl_scene *scene) {
     return t;
 }
 
+/* Blended surfaces stay in the order that they came in. */
+static bool is_clustered(const struct device_scene *d, const struct scene_primitive *p) {
+    return p->topology == SCENE_TOPOLOGY_TRIANGLES && p->index_count > 0 &&
+           (p->material == SCENE_NONE || d->scene->materials.data[p->material].alpha_mode != FNL_ALPHA_BLEND);
+}
+
+static fnl_result upload_clusters(struct upload *u, const struct scene_primitive *p, uint32_t first_index) {
+    struct device_scene *d = u->d;
+    uint32_t *indices = host_allocate(&d->host, p->index_count * 4ull);
+    if (!indices) return FNL_ERROR_MEMORY;
+    fnl_result result = device_clusters_build(&d->host, p, &u->clusters, indices);
+    if (result == FNL_OK)
+        result = gpu_upload_buffer(d->device, &d->indices, first_index * 4ull, indices, p->index_count * 4ull);
+    host_free(&d->host, indices, p->index_count * 4ull);
+    return result;
+}
+
 static fnl_result upload_primitive(struct upload *u, const struct scene_primitive *p, uint32_t first_vertex,
                                    uint32_t first_index) {
     struct gpu_attributes packed[256];
     struct device_scene *d = u->d;
     if (p->colors) d->attribute_bits |= GEOMETRY_COLORS;
     TRY(gpu_upload_buffer(d->device, &d->positions, first_vertex * 12ull, p->positions, p->vertex_count * 12ull));
-    TRY(gpu_upload_buffer(d->device, &d->indices, first_index * 4ull, p->indices, p->index_count * 4ull));
+    uint32_t first_cluster = u->clusters.count;
+    if (is_clustered(d, p))
+        TRY(upload_clusters(u, p, first_index));
+    else
+        TRY(gpu_upload_buffer(d->device, &d->indices, first_index * 4ull, p->indices, p->index_count * 4ull));
     for (uint32_t v = 0; v < p->vertex_count;) {
         uint32_t count = MIN(p->vertex_count - v, COUNT_OF(packed));
         for (uint32_t i = 0; i < count; i++) packed[i] = pack_attributes(p, v + i);
@@ -76,7 +99,9 @@ static fnl_result upload_primitive(struct upload *u, const struct scene_primitiv
                               .first_index = first_index,
                               .index_count = p->index_count,
                               .vertex_offset = (int32_t)first_vertex,
-                              .corners = 3 - (uint32_t)p->topology};
+                              .corners = 3 - (uint32_t)p->topology,
+                              .first_cluster = first_cluster,
+                              .cluster_count = u->clusters.count - first_cluster};
     g.center = vec3_scale(vec3_add(p->bounds.low, p->bounds.high), 0.5f);
     g.half_extent = vec3_scale(vec3_sub(p->bounds.high, p->bounds.low), 0.5f);
     return array_push(&d->host, &u->primitives, g) ? FNL_OK : FNL_ERROR_MEMORY;
@@ -178,6 +203,8 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
     TRY(gpu_buffer_create(d->device, "attributes", MAX(vertices, 1u) * sizeof(struct gpu_attributes), GPU_MEMORY_DEVICE,
                           &d->attributes));
     TRY(gpu_buffer_create(d->device, "indices", MAX(totals->indices, 1u) * 4, GPU_MEMORY_DEVICE, &d->indices));
+    d->index_count = (uint32_t)totals->indices;
+    d->pool_triangles = 0;
     TRY(gpu_buffer_create(d->device, "influences", MAX(totals->influences, 1u) * sizeof(struct gpu_influence),
                           GPU_MEMORY_DEVICE, &d->influences));
     TRY(gpu_buffer_create(d->device, "morph targets", MAX(totals->morph_floats, 1u) * 4, GPU_MEMORY_DEVICE, &d->morphs));
@@ -195,6 +222,7 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
     TRY(upload_deforming_nodes(u, first_vertex));
     TRY(device_upload_array(d, "primitives", &d->primitives, u->primitives.data,
                             u->primitives.count * sizeof *u->primitives.data));
+    TRY(device_upload_array(d, "clusters", &d->clusters, u->clusters.data, u->clusters.count * sizeof *u->clusters.data));
     TRY(device_upload_array(d, "deforms", &d->deforms, u->deforms.data, u->deforms.count * sizeof *u->deforms.data));
     TRY(device_items_upload(d, u->primitives.data, u->primitives.count, u->node_primitives));
     struct gpu_scene table = {.positions = d->positions.address,
@@ -203,7 +231,8 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
                               .primitives = d->primitives.address,
                               .materials = d->materials.address,
                               .items = d->items.address,
-                              .groups = d->groups.address};
+                              .groups = d->groups.address,
+                              .clusters = d->clusters.address};
     return device_upload_array(d, "scene table", &d->table, &table, sizeof table);
 }
 
@@ -228,5 +257,6 @@ fnl_result device_geometry_upload(struct device_scene *d) {
     if (u.node_primitives) host_free(&d->host, u.node_primitives, node_size);
     array_free(&d->host, &u.primitives);
     array_free(&d->host, &u.deforms);
+    array_free(&d->host, &u.clusters);
     return result;
 }

@@ -179,6 +179,11 @@ static fnl_result upload_groups(struct item_walk *w) {
             last = &d->buckets.data[d->buckets.count - 1];
             if (sorted) d->blend_first_item = first;
         }
+        if (geometry_bucket_clustered(last)) {
+            const struct gpu_primitive *primitive = &w->primitives[key->primitive];
+            d->cluster_count += (uint64_t)key->count * primitive->cluster_count;
+            d->triangle_count += (uint64_t)key->count * (primitive->index_count / 3);
+        }
         last->item_count += key->count;
         last->group_count++;
         if (key->bucket == BUCKET_SORTED) d->blend_item_count += key->count;

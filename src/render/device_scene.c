@@ -20,7 +20,8 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions,  &d->attributes, &d->indices,          &d->instances, &d->primitives,
                                     &d->materials,  &d->items,      &d->groups,           &d->table,     &d->deforms,
-                                    &d->influences, &d->morphs,     &d->material_entries, &d->previous};
+                                    &d->influences, &d->morphs,     &d->material_entries, &d->previous,
+                                    &d->clusters};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
@@ -28,6 +29,7 @@ static void free_structure(struct device_scene *d) {
         d->deform_vertex_counts.count = 0;
     d->attribute_bits = 0;
     d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
+    d->cluster_count = d->triangle_count = 0;
 }
 
 void device_scene_finish(struct device_scene *d) {
@@ -88,12 +90,39 @@ static fnl_result prepare_structure(struct device_scene *d) {
     return FNL_OK;
 }
 
+/* Makes room behind the scene's indices; waits for the frames in flight. */
+static fnl_result grow_index_pool(struct device_scene *d) {
+    enum { CHUNK = 1 << 20 };
+    if (d->wanted_triangles <= d->pool_triangles) return FNL_OK;
+    uint64_t used = d->index_count * 4ull;
+    struct gpu_buffer grown;
+    TRY(gpu_buffer_create(d->device, "indices", used + d->wanted_triangles * 12ull, GPU_MEMORY_DEVICE, &grown));
+    void *chunk = host_allocate(&d->host, CHUNK);
+    fnl_result result = chunk ? FNL_OK : FNL_ERROR_MEMORY;
+    for (uint64_t at = 0; at < used && result == FNL_OK; at += CHUNK) {
+        uint64_t size = MIN(used - at, (uint64_t)CHUNK);
+        result = gpu_read_buffer(d->device, &d->indices, at, chunk, size);
+        if (result == FNL_OK) result = gpu_upload_buffer(d->device, &grown, at, chunk, size);
+    }
+    if (chunk) host_free(&d->host, chunk, CHUNK);
+    if (result == FNL_OK) result = gpu_upload_flush(d->device);
+    if (result != FNL_OK) {
+        gpu_buffer_destroy(d->device, &grown);
+        return result;
+    }
+    gpu_buffer_destroy(d->device, &d->indices);
+    d->indices = grown;
+    d->pool_triangles = d->wanted_triangles;
+    return FNL_OK;
+}
+
 fnl_result device_scene_prepare(struct device_scene *d) {
     if (d->structure_version != d->scene->structure_version || handedness_changed(d)) {
         d->structure_version = UINT64_MAX; /* until it is whole */
         TRY(prepare_structure(d));
     }
     TRY(device_decals_prepare(d));
+    TRY(grow_index_pool(d));
     if (d->keeps_previous && !d->previous.size)
         TRY(gpu_buffer_create(d->device, "previous vertices", d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull,
                               GPU_MEMORY_DEVICE, &d->previous));
@@ -236,7 +265,11 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .gradient_taps = gpu_isotropic_gradients(d->device) ? d->scene->anisotropy : 1,
                                             .group_count = d->group_count,
                                             .blend_first_item = d->blend_first_item,
-                                            .blend_item_count = d->blend_item_count};
+                                            .blend_item_count = d->blend_item_count,
+                                            .cluster_count = d->cluster_count,
+                                            .triangle_count = d->triangle_count,
+                                            .index_count = d->index_count,
+                                            .pool_triangles = d->pool_triangles};
     out->lights = (struct light_input){.buffer = lights,
                                        .lights = d->lights.address,
                                        .directional_count = d->directional_count,

@@ -51,7 +51,7 @@ struct device_scene {
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
     struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups,
-        table, deforms, influences, morphs;
+        table, deforms, influences, morphs, clusters;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(int16_t) image_blues;     /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;
@@ -62,6 +62,9 @@ struct device_scene {
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t attribute_bits; /* GEOMETRY_…: what materials and meshes have */
+    uint64_t cluster_count, triangle_count; /* of all items that culling by clusters is for */
+    uint32_t index_count, pool_triangles;   /* of the scene; triangles for which there is room behind its indices */
+    uint32_t wanted_triangles;              /* room that the next frame asks for */
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */

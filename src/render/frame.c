@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
 #include "passes/aa/morphological.h"
+#include "passes/geometry/clusters.h"
 #include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
@@ -28,6 +29,20 @@ static fnl_result add_view(struct frame_state *f) {
     f->scene->lights.width = f->frame->width;
     f->scene->lights.height = f->frame->height;
     return FNL_OK;
+}
+
+/* ---- culling ---- */
+
+static void cull(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    f->draws = cull_add(f->graph, &f->scene->geometry, f->view_address);
+    if (frame->culling == FNL_CULLING_INSTANCES) return;
+    struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
+                                     .full_raster = shading_is(frame->shading, SHADING_FULL_RASTER),
+                                     .samples = frame->msaa,
+                                     .centers = true,
+                                     .cluster_capacity = f->r->cluster_capacity};
+    clusters_add(f->graph, f->r->device, &f->scene->geometry, &f->view, f->view_address, &params, &f->draws);
 }
 
 /* ---- light lists ---- */
@@ -230,6 +245,9 @@ static void add_counts(struct frame_state *f) {
     if (f->decals.fragments.id)
         data.copies[data.count++] =
             (struct count_copy){f->decals.fragments, counts, 0, offsetof(struct frame_counts, decal_fragments), 12};
+    if (f->draws.totals.id)
+        data.copies[data.count++] = (struct count_copy){f->draws.totals, counts, 0, offsetof(struct frame_counts, clusters),
+                                                        sizeof(struct gpu_cluster_totals)};
     if (f->linked.totals.id)
         data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
                                                         sizeof(struct linked_totals)};
@@ -259,6 +277,8 @@ static void note_stats(struct frame_state *f) {
     fnl_frame_stats *s = &r->stats;
     *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count,
                            .items = scene->item_count,
+                           .triangles_total = scene->triangle_count,
+                           .clusters_total = scene->cluster_count,
                            .lists = f->drawn_lists};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
@@ -287,7 +307,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     TRY(add_view(&f));
     TRY(decals_add_list(&f));
     TRY(fade_lights(&f));
-    f.draws = cull_add(r->graph, &f.scene->geometry, f.view_address);
+    cull(&f);
     add_counters(&f);
     shading_add(&f);
     if (needs_aov(frame))

@@ -4,6 +4,7 @@
 #include "passes/shade/gbuffer_layouts.h"
 #include "render/shading.h"
 
+enum { CLUSTER_POOL_START = 1 << 14, TRIANGLE_POOL_START = 1 << 18 };
 enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 
 /* ---- names and defaults ---- */
@@ -76,6 +77,12 @@ const char *fnl_decals_name(fnl_decals decals) {
     static const char *const names[] = {"lists", "gbuffer", "off"};
     _Static_assert(COUNT_OF(names) == FNL_DECALS_COUNT, "each has a name");
     return NAME_OF(names, decals);
+}
+
+const char *fnl_culling_name(fnl_culling culling) {
+    static const char *const names[] = {"instances", "clusters", "triangles"};
+    _Static_assert(COUNT_OF(names) == FNL_CULLING_COUNT, "each has a name");
+    return NAME_OF(names, culling);
 }
 
 const char *fnl_antialiasing_name(fnl_antialiasing aa) {
@@ -407,6 +414,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
     REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
+    REQUIRE(host, (uint32_t)frame->culling < FNL_CULLING_COUNT);
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, fabsf(frame->jitter.x) <= 8 && fabsf(frame->jitter.y) <= 8);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
@@ -476,6 +484,19 @@ static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) 
         r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)DECAL_POOL_START));
 }
 
+/* So do the pools of culling, as far as the scene can fill them. */
+static void grow_cluster_pools(fnl_renderer *r, const struct frame_counts *counts) {
+    const struct device_scene *d = &r->device_scene;
+    if (r->cluster_limit) return;
+    uint64_t limit = MAX(gpu_info(r->device)->memory_bytes / 128, (uint64_t)CLUSTER_POOL_START);
+    uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);
+    uint64_t triangles =
+        MIN(MAX(TRIANGLE_POOL_START, counts->clusters.triangles + counts->clusters.triangles / 4ull), limit);
+    triangles = MIN(triangles, (UINT32_MAX - (uint64_t)d->index_count) / 3);
+    r->cluster_capacity = (uint32_t)MAX(MIN(clusters, d->cluster_count), (uint64_t)r->cluster_capacity);
+    r->triangle_capacity = (uint32_t)MAX(MIN(triangles, d->triangle_count), (uint64_t)r->triangle_capacity);
+}
+
 /* The lists of blended fragments start with one per pixel and grow in the same way. */
 static uint32_t blend_capacity(const fnl_renderer *r, uint64_t wanted) {
     uint64_t limit = gpu_info(r->device)->memory_bytes / 16 / linked_bytes(8);
@@ -494,7 +515,14 @@ static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t sl
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
                              const struct gpu_external_semaphores *external) {
     r->device_scene.keeps_previous = temporal_needs_motion(frame);
+    bool culls = frame->culling != FNL_CULLING_INSTANCES;
+    r->device_scene.wanted_triangles = culls ? r->triangle_capacity : 0;
     TRY(device_scene_prepare(&r->device_scene));
+    if (culls && r->device_scene.triangle_count > 0 && r->triangle_capacity == 0) { /* the scene's size is known now */
+        grow_cluster_pools(r, &(struct frame_counts){0});
+        r->device_scene.wanted_triangles = r->triangle_capacity;
+        TRY(device_scene_prepare(&r->device_scene));
+    }
     choose(r, frame);
     TRY(prepare_buffers(r, frame));
     TRY(gpu_frame_begin(r->device));
@@ -504,6 +532,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
         grow_pool(r, slot_counts(r, slot));
         grow_blend_pool(r, slot_counts(r, slot));
         grow_decal_pool(r, slot_counts(r, slot));
+        grow_cluster_pools(r, slot_counts(r, slot));
     }
     if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, (uint64_t)frame->width * frame->height);
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
@@ -634,6 +663,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     grow_pool(r, counts);
     grow_blend_pool(r, counts);
     grow_decal_pool(r, counts);
+    grow_cluster_pools(r, counts);
     *out = r->stats;
     out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
@@ -645,6 +675,14 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +
                            counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
     out->items_visible = counts->visible_items;
+    const uint32_t *reasons = counts->clusters.reasons;
+    uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
+                                   [CLUSTERS_OUTSIDE] = &out->triangles_outside,
+                                   [CLUSTERS_BACK] = &out->triangles_back,
+                                   [CLUSTERS_SMALL] = &out->triangles_small};
+    for (uint32_t i = 0; i < COUNT_OF(triangles); i++) *triangles[i] = reasons[2 * i] | (uint64_t)reasons[2 * i + 1] << 32;
+    out->clusters_drawn = counts->clusters.clusters_drawn;
+    out->items_whole = counts->clusters.whole_items;
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
     out->msaa_pixels = counts->edges[EDGES_PIXELS];
     out->msaa_edge_pixels = counts->edges[EDGES_MIXED];

@@ -4,6 +4,7 @@
 
 #include "fanal/renderer.h"
 #include "passes/debug/debug.h"
+#include "passes/geometry/clusters_shared.h"
 #include "passes/transparency/transparency.h"
 #include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
@@ -23,6 +24,7 @@ struct frame_counts {
     uint32_t edges[EDGES_COUNTS];
     uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
     struct linked_totals blend;
+    struct gpu_cluster_totals clusters;
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
@@ -46,6 +48,8 @@ struct fnl_renderer {
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
+    uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
+    bool cluster_limit;       /* tests: these stay as they are */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
     bool cannot_merge;        /* tests: as on devices whose scopes are too small for the order mobile */
     bool weighted_half;       /* tests: weighted transparency as on devices that cannot blend 32-bit targets */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/geometry/geometry.h"
 
+#include "passes/geometry/clusters_shared.h"
 #include "shaders.h"
 
 static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
@@ -17,6 +18,12 @@ static void use_vertices(struct graph_pass *pass, const struct geometry_scene *s
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->visible, GRAPH_READ_VERTEX);
     graph_use_buffer(pass, draws->draws, GRAPH_INDIRECT);
+    if (draws->item_draws.id) {
+        graph_use_buffer(pass, draws->item_draws, GRAPH_INDIRECT);
+        graph_use_buffer(pass, draws->totals, GRAPH_INDIRECT);
+        graph_use_buffer(pass, draws->indices, GRAPH_INDEX);
+        graph_use_buffer(pass, draws->triangles, GRAPH_READ_FRAGMENT);
+    }
     if (set == GEOMETRY_BLEND && draws->blend_draws.id) {
         graph_use_buffer(pass, draws->blend_visible, GRAPH_READ_VERTEX);
         graph_use_buffer(pass, draws->blend_draws, GRAPH_INDIRECT);
@@ -46,9 +53,9 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
     if (!params.vertex) params.vertex = &shader_geometry_vert;
-    params.features |= scene->features;
     push->scene = scene->scene;
     push->visible = graph_address(context, draws->visible);
+    push->triangles = draws->triangles.id ? graph_address(context, draws->triangles) : 0;
     for (uint32_t i = 0; i < scene->bucket_count; i++) {
         const struct geometry_bucket *bucket = &scene->buckets[i];
         if (!bucket_in_set(bucket, set) || bucket_is_sorted(bucket)) continue;
@@ -58,13 +65,23 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
+        bool compacted = draws->item_draws.id && geometry_bucket_clustered(bucket);
+        params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);
+        if (compacted) {
+            gpu_draw_indexed_indirect_count(context->commands, graph_get_buffer(context, draws->item_draws),
+                                            (uint64_t)bucket->first_item * sizeof(struct gpu_draw),
+                                            graph_get_buffer(context, draws->totals),
+                                            sizeof(struct gpu_cluster_totals) + i * 4ull, bucket->item_count);
+            continue;
+        }
         gpu_draw_indexed_indirect(context->commands, graph_get_buffer(context, draws->draws),
                                   bucket->first_group * sizeof(struct gpu_draw), bucket->group_count);
     }
     if (set == GEOMETRY_BLEND && scene->blend_item_count) {
         /* One order over all states: the fragment shader culls back faces itself. */
+        params.features = state->features | scene->features;
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;

@@ -21,11 +21,16 @@ struct geometry_bucket {
     uint32_t first_item, item_count, first_group, group_count;
 };
 
+/** Whether clusters_add culls the bucket by clusters: it has triangles, opaque or cutout. */
+static inline bool geometry_bucket_clustered(const struct geometry_bucket *bucket) {
+    return !bucket->blend && bucket->topology == VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+}
+
 /** The scene on the device, as the passes of one frame see it. Blended triangles are the last items and groups. */
 struct geometry_scene {
     VkDeviceAddress scene;            /* struct gpu_scene */
     VkDeviceAddress material_entries; /* of the G-buffer layouts with material IDs (gbuffer_shared.h) */
-    const struct gpu_buffer *indices;
+    const struct gpu_buffer *indices; /* and behind them, where some are asked for, those that culling writes */
     graph_buffer
         vertices; /* imported; stands for positions, attributes and instances: written by updates and skin_add, read by culling and draws */
     const struct geometry_bucket *buckets;
@@ -37,6 +42,8 @@ struct geometry_scene {
     uint32_t blend_first_item, blend_item_count; /* triangles of FNL_ALPHA_BLEND materials, drawn back to front */
     uint32_t features;                           /* GPU_FEATURE_… of scene_shared.h: what its shaders do besides */
     graph_buffer feature_buffers[5];             /* what they read for it; id 0: none */
+    uint64_t cluster_count, triangle_count;      /* of all items that are culled by clusters */
+    uint32_t index_count, pool_triangles;        /* indices of the scene, and triangles for which there is room behind them */
 };
 
 /** Result of culling: which items are drawn, as indirect draws. */
@@ -44,6 +51,8 @@ struct geometry_draws {
     graph_buffer sums; /* item_count + 1 prefix sums of visibility; the last is the number of visible items */
     graph_buffer visible, draws;
     graph_buffer blend_visible, blend_draws; /* id 0 when nothing blends */
+    /* Of clusters_add; id 0: opaque triangles are drawn as items. */
+    graph_buffer item_draws, totals, triangles, indices;
 };
 
 /**

@@ -11,6 +11,7 @@ struct gpu_geometry_push {
     ADDRESS(const_uint_array) visible; /* instance of a draw -> item */
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counters;      /* one per pixel, or 0 when nothing is counted */
+    ADDRESS(const_uint_array) triangles; /* with GPU_FEATURE_COMPACTED: struct gpu_cluster_push */
 };
 
 #endif

@@ -6,6 +6,7 @@
 #include "material.glsl"
 #include "passes/geometry/geometry_shared.h"
 
+layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
 layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
@@ -23,8 +24,16 @@ layout(location = ID_TARGETS + 1) out uint out_high;
 #define ID_STORED(word) (word)
 #endif
 
+// Of the item, whatever culling has left out of it.
+uint triangle_number() {
+    uint number = uint(gl_PrimitiveID);
+    if ((FEATURES & GPU_FEATURE_COMPACTED) == 0u) return number;
+    uint first = push.triangles.at[in_ids.y];
+    return first == 0xffffffffu ? number : push.triangles.at[first + number];
+}
+
 void write_id() {
     uint item = in_ids.y + 1u;
-    out_id = ID_STORED(item << TRIANGLE_BITS | uint(gl_PrimitiveID));
+    out_id = ID_STORED(item << TRIANGLE_BITS | triangle_number());
     out_high = ID_STORED(TRIANGLE_BITS == 0u ? 0u : item >> (32u - TRIANGLE_BITS));
 }

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/geometry/clusters.h"
+
+#include "passes/geometry/prefix_sum.h"
+#include "shaders.h"
+
+#include <math.h>
+
+struct step_data {
+    const struct geometry_scene *scene;
+    VkDeviceAddress view, params, buckets;
+    graph_buffer visible_sums, cluster_sums, slots, counts, masks, draw_sums, draws, totals, indices, triangles, hierarchy;
+    const struct gpu_shader *shader;
+    uint32_t threads; /* 0: the dispatch is in totals */
+    bool by_triangle;
+};
+
+static VkDeviceAddress address_of(const struct graph_context *context, graph_buffer buffer) {
+    return buffer.id ? graph_address(context, buffer) : 0;
+}
+
+static void execute_step(const struct graph_context *context, const void *data) {
+    const struct step_data *d = data;
+    struct gpu_compute_params params = {.shader = d->shader};
+    if (d->shader == &shader_clusters_fill_comp) {
+        params.constant_count = 1;
+        params.constants[0] = d->by_triangle;
+    }
+    struct gpu_cluster_push push = {.view = d->view,
+                                    .scene = d->scene->scene,
+                                    .params = d->params,
+                                    .buckets = d->buckets,
+                                    .visible_sums = address_of(context, d->visible_sums),
+                                    .cluster_sums = address_of(context, d->cluster_sums),
+                                    .slots = address_of(context, d->slots),
+                                    .counts = address_of(context, d->counts),
+                                    .masks = address_of(context, d->masks),
+                                    .draw_sums = address_of(context, d->draw_sums),
+                                    .draws = address_of(context, d->draws),
+                                    .totals = address_of(context, d->totals),
+                                    .indices = address_of(context, d->indices),
+                                    .triangles = address_of(context, d->triangles),
+                                    .hierarchy = address_of(context, d->hierarchy)};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    if (d->threads)
+        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
+    else
+        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->totals), 0);
+}
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct step_data *d = data;
+    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
+    gpu_fill_buffer(context->commands, totals, 0, totals->size & ~3ull, 0);
+}
+
+/* A step that reads and writes some of the buffers of `all`, which are named by `reads` and `writes`. */
+struct step_use {
+    graph_buffer buffer;
+    enum graph_use use;
+};
+static void add_step(struct graph *graph, const char *name, const struct gpu_shader *shader, const struct step_data *all,
+                     uint32_t threads, const struct step_use *uses, uint32_t use_count) {
+    struct step_data data = *all;
+    data.shader = shader;
+    data.threads = threads;
+    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,  &data.counts,  &data.masks,    &data.draw_sums,
+                              &data.draws,        &data.totals,       &data.indices, &data.triangles, &data.hierarchy};
+    for (uint32_t i = 0; i < COUNT_OF(fields); i++) { /* a pass may not look at what it does not use */
+        bool used = false;
+        for (uint32_t k = 0; k < use_count; k++) used = used || uses[k].buffer.id == fields[i]->id;
+        if (!used) *fields[i] = (graph_buffer){0};
+    }
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_step, &data, sizeof data);
+    for (uint32_t k = 0; k < use_count; k++)
+        if (uses[k].buffer.id) graph_use_buffer(pass, uses[k].buffer, uses[k].use);
+}
+#define ADD_STEP(name, shader, threads, ...)                                                                                \
+    add_step(graph, name, &shader, &d, threads, (const struct step_use[]){__VA_ARGS__},                                     \
+             (uint32_t)(sizeof((const struct step_use[]){__VA_ARGS__}) / sizeof(struct step_use)))
+#define READS(field) {d.field, GRAPH_READ_COMPUTE}
+#define WRITES(field) {d.field, GRAPH_WRITE_COMPUTE}
+#define CHANGES(field) {d.field, GRAPH_READ_WRITE_COMPUTE}
+
+/* The standard sample locations (Vulkan 1.3, 27.4). */
+static uint32_t sample_locations(uint32_t samples, vec2 *out) {
+    static const uint8_t sixteenths[][2] = {{8, 8},  {12, 12}, {4, 4},  {6, 2},  {14, 6}, {2, 10},  {10, 14}, {9, 5},
+                                            {7, 11}, {13, 9},  {5, 3},  {3, 13}, {1, 7},  {11, 15}, {15, 1}};
+    for (uint32_t i = 0; i < samples; i++) /* those of 1, of 2, of 4 and of 8 samples in a row */
+        out[i] = (vec2){sixteenths[samples - 1 + i][0] / 16.0f, sixteenths[samples - 1 + i][1] / 16.0f};
+    return samples;
+}
+
+static struct gpu_cluster_params make_params(gpu_device *device, const struct geometry_scene *scene,
+                                             const struct gpu_view *camera, const struct clusters_params *params) {
+    struct gpu_cluster_params p = {.item_count = scene->item_count,
+                                   .bucket_count = scene->bucket_count,
+                                   .cluster_capacity = params->cluster_capacity,
+                                   .triangle_capacity = scene->pool_triangles,
+                                   .first_pool_index = scene->index_count};
+    /* A vertex moves by less than a step of the grid; a pixel of a coarser raster is at most eight of these. */
+    p.slack = (params->full_raster ? 1.0f : 8.0f) / (float)(1u << MIN(gpu_subpixel_bits(device), 16u));
+    p.pixels_per_slope = 0.5f * fminf(fabsf((float)camera->size.x / camera->ndc_scale.x), fabsf((float)camera->size.y / camera->ndc_scale.y));
+    if (params->full_raster && (params->samples == 1 || gpu_standard_samples(device))) {
+        p.sample_count = sample_locations(params->samples, p.samples);
+        if (params->centers && params->samples > 1) p.samples[p.sample_count++] = (vec2){0.5f, 0.5f};
+    }
+    return p;
+}
+
+void clusters_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene, const struct gpu_view *camera,
+                  VkDeviceAddress view, const struct clusters_params *params, struct geometry_draws *draws) {
+    static const struct prefix_sum_names item_names = PREFIX_SUM_NAMES("item clusters"),
+                                         triangle_names = PREFIX_SUM_NAMES("cluster triangles"),
+                                         draw_names = PREFIX_SUM_NAMES("item draws");
+    uint32_t items = scene->item_count, buckets = scene->bucket_count, capacity = params->cluster_capacity;
+    if (items == 0 || scene->cluster_count == 0) return;
+    uint64_t params_size = sizeof(struct gpu_cluster_params);
+    struct gpu_slice slice = gpu_frame_allocate(device, params_size + buckets * sizeof(struct gpu_cull_bucket));
+    if (!slice.data) return; /* the error sticks to the device */
+    struct gpu_cluster_params p = make_params(device, scene, camera, params);
+    memcpy(slice.data, &p, sizeof p);
+    struct gpu_cull_bucket *table = (struct gpu_cull_bucket *)((char *)slice.data + params_size);
+    for (uint32_t i = 0; i < buckets; i++) {
+        const struct geometry_bucket *b = &scene->buckets[i];
+        table[i] = (struct gpu_cull_bucket){b->first_item, (geometry_bucket_clustered(b) ? CLUSTERS_BUCKET_CULLED : 0) |
+                                                               (b->double_sided ? CLUSTERS_BUCKET_DOUBLE_SIDED : 0) |
+                                                               (b->mirrored ? CLUSTERS_BUCKET_MIRRORED : 0)};
+    }
+    struct step_data d = {.scene = scene,
+                          .view = view,
+                          .params = slice.address,
+                          .buckets = slice.address + params_size,
+                          .visible_sums = draws->sums,
+                          .cluster_sums = graph_create_buffer(graph, "cluster sums", (items + 1) * 4ull),
+                          .slots = graph_create_buffer(graph, "cluster slots", MAX(capacity, 1u) * 4ull),
+                          .counts = graph_create_buffer(graph, "cluster counts", (capacity + 1) * 4ull),
+                          .draw_sums = graph_create_buffer(graph, "item draw sums", (items + 1) * 4ull),
+                          .draws = graph_create_buffer(graph, "item draws", items * sizeof(struct gpu_draw)),
+                          .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
+                          .indices = graph_import_buffer(graph, "indices", scene->indices),
+                          .triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4),
+                          .by_triangle = params->by_triangle};
+    if (params->by_triangle)
+        d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
+    graph_buffer vertices = scene->vertices;
+    struct graph_pass *pass = graph_add_pass(graph, "clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
+    graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
+    ADD_STEP("clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums), CHANGES(totals));
+    prefix_sum_add(graph, &item_names, GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
+    ADD_STEP("clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
+    ADD_STEP("clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots), WRITES(counts),
+             CHANGES(totals), {vertices, GRAPH_READ_COMPUTE});
+    if (params->by_triangle)
+        ADD_STEP("clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots), CHANGES(counts),
+                 WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE}, {d.totals, GRAPH_INDIRECT});
+    prefix_sum_add(graph, &triangle_names, GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
+    ADD_STEP("clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts), WRITES(draw_sums),
+             CHANGES(totals));
+    prefix_sum_add(graph, &draw_names, GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
+    ADD_STEP("clusters draws", shader_clusters_draws_comp, MAX(items, buckets), READS(visible_sums), READS(cluster_sums),
+             READS(counts), READS(draw_sums), WRITES(draws), WRITES(triangles), CHANGES(totals));
+    ADD_STEP("clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts), READS(masks),
+             CHANGES(indices), WRITES(triangles), CHANGES(totals), {d.totals, GRAPH_INDIRECT});
+    draws->item_draws = d.draws;
+    draws->totals = d.totals;
+    draws->triangles = d.triangles;
+    draws->indices = d.indices;
+}
