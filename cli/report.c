@@ -72,11 +72,12 @@ void report_print(const struct render_report *r) {
                (double)s->evaluations / (double)(s->evaluations_useful ? s->evaluations_useful : 1));
     if (r->frame.culling != FNL_CULLING_INSTANCES && s->triangles_total) {
         double whole = 100 / (double)s->triangles_total;
-        printf("  triangles drawn %" PRIu64 " of %" PRIu64 " (%.1f%%); out of view %.1f%%, facing away %.1f%%, too small %.1f%%; clusters %" PRIu64
-               " of %" PRIu64 "; whole items %u\n",
-               s->triangles_drawn, s->triangles_total, (double)s->triangles_drawn * whole, (double)s->triangles_outside * whole,
-               (double)s->triangles_back * whole, (double)s->triangles_small * whole, s->clusters_drawn, s->clusters_total,
-               s->items_whole);
+        printf("  triangles drawn %" PRIu64 " of %" PRIu64
+               " (%.1f%%); out of view %.1f%%, facing away %.1f%%, too small %.1f%%; clusters %" PRIu64 " of %" PRIu64
+               "; whole items %u\n",
+               s->triangles_drawn, s->triangles_total, (double)s->triangles_drawn * whole,
+               (double)s->triangles_outside * whole, (double)s->triangles_back * whole, (double)s->triangles_small * whole,
+               s->clusters_drawn, s->clusters_total, s->items_whole);
     }
     if (r->frame.class_blocks) {
         printf("  blocks of %u pixels by class:", r->frame.class_blocks);

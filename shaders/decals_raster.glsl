@@ -50,7 +50,7 @@ void decals_of_mesh(inout surface s, decal_block d, gpu_item item, decal_point p
 
 // Call where control flow is uniform: derivatives are taken here.
 void decals_on(inout surface s, view_block v, scene_block scene, bool to_gbuffer) {
-    if (FEATURES == 0u) return;
+    if ((FEATURES & (GPU_FEATURE_DECALS | GPU_FEATURE_MESH_DECALS)) == 0u) return;
     vec3 dx = in_position_dx, dy = in_position_dy, bind_dx = vec3(0.0), bind_dy = vec3(0.0);
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) {
         bind_dx = in_bind_dx;

@@ -143,6 +143,13 @@ void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct
     if (!can_run(commands, VK_PIPELINE_BIND_POINT_GRAPHICS)) return;
     commands->device->vk.CmdDrawIndexedIndirectCount(commands->handle, buffer->handle, offset, count_buffer->handle,
                                                      count_offset, max_count, sizeof(VkDrawIndexedIndirectCommand));
+    /* Mesa's CPU driver goes on limiting later indirect draws of the command buffer by the last count that it was given. */
+    if (!commands->device->keeps_draw_counts) return;
+    struct gpu_slice all = gpu_frame_allocate(commands->device, sizeof(uint32_t));
+    if (!all.data) return;
+    *(uint32_t *)all.data = UINT32_MAX;
+    commands->device->vk.CmdDrawIndexedIndirectCount(commands->handle, buffer->handle, offset, all.buffer->handle, all.offset, 0,
+                                                     sizeof(VkDrawIndexedIndirectCommand));
 }
 
 /* ---- copies ---- */

@@ -235,7 +235,12 @@ fnl_result gpu_device_start(gpu_device *device, const char *cache_folder) {
     TRY(gpu_bindless_init(device));
     TRY(gpu_scopes_init(device));
     TRY(gpu_pipelines_init(device, cache_folder));
-    return gpu_frames_init(device);
+    TRY(gpu_frames_init(device));
+    VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    properties.pNext = &driver;
+    device->instance.vk.GetPhysicalDeviceProperties2(device->physical, &properties);
+    device->keeps_draw_counts = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+    return FNL_OK;
 }
 
 static fnl_result create_device(gpu_device *device, const struct gpu_physical *physical) {

@@ -313,8 +313,8 @@ static void test_msaa_is_resolved(void **state) {
 
 static void draw_indirect(struct gpu_commands *commands, struct canvas *canvas) {
     gpu_bind_indices(commands, &canvas->indices, 4);
-    gpu_draw_indexed_indirect(commands, &canvas->commands, 32, 1);
     gpu_draw_indexed_indirect_count(commands, &canvas->commands, 52, &canvas->commands, 4, 3);
+    gpu_draw_indexed_indirect(commands, &canvas->commands, 32, 1); /* which that count does not limit */
 }
 
 static void test_indirect_draws_are_counted_on_the_gpu(void **state) {

@@ -332,6 +332,7 @@ struct fnl_device {
     uint64_t max_buffer_size;
     uint64_t timestamp_mask; /* 0: no timestamps */
     bool isotropic_gradients;
+    bool keeps_draw_counts; /* the driver's fault that gpu_draw_indexed_indirect_count mends */
 
     atomic_int status;
     pthread_mutex_t queue_mutex; /* of both queues */

@@ -30,9 +30,9 @@ struct part {
 static fnl_result build_part(const fnl_host *host, const struct scene_primitive *p, uint32_t first, uint32_t count,
                              const struct part *part, gpu_cluster_list *clusters, uint32_t *out_indices) {
     const float *positions = &p->positions[0].x;
-    size_t meshlet_count = meshopt_buildMeshlets(part->meshlets, part->vertices, part->corners, p->indices + first * 3ull, count * 3ull,
-                                                 positions, p->vertex_count, sizeof(vec3), CLUSTERS_MOST_VERTICES,
-                                                 CLUSTERS_MOST_TRIANGLES, 0.25f);
+    size_t meshlet_count = meshopt_buildMeshlets(part->meshlets, part->vertices, part->corners, p->indices + first * 3ull,
+                                                 count * 3ull, positions, p->vertex_count, sizeof(vec3),
+                                                 CLUSTERS_MOST_VERTICES, CLUSTERS_MOST_TRIANGLES, 0.25f);
     for (size_t m = 0; m < meshlet_count; m++) {
         const struct meshopt_Meshlet *meshlet = &part->meshlets[m];
         const unsigned int *vertices = part->vertices + meshlet->vertex_offset;

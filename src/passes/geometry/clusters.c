@@ -51,8 +51,8 @@ static void execute_step(const struct graph_context *context, const void *data) 
 
 static void execute_clear(const struct graph_context *context, const void *data) {
     const struct step_data *d = data;
-    const struct gpu_buffer *totals = graph_get_buffer(context, d->totals);
-    gpu_fill_buffer(context->commands, totals, 0, totals->size & ~3ull, 0);
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->totals), 0,
+                    sizeof(struct gpu_cluster_totals) + d->scene->bucket_count * 4ull, 0);
 }
 
 /* A step that reads and writes some of the buffers of `all`, which are named by `reads` and `writes`. */
@@ -65,8 +65,9 @@ static void add_step(struct graph *graph, const char *name, const struct gpu_sha
     struct step_data data = *all;
     data.shader = shader;
     data.threads = threads;
-    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,  &data.counts,  &data.masks,    &data.draw_sums,
-                              &data.draws,        &data.totals,       &data.indices, &data.triangles, &data.hierarchy};
+    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,    &data.counts,
+                              &data.masks,        &data.draw_sums,    &data.draws,    &data.totals,
+                              &data.indices,      &data.triangles,    &data.hierarchy};
     for (uint32_t i = 0; i < COUNT_OF(fields); i++) { /* a pass may not look at what it does not use */
         bool used = false;
         for (uint32_t k = 0; k < use_count; k++) used = used || uses[k].buffer.id == fields[i]->id;
@@ -79,14 +80,17 @@ static void add_step(struct graph *graph, const char *name, const struct gpu_sha
 #define ADD_STEP(name, shader, threads, ...)                                                                                \
     add_step(graph, name, &shader, &d, threads, (const struct step_use[]){__VA_ARGS__},                                     \
              (uint32_t)(sizeof((const struct step_use[]){__VA_ARGS__}) / sizeof(struct step_use)))
-#define READS(field) {d.field, GRAPH_READ_COMPUTE}
-#define WRITES(field) {d.field, GRAPH_WRITE_COMPUTE}
-#define CHANGES(field) {d.field, GRAPH_READ_WRITE_COMPUTE}
+#define READS(field)                                                                                                        \
+    { d.field, GRAPH_READ_COMPUTE }
+#define WRITES(field)                                                                                                       \
+    { d.field, GRAPH_WRITE_COMPUTE }
+#define CHANGES(field)                                                                                                      \
+    { d.field, GRAPH_READ_WRITE_COMPUTE }
 
 /* The standard sample locations (Vulkan 1.3, 27.4). */
 static uint32_t sample_locations(uint32_t samples, vec2 *out) {
-    static const uint8_t sixteenths[][2] = {{8, 8},  {12, 12}, {4, 4},  {6, 2},  {14, 6}, {2, 10},  {10, 14}, {9, 5},
-                                            {7, 11}, {13, 9},  {5, 3},  {3, 13}, {1, 7},  {11, 15}, {15, 1}};
+    static const uint8_t sixteenths[][2] = {{8, 8},  {12, 12}, {4, 4}, {6, 2},  {14, 6}, {2, 10},  {10, 14}, {9, 5},
+                                            {7, 11}, {13, 9},  {5, 3}, {3, 13}, {1, 7},  {11, 15}, {15, 1}};
     for (uint32_t i = 0; i < samples; i++) /* those of 1, of 2, of 4 and of 8 samples in a row */
         out[i] = (vec2){sixteenths[samples - 1 + i][0] / 16.0f, sixteenths[samples - 1 + i][1] / 16.0f};
     return samples;
@@ -101,7 +105,8 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
                                    .first_pool_index = scene->index_count};
     /* A vertex moves by less than a step of the grid; a pixel of a coarser raster is at most eight of these. */
     p.slack = (params->full_raster ? 1.0f : 8.0f) / (float)(1u << MIN(gpu_subpixel_bits(device), 16u));
-    p.pixels_per_slope = 0.5f * fminf(fabsf((float)camera->size.x / camera->ndc_scale.x), fabsf((float)camera->size.y / camera->ndc_scale.y));
+    p.pixels_per_slope =
+        0.5f * fminf(fabsf((float)camera->size.x / camera->ndc_scale.x), fabsf((float)camera->size.y / camera->ndc_scale.y));
     if (params->full_raster && (params->samples == 1 || gpu_standard_samples(device))) {
         p.sample_count = sample_locations(params->samples, p.samples);
         if (params->centers && params->samples > 1) p.samples[p.sample_count++] = (vec2){0.5f, 0.5f};
@@ -128,30 +133,32 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
                                                                (b->double_sided ? CLUSTERS_BUCKET_DOUBLE_SIDED : 0) |
                                                                (b->mirrored ? CLUSTERS_BUCKET_MIRRORED : 0)};
     }
-    struct step_data d = {.scene = scene,
-                          .view = view,
-                          .params = slice.address,
-                          .buckets = slice.address + params_size,
-                          .visible_sums = draws->sums,
-                          .cluster_sums = graph_create_buffer(graph, "cluster sums", (items + 1) * 4ull),
-                          .slots = graph_create_buffer(graph, "cluster slots", MAX(capacity, 1u) * 4ull),
-                          .counts = graph_create_buffer(graph, "cluster counts", (capacity + 1) * 4ull),
-                          .draw_sums = graph_create_buffer(graph, "item draw sums", (items + 1) * 4ull),
-                          .draws = graph_create_buffer(graph, "item draws", items * sizeof(struct gpu_draw)),
-                          .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
-                          .indices = graph_import_buffer(graph, "indices", scene->indices),
-                          .triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4),
-                          .by_triangle = params->by_triangle};
+    struct step_data d = {
+        .scene = scene,
+        .view = view,
+        .params = slice.address,
+        .buckets = slice.address + params_size,
+        .visible_sums = draws->sums,
+        .cluster_sums = graph_create_buffer(graph, "cluster sums", (items + 1) * 4ull),
+        .slots = graph_create_buffer(graph, "cluster slots", MAX(capacity, 1u) * 4ull),
+        .counts = graph_create_buffer(graph, "cluster counts", (capacity + 1) * 4ull),
+        .draw_sums = graph_create_buffer(graph, "item draw sums", (items + 1) * 4ull),
+        .draws = graph_create_buffer(graph, "item draws", items * sizeof(struct gpu_draw)),
+        .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
+        .indices = graph_import_buffer(graph, "indices", scene->indices),
+        .triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4),
+        .by_triangle = params->by_triangle};
     if (params->by_triangle)
         d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
     graph_buffer vertices = scene->vertices;
     struct graph_pass *pass = graph_add_pass(graph, "clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
     graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
-    ADD_STEP("clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums), CHANGES(totals));
+    ADD_STEP("clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
+             CHANGES(totals));
     prefix_sum_add(graph, &item_names, GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
     ADD_STEP("clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
-    ADD_STEP("clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots), WRITES(counts),
-             CHANGES(totals), {vertices, GRAPH_READ_COMPUTE});
+    ADD_STEP("clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
+             WRITES(counts), CHANGES(totals), {vertices, GRAPH_READ_COMPUTE});
     if (params->by_triangle)
         ADD_STEP("clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots), CHANGES(counts),
                  WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE}, {d.totals, GRAPH_INDIRECT});

@@ -21,8 +21,9 @@ struct clusters_params {
      */
     bool full_raster;
     uint32_t samples;
-    bool centers;                     /* besides, some pass looks at the pixels' centres alone */
-    uint32_t cluster_capacity;        /* of the items in view; those that do not fit are drawn whole, as are those whose triangles do not */
+    bool centers; /* besides, some pass looks at the pixels' centres alone */
+    uint32_t
+        cluster_capacity; /* of the items in view; those that do not fit are drawn whole, as are those whose triangles do not */
     const struct hierarchy *occluders; /* or NULL */
 };
 

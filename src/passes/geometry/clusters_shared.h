@@ -39,9 +39,10 @@ struct gpu_cluster_params {
     uint first_pool_index;  /* where their indices begin in the index buffer */
     uint sample_count;      /* 0: nothing is too small to be seen */
     float slack;            /* pixels by which a rasteriser moves vertices, at most */
-    float pixels_per_slope; /* at least so many pixels to a difference of x / depth, or of x where the view is orthographic */
-    vec2 samples[9];        /* where a pixel is looked at */
-    uint hierarchy_width;   /* of struct gpu_hierarchy's first level; 0: there is none */
+    float
+        pixels_per_slope; /* at least so many pixels to a difference of x / depth, or of x where the view is orthographic */
+    vec2 samples[9];      /* where a pixel is looked at */
+    uint hierarchy_width; /* of struct gpu_hierarchy's first level; 0: there is none */
     uint hierarchy_height;
 };
 
@@ -67,11 +68,12 @@ struct gpu_cluster_push {
     ADDRESS(uint_array) slots;              /* item of each cluster */
     ADDRESS(uint_array) counts;             /* triangles left of each cluster, then their sums */
     ADDRESS(uint_array) masks;
-    ADDRESS(uint_array) draw_sums;          /* of the items that draw something */
-    ADDRESS(draw_array) draws;              /* those of a bucket from its first item on */
+    ADDRESS(uint_array) draw_sums; /* of the items that draw something */
+    ADDRESS(draw_array) draws;     /* those of a bucket from its first item on */
     ADDRESS(cluster_totals_block) totals;
-    ADDRESS(uint_array) indices;            /* of the scene, and the pool */
-    ADDRESS(uint_array) triangles;          /* item -> where its triangles begin in here, or CLUSTERS_WHOLE; then numbers of triangles */
+    ADDRESS(uint_array) indices; /* of the scene, and the pool */
+    ADDRESS(uint_array)
+    triangles; /* item -> where its triangles begin in here, or CLUSTERS_WHOLE; then numbers of triangles */
     ADDRESS(hierarchy_array) hierarchy;
 };
 

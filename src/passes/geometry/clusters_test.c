@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: MIT */
+/** Culling by clusters and by triangles: pictures against drawing whole items, counts against the CPU. */
+#include "render/device_clusters.h"
+#include "render/render_test.h"
+#include "render/shading.h"
+
+static uint32_t add_shape(fnl_scene *scene, struct scene_primitive primitive) {
+    assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+    uint32_t mesh = scene_add_mesh(scene, "", &primitive, 1);
+    assert_int_not_equal(mesh, SCENE_NONE);
+    return mesh;
+}
+
+/* A square whose alpha falls from one side to the other: half of it is cut away. */
+static uint32_t leaf_mesh(fnl_scene *scene, uint32_t material) {
+    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    static const vec4 colors[4] = {{1, 1, 1, 0}, {1, 0.5f, 1, 1}, {1, 1, 0.5f, 1}, {0.5f, 1, 1, 0}};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    return add_shape(scene, (struct scene_primitive){.material = material,
+                                                     .vertex_count = 4,
+                                                     .index_count = 6,
+                                                     .indices = indices,
+                                                     .positions = positions,
+                                                     .colors = colors});
+}
+
+static uint32_t star_mesh(fnl_scene *scene, uint32_t material, enum scene_topology topology) {
+    static const vec3 positions[6] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+    static const uint32_t indices[6] = {0, 1, 2, 3, 4, 5};
+    return add_shape(scene, (struct scene_primitive){.material = material,
+                                                     .topology = topology,
+                                                     .vertex_count = 6,
+                                                     .index_count = 6,
+                                                     .indices = indices,
+                                                     .positions = positions});
+}
+
+/*
+ * Spheres and squares in random places: opaque, cutout and blended, single- and double-sided, mirrored, stretched, as small as a pixel and
+ * less; lines and points; a floor that reaches behind the camera.
+ */
+static fnl_scene *crowd(uint32_t count) {
+    fnl_scene *scene = test_scene();
+    struct random_state random = {7};
+    uint32_t meshes[8];
+    for (uint32_t i = 0; i < COUNT_OF(meshes); i++) {
+        struct scene_material material = scene_material_default();
+        material.base_color = (vec4){0.1f + 0.1f * (float)i, 0.6f, 0.9f - 0.1f * (float)i, i == 7 ? 0.5f : 1};
+        material.alpha_mode = i == 7 ? FNL_ALPHA_BLEND : i & 1 ? FNL_ALPHA_MASK : FNL_ALPHA_OPAQUE;
+        material.double_sided = i & 2;
+        material.roughness = 0.5f;
+        material.metallic = 0;
+        uint32_t m = scene_add_material(scene, &material);
+        meshes[i] = i == 5   ? star_mesh(scene, m, SCENE_TOPOLOGY_LINES)
+                    : i == 6 ? star_mesh(scene, m, SCENE_TOPOLOGY_POINTS)
+                    : i & 1  ? leaf_mesh(scene, m)
+                             : test_sphere_mesh(scene, m, 6 + 5 * i);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        vec3 axis =
+            vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
+        float size = i % 3 ? random_range(&random, 0.2f, 1) : random_range(&random, 0.01f, 0.1f);
+        mat4 matrix =
+            mat4_from_trs((vec3){random_range(&random, -7, 7), random_range(&random, -3, 3), random_range(&random, -7, 7)},
+                          quat_axis_angle(axis, random_range(&random, 0, 6)),
+                          (vec3){i & 1 ? size : -size, i % 5 ? size : size * random_range(&random, 0.3f, 2), size});
+        scene_add_node(scene, "", SCENE_NONE, &matrix, meshes[random_bits(&random) % COUNT_OF(meshes)]);
+    }
+    mat4 floor_matrix = mat4_from_trs((vec3){0, -2, 0}, quat_axis_angle((vec3){1, 0, 0}, -PI / 2), (vec3){30, 30, 1});
+    scene_add_node(scene, "", SCENE_NONE, &floor_matrix, test_quad_mesh(scene, SCENE_NONE));
+    for (uint32_t i = 0; i < 6; i++) {
+        fnl_light_params light = test_point((vec3){random_range(&random, -6, 6), 2, random_range(&random, -6, 6)}, 30, 12);
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    }
+    assert_int_equal(fnl_scene_set_ambient(scene, (vec3){0.2f, 0.2f, 0.3f}, (vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
+    return scene;
+}
+
+enum { VIEW_PLAIN, VIEW_SHIFTED, VIEW_ORTHOGRAPHIC, VIEW_INSIDE, VIEW_COUNT };
+
+static fnl_frame crowd_frame(uint32_t view) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.width = 77;
+    frame.height = 53;
+    frame.shading = FNL_SHADING_FORWARD;
+    frame.lists = FNL_LISTS_ALL;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){1, 2, 11};
+    frame.camera.target = (vec3){0, -0.5f, 0};
+    if (view == VIEW_SHIFTED) {
+        frame.camera.shift = (vec2){0.3f, -0.4f};
+        frame.jitter = (vec2){0.31f, -0.22f};
+    }
+    if (view == VIEW_ORTHOGRAPHIC) {
+        frame.camera.orthographic = true;
+        frame.camera.vertical_extent = 8;
+        frame.camera.near_distance = 6;
+        frame.camera.far_distance = 30;
+    }
+    if (view == VIEW_INSIDE) {
+        frame.camera.position = (vec3){0.5f, 0, 1};
+        frame.camera.near_distance = 0.3f;
+    }
+    return frame;
+}
+
+static fnl_image shoot(fnl_renderer *renderer, const fnl_frame *frame) {
+    test_render_frame(renderer, frame);
+    return test_read(renderer, FNL_OUTPUT_RADIANCE);
+}
+
+static fnl_frame_stats stats_of(fnl_renderer *renderer) {
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    return stats;
+}
+
+static void check_sum(const fnl_frame_stats *s) {
+    assert_int_equal(s->triangles_drawn + s->triangles_outside + s->triangles_back + s->triangles_small, s->triangles_total);
+}
+
+/* Every shading order draws what it drew: radiance is equal to the bit. */
+static void check_order(fnl_renderer *renderer, fnl_shading shading, uint32_t view, uint32_t samples) {
+    fnl_frame frame = crowd_frame(view);
+    frame.shading = shading;
+    frame.msaa = samples;
+    fnl_image whole = shoot(renderer, &frame);
+    for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {
+        frame.culling = (fnl_culling)culling;
+        fnl_image culled = shoot(renderer, &frame);
+        if (!test_equal(&whole, &culled))
+            fail_msg("%s, view %u, %u samples: culling by %s changes the picture by %g", fnl_shading_name(shading), view,
+                     samples, fnl_culling_name(frame.culling), test_difference(&whole, &culled));
+        fnl_frame_stats stats = stats_of(renderer);
+        check_sum(&stats);
+        assert_int_equal(stats.items_whole, 0);
+        assert_true(stats.triangles_drawn < stats.triangles_total);
+        free_picture(&culled);
+    }
+    free_picture(&whole);
+}
+
+static void test_orders(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = crowd(90);
+    fnl_renderer *renderer = test_renderer(scene);
+    renderer->poison = true;
+    for (uint32_t shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+        check_order(renderer, (fnl_shading)shading, shading % VIEW_COUNT, 1);
+        if (shading_is((fnl_shading)shading, SHADING_SAMPLES))
+            check_order(renderer, (fnl_shading)shading, (shading + 1) % VIEW_COUNT, 4);
+    }
+    for (uint32_t view = 0; view < VIEW_COUNT; view++) check_order(renderer, FNL_SHADING_VISIBILITY, view, 1);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Surfaces, motion and the picture of a skinned figure, which culling knows by the vertices of each frame. */
+static void test_skinned(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_load("Fox.glb", true);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_MOTION | FNL_OUTPUT_POSITION);
+    frame.width = 83;
+    frame.height = 61;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){120, 90, 160};
+    frame.camera.target = (vec3){0, 40, 0};
+    frame.shading = FNL_SHADING_VISIBILITY;
+    for (int step = 0; step < 3; step++) {
+        fnl_image images[2][3];
+        for (int k = 0; k < 2; k++) {
+            fnl_renderer *own = test_renderer(scene);
+            frame.culling = k ? FNL_CULLING_TRIANGLES : FNL_CULLING_INSTANCES;
+            for (int i = 0; i < 2; i++) { /* the second has motion */
+                assert_int_equal(fnl_scene_set_time(scene, 0, 0.3 * step + 0.1 * i), FNL_OK);
+                test_render_frame(own, &frame);
+            }
+            images[k][0] = test_read(own, FNL_OUTPUT_RADIANCE);
+            images[k][1] = test_read(own, FNL_OUTPUT_MOTION);
+            images[k][2] = test_read(own, FNL_OUTPUT_POSITION);
+            if (k) {
+                fnl_frame_stats stats = stats_of(own);
+                check_sum(&stats);
+                assert_true(stats.triangles_back * 4 > stats.triangles_total); /* it is looked at triangle by triangle */
+                assert_true(stats.triangles_drawn > 0);
+            }
+            fnl_renderer_destroy(&own);
+        }
+        for (int i = 0; i < 3; i++) {
+            assert_true(test_equal(&images[0][i], &images[1][i]));
+            free_picture(&images[0][i]);
+            free_picture(&images[1][i]);
+        }
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- counts ---- */
+
+/* What the rules say of a triangle: 1: it stays; -1: it goes; 0: too near to say. */
+static int classify(const struct gpu_view *view, const mat4 *world, const struct scene_primitive *p, uint32_t t,
+                    bool double_sided) {
+    double x[3], y[3];
+    int before = 0, near_plane = 0;
+    for (int k = 0; k < 3; k++) {
+        vec3 w = mat4_point(world, p->positions[p->indices[3 * t + (uint32_t)k]]);
+        const float *m = view->world_to_clip.m;
+        double clip[4];
+        for (int r = 0; r < 4; r++)
+            clip[r] = (double)m[r] * w.x + (double)m[4 + r] * w.y + (double)m[8 + r] * w.z + m[12 + r];
+        before += clip[2] > clip[3] * 1.001;
+        near_plane += clip[2] > clip[3] * 0.999;
+        x[k] = (clip[0] / clip[3] * 0.5 + 0.5) * view->size.x;
+        y[k] = (0.5 - clip[1] / clip[3] * 0.5) * view->size.y;
+    }
+    if (near_plane) return before == 3 ? -1 : 0;
+    double area = (y[1] - y[0]) * (x[2] - x[0]) - (x[1] - x[0]) * (y[2] - y[0]), edges = 0;
+    for (int k = 0; k < 3; k++) edges += hypot(x[(k + 1) % 3] - x[k], y[(k + 1) % 3] - y[k]);
+    if (mat4_determinant3(world) < 0) area = -area;
+    double low_x = fmin(x[0], fmin(x[1], x[2])), high_x = fmax(x[0], fmax(x[1], x[2])), low_y = fmin(y[0], fmin(y[1], y[2])),
+           high_y = fmax(y[0], fmax(y[1], y[2]));
+    const double near = 0.01;
+    if (high_x < -near || high_y < -near || low_x > view->size.x + near || low_y > view->size.y + near) return -1;
+    double doubt = 0.03 * edges + 0.001;
+    if (!double_sided && area < -doubt) return -1;
+    if (floor(high_x + near - 0.5) < ceil(low_x - near - 0.5) || floor(high_y + near - 0.5) < ceil(low_y - near - 0.5))
+        return -1;
+    bool sees =
+        floor(high_x - near - 0.5) >= ceil(low_x + near - 0.5) && floor(high_y - near - 0.5) >= ceil(low_y + near - 0.5);
+    bool meets = high_x > near && high_y > near && low_x < view->size.x - near && low_y < view->size.y - near;
+    return sees && meets && (double_sided || area > doubt);
+}
+
+static void test_counts(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = crowd(150);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t v = 0; v < VIEW_INSIDE; v++) {
+        fnl_frame frame = crowd_frame(v);
+        frame.jitter = (vec2){0, 0};
+        frame.culling = FNL_CULLING_TRIANGLES;
+        fnl_image image = shoot(renderer, &frame);
+        free_picture(&image);
+        fnl_frame_stats stats = stats_of(renderer);
+        struct gpu_view view = view_from_camera(&frame.camera, frame.width, frame.height);
+        uint64_t least = 0, most = 0, total = 0;
+        for (uint32_t n = 0; n < scene->nodes.count; n++) {
+            const struct scene_node *node = &scene->nodes.data[n];
+            if (node->mesh == SCENE_NONE) continue;
+            const struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[node->mesh].first_primitive];
+            struct scene_material standard = scene_material_default();
+            const struct scene_material *m = p->material == SCENE_NONE ? &standard : &scene->materials.data[p->material];
+            if (p->topology != SCENE_TOPOLOGY_TRIANGLES || m->alpha_mode == FNL_ALPHA_BLEND) continue;
+            total += p->index_count / 3;
+            for (uint32_t t = 0; t < p->index_count / 3; t++) {
+                int kind = classify(&view, &node->world, p, t, m->double_sided);
+                least += kind > 0;
+                most += kind >= 0;
+            }
+        }
+        print_message("view %u: %llu of %llu triangles drawn, %llu to %llu expected; out %llu, back %llu, small %llu\n", v,
+                      (unsigned long long)stats.triangles_drawn, (unsigned long long)total, (unsigned long long)least,
+                      (unsigned long long)most, (unsigned long long)stats.triangles_outside,
+                      (unsigned long long)stats.triangles_back, (unsigned long long)stats.triangles_small);
+        assert_int_equal(stats.triangles_total, total);
+        check_sum(&stats);
+        assert_in_range(stats.triangles_drawn, least, most);
+        assert_true(most * 2 < total && least > 0 && most - least < total / 25);
+        assert_true(stats.triangles_back * 12 > total && stats.triangles_small * 20 > total && stats.triangles_outside > 0);
+        assert_true(stats.clusters_drawn > 0 && stats.clusters_drawn < stats.clusters_total);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Pools that are too small: what does not fit is drawn whole, in its place, and they grow. */
+static void test_overflow(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = crowd(90);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = crowd_frame(VIEW_PLAIN);
+    frame.shading = FNL_SHADING_VISIBILITY;
+    fnl_image whole = shoot(renderer, &frame);
+    static const uint32_t capacities[][2] = {{1, 1}, {30, 100000}, {100000, 300}, {40, 700}};
+    for (uint32_t i = 0; i < COUNT_OF(capacities); i++)
+        for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {
+            fnl_renderer *own = test_renderer(scene);
+            own->poison = true;
+            own->cluster_limit = true;
+            own->cluster_capacity = capacities[i][0];
+            own->triangle_capacity = capacities[i][1];
+            frame.culling = (fnl_culling)culling;
+            fnl_image culled = shoot(own, &frame);
+            fnl_frame_stats stats = stats_of(own);
+            assert_true(test_equal(&whole, &culled));
+            assert_true(stats.items_whole > 0);
+            if (i == 0) assert_true(stats.items_whole > 20);
+            free_picture(&culled);
+            own->cluster_limit = false;
+            for (int k = 0; k < 3; k++) { /* its counts are heeded when its slot comes round */
+                culled = shoot(own, &frame);
+                assert_true(test_equal(&whole, &culled));
+                free_picture(&culled);
+            }
+            assert_int_equal(stats_of(own).items_whole, 0);
+            fnl_renderer_destroy(&own);
+        }
+    free_picture(&whole);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_repeats(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = crowd(60);
+    fnl_frame frame = crowd_frame(VIEW_PLAIN);
+    frame.culling = FNL_CULLING_TRIANGLES;
+    fnl_frame_stats stats[2];
+    fnl_image images[2];
+    for (int i = 0; i < 2; i++) {
+        fnl_renderer *renderer = test_renderer(scene);
+        images[i] = shoot(renderer, &frame);
+        stats[i] = stats_of(renderer);
+        fnl_renderer_destroy(&renderer);
+    }
+    assert_true(test_equal(&images[0], &images[1]));
+    assert_int_equal(stats[0].triangles_drawn, stats[1].triangles_drawn);
+    assert_int_equal(stats[0].triangles_small, stats[1].triangles_small);
+    assert_int_equal(stats[0].clusters_drawn, stats[1].clusters_drawn);
+    free_picture(&images[0]);
+    free_picture(&images[1]);
+    fnl_scene_destroy(&scene);
+    /* Nothing, and nothing but lines. */
+    for (int i = 0; i < 2; i++) {
+        scene = test_scene();
+        if (i) test_place(scene, star_mesh(scene, SCENE_NONE, SCENE_TOPOLOGY_LINES), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+        fnl_renderer *renderer = test_renderer(scene);
+        fnl_image image = shoot(renderer, &frame);
+        assert_int_equal(stats_of(renderer).triangles_drawn, 0);
+        assert_int_equal(stats_of(renderer).clusters_total, 0);
+        free_picture(&image);
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
+}
+
+/* ---- cutting ---- */
+
+/* Clusters hold each triangle once, corners in order, and their bounds hold. */
+static void test_cutting(void **state) {
+    UNUSED(state);
+    fnl_host host = test_host(&test_device_memory);
+    fnl_scene *scene = test_scene();
+    uint32_t mesh = test_sphere_mesh(scene, SCENE_NONE, 40);
+    const struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh].first_primitive];
+    gpu_cluster_list clusters = {0};
+    uint32_t *indices = malloc(p->index_count * sizeof *indices), count = p->index_count / 3, seen = 0;
+    assert_int_equal(device_clusters_build(&host, p, &clusters, indices), FNL_OK);
+    bool *found = calloc(count, sizeof *found);
+    for (uint32_t c = 0; c < clusters.count; c++) {
+        const struct gpu_cluster *cluster = &clusters.data[c];
+        assert_int_equal(cluster->first_triangle, seen);
+        assert_in_range(cluster->triangle_count, 1, CLUSTERS_MOST_TRIANGLES);
+        for (uint32_t t = 0; t < cluster->triangle_count; t++, seen++) {
+            uint32_t i = 0;
+            while (i < count && (found[i] || memcmp(&p->indices[3 * i], &indices[3 * seen], 12) != 0)) i++;
+            assert_true(i < count);
+            found[i] = true;
+            for (int k = 0; k < 3; k++)
+                assert_true(vec3_distance(p->positions[indices[3 * seen + (uint32_t)k]], cluster->center) <=
+                            cluster->radius);
+        }
+    }
+    assert_int_equal(seen, count);
+    print_message("%u triangles, %u clusters\n", count, clusters.count);
+    assert_true(clusters.count * 45 < count);
+    free(found);
+    free(indices);
+    array_free(&host, &clusters);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"clusters hold every triangle once", test_cutting, NULL, NULL, NULL},
+        {"ES-77: every shading order draws the same picture", test_orders, NULL, NULL, NULL},
+        {"ES-77: skinned figures", test_skinned, NULL, NULL, NULL},
+        {"ES-77: counts against the CPU", test_counts, NULL, NULL, NULL},
+        {"ES-77: overflowing pools draw items whole", test_overflow, NULL, NULL, NULL},
+        {"ES-77: two runs, and nothing to cull", test_repeats, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
+}
