@@ -77,7 +77,8 @@ static void print_help(void) {
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
         "                             (compact)\n"
         "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
-        "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)\n"
+        "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)");
+    puts(
         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
         "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
         "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
