@@ -54,6 +54,39 @@ static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
     return blend_inside || !order_has_blend(f);
 }
 
+struct tap_data {
+    graph_image targets[MOBILE_TARGETS];
+    graph_buffer buffer;
+    uint64_t bytes; /* of a target */
+    uint32_t count;
+};
+
+static void execute_tap(const struct graph_context *context, const void *data) {
+    const struct tap_data *d = data;
+    for (uint32_t i = 0; i < d->count; i++)
+        gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->targets[i]),
+                                 graph_get_buffer(context, d->buffer), i * d->bytes);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+/* For tests: what the scope leaves at each pixel. */
+static void add_tap(struct frame_state *f, const struct mobile_result *result) {
+    struct tap_data data = {.buffer = graph_import_buffer(f->graph, "mobile tap", f->r->mobile_tap),
+                            .bytes = (uint64_t)f->frame->width * f->frame->height * 4,
+                            .count = result->target_count};
+    memcpy(data.targets, result->targets, sizeof data.targets);
+    struct graph_pass *pass = graph_add_pass(f->graph, "mobile tap", GRAPH_QUEUE_GRAPHICS, execute_tap, &data, sizeof data);
+    for (uint32_t i = 0; i < data.count; i++) graph_use_image(pass, data.targets[i], GRAPH_COPY_FROM);
+    graph_use_buffer(pass, data.buffer, GRAPH_COPY_TO);
+    pass = graph_add_pass(f->graph, "mobile tap to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(pass);
+    graph_use_buffer(pass, data.buffer, GRAPH_READ_HOST);
+}
+
 void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct mobile_params params;
     if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
@@ -99,6 +132,7 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
                                              prepass, f->depth, &params, decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
+    if (f->r->mobile_tap) add_tap(f, &result);
     if (!result.merged && !f->frame->mobile.separate)
         note_once(f->r, 1,
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");

@@ -51,8 +51,10 @@ struct fnl_renderer {
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
     bool cluster_limit;       /* tests: these stay as they are */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
-    bool cannot_merge;        /* tests: as on devices whose scopes are too small for the order mobile */
-    bool weighted_half;       /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
+    struct gpu_buffer
+        *mobile_tap;    /* tests: takes the targets of the order mobile as they are in the end, one after the other; NULL */
+    bool cannot_merge;  /* tests: as on devices whose scopes are too small for the order mobile */
+    bool weighted_half; /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits; /* tests: ids at least so wide */
     bool poison;              /* tests: transient buffers begin each frame full of rubbish */
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */

@@ -661,7 +661,7 @@ static void test_hull_meshes_CL_2(void **state) {
             assert_true(holds_at(&exact.list, x, y, seen[2], 0));
         }
         smaller += exact.list.totals.entries * 2 < sphere.list.totals.entries;
-        free(hull);
+        host_free(gpu_host(harness_device()), hull, sizeof *hull);
         raster_copy_free(&sphere);
         raster_copy_free(&exact);
     }

@@ -509,5 +509,7 @@ struct mobile_result mobile_add(struct graph *graph, const struct shade_input *i
     if (blend && !blend->weighted) add_glass(graph, blend->input, depth, &targets);
     result.target = add_finish(graph, input, result.merged, &targets, params, finish);
     graph_end_scope(graph);
+    result.target_count = targets.layout.target_count;
+    memcpy(result.targets, targets.images, sizeof result.targets);
     return result;
 }

@@ -76,7 +76,9 @@ struct mobile_finish {
 struct mobile_result {
     graph_image target;
     bool merged;
-    uint32_t bits; /* of a pixel's targets */
+    uint32_t bits;                       /* of a pixel's targets */
+    graph_image targets[MOBILE_TARGETS]; /* as the layout has them, in the end; whoever uses them has them stored */
+    uint32_t target_count;
 };
 
 /**

@@ -51,31 +51,36 @@ void main() {
         p.receivers = 255u;
         decals_apply(s, decals_of(push.view), uvec2(pixel), view_depth, p);
         vec3 to_view = to_viewer(push.view, s.position), light = mobile_light(g);
-        bool shape = s.normal != before.normal || s.roughness != before.roughness;
-        bool color = s.base_color != before.base_color || s.metallic != before.metallic || s.dielectric_f0 != before.dielectric_f0;
-        if (shape || color || s.emissive != before.emissive) {
+        bool bent = s.normal != before.normal, rough = s.roughness != before.roughness, tinted = s.base_color != before.base_color;
+        bool metal = s.metallic != before.metallic || s.dielectric_f0 != before.dielectric_f0;
+        bool was_black = before.dielectric_f90 == 0.0; // for which metalness stands in
+        if (bent || rough || tinted || metal || s.emissive != before.emissive) {
             vec3 more = shade_rest(s, push.view, to_view, vec3(0.0)) - shade_rest(before, push.view, to_view, vec3(0.0));
             light = clamp(light + more * push.view.view.light_scale, vec3(0.0), vec3(push.view.view.light_max));
         }
         mobile_texel n = mobile_pack(s, g.t[1].x, light);
+        // What is read and written again may lose its last bit: normals are made unit vectors in between.
 #ifdef MOBILE_WIDE
         g.t[3] = n.t[3];
 #ifdef MOBILE_METALLIC
-        g.t[4] = vec4(n.t[4].x, shape ? n.t[4].y : g.t[4].y, 0.0, 0.0);
-        if (shape) g.t[5] = n.t[5];
-        if (shape || color) g.t[6] = n.t[6];
+        g.t[4] = vec4(n.t[4].x, bent ? n.t[4].y : g.t[4].y, 0.0, 0.0);
+        if (bent) g.t[5] = n.t[5];
+        g.t[6] = vec4(rough ? n.t[6].x : g.t[6].x, metal || was_black ? n.t[6].y : g.t[6].y, 0.0, 0.0);
+        if (tinted) g.t[7] = n.t[7];
 #else
-        g.t[4] = vec4(n.t[4].x, shape ? n.t[4].y : g.t[4].y, 0.0, 0.0);
-        if (shape) g.t[5] = n.t[5];
-        if (color) g.t[6] = n.t[6];
+        g.t[4] = vec4(n.t[4].x, rough ? n.t[4].y : g.t[4].y, 0.0, 0.0);
+        if (bent) g.t[5] = n.t[5];
+        if (tinted || metal) g.t[6] = n.t[6];
+        if (tinted || metal) g.t[7] = n.t[7];
 #endif
-        if (color) g.t[7] = n.t[7];
 #else
         g.t[0] = n.t[0];
-        if (shape) g.t[2] = n.t[2];
-        if (color) g.t[3] = n.t[3];
+        g.t[2] = vec4(bent ? n.t[2].xyz : g.t[2].xyz, rough ? n.t[2].w : g.t[2].w);
 #if MOBILE_TARGETS > 4
-        if (color) g.t[4] = n.t[4];
+        if (tinted || metal) g.t[3] = n.t[3];
+        if (tinted || metal) g.t[4] = n.t[4];
+#else
+        g.t[3] = vec4(tinted ? n.t[3].rgb : g.t[3].rgb, metal || was_black ? n.t[3].a : g.t[3].a);
 #endif
 #endif
     }

@@ -88,6 +88,111 @@ static void test_decals_rewrite_the_targets_MB_12(void **state) {
     }
 }
 
+/* ---- what is not touched ---- */
+
+/* The targets of a frame: `bytes` of each, one after the other. free() it. */
+static uint8_t *tap(struct stage *stage, const fnl_frame *frame, bool separate) {
+    const uint64_t size = 8ull * 4 * frame->width * frame->height;
+    struct gpu_buffer buffer;
+    assert_int_equal(gpu_buffer_create(harness_device(), "mobile tap", size, GPU_MEMORY_READBACK, &buffer), FNL_OK);
+    stage->renderer->mobile_tap = &buffer;
+    fnl_frame tapped = *frame;
+    tapped.mobile.separate = separate;
+    struct shot shot = stage_shoot(stage, &tapped);
+    stage->renderer->mobile_tap = NULL;
+    uint8_t *copy = malloc(size);
+    assert_non_null(copy);
+    memcpy(copy, buffer.mapped, size);
+    shot_free(&shot);
+    assert_int_equal(gpu_wait_idle(harness_device()), FNL_OK);
+    gpu_buffer_destroy(harness_device(), &buffer);
+    return copy;
+}
+
+/* What a decal of some channels may write, as masks of the bytes of a target's pixel; light, which gains glow, is another matter. */
+struct touched {
+    uint32_t masks[8];
+};
+
+static struct touched touched_by(fnl_mobile_layout layout, uint32_t channels) {
+    static const char *const color_targets[] = {"mobile color", "mobile diffuse", "mobile specular"};
+    const bool metallic = layout == FNL_MOBILE_METALLIC_128 || layout == FNL_MOBILE_METALLIC_256;
+    const bool color = channels & FNL_DECAL_COLOR, metal = channels & FNL_DECAL_METALLIC,
+               rough = channels & FNL_DECAL_ROUGHNESS;
+    struct touched t = {{0}};
+    fnl_mobile_target targets[8];
+    uint32_t count = fnl_mobile_layout_targets(layout, targets, 8);
+    for (uint32_t i = 0; i < count; i++) {
+        const char *name = targets[i].name;
+        for (uint32_t k = 0; k < COUNT_OF(color_targets); k++)
+            if (strcmp(name, color_targets[k]) == 0 && (color || (metal && !metallic))) t.masks[i] = 0xffffffu;
+        if (layout >= FNL_MOBILE_METALLIC_256 && t.masks[i]) t.masks[i] = 0xffffffffu; /* packed floats */
+        if (layout == FNL_MOBILE_METALLIC_128 && strcmp(name, "mobile color") == 0 && metal) t.masks[i] |= 0xff000000u;
+        if (strcmp(name, "mobile normal") == 0 && layout < FNL_MOBILE_METALLIC_256 && rough) t.masks[i] = 0xff000000u;
+        if (strcmp(name, "mobile roughness") == 0) t.masks[i] = (rough ? 0xffffu : 0) | (metal ? 0xffff0000u : 0);
+        if (strcmp(name, "mobile light b, roughness") == 0 && rough) t.masks[i] = 0xffff0000u;
+        /* Light holds ambient light and that of the lights, which everything changes. */
+        if (strncmp(name, "mobile light", 12) == 0)
+            t.masks[i] |= strcmp(name, "mobile light b, roughness") == 0 || strcmp(name, "mobile light b, normal x") == 0
+                              ? 0xffffu
+                              : 0xffffffffu;
+    }
+    return t;
+}
+
+/* A decal of one channel leaves every bit of the others at every pixel, merged and separate; and changes its own. */
+static void test_untouched_channels_keep_their_bits_MB_12(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *what;
+        uint32_t channels;
+    } cases[] = {{"colour", FNL_DECAL_COLOR},
+                 {"roughness", FNL_DECAL_ROUGHNESS},
+                 {"metalness", FNL_DECAL_METALLIC},
+                 {"glow", FNL_DECAL_EMISSION}};
+    for (int layout = 0; layout < FNL_MOBILE_LAYOUT_COUNT; layout++)
+        for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+            struct stage stage = stage_open("builtin:spheres?lights=5", 0); /* normals and materials of all kinds */
+            fnl_frame frame = mobile_frame(&stage);
+            frame.width = 67;
+            frame.height = 39;
+            frame.mobile.layout = (fnl_mobile_layout)layout;
+            frame.mobile.gamma = (fnl_mobile_gamma)(i % FNL_MOBILE_GAMMA_COUNT);
+            frame.decals = FNL_DECALS_GBUFFER;
+            uint8_t *before = tap(&stage, &frame, false);
+            fnl_decal_params params = fnl_decal_params_default();
+            params.channels = cases[i].channels;
+            memcpy(params.color, (float[]){0.9f, 0.2f, 0.4f, 0.8f}, sizeof params.color);
+            memcpy(params.emissive, (float[]){0.5f, 1, 2}, sizeof params.emissive);
+            params.metallic = 0.7f;
+            params.roughness = 0.15f;
+            add_decal(&stage, (vec3){0, 1, 0}, (vec3){30, 30, 30}, params);
+            struct touched touched = touched_by((fnl_mobile_layout)layout, cases[i].channels);
+            fnl_mobile_target targets[8];
+            uint32_t count = fnl_mobile_layout_targets((fnl_mobile_layout)layout, targets, 8);
+            const size_t pixels = (size_t)frame.width * frame.height;
+            for (int separate = 0; separate < 2; separate++) {
+                uint8_t *after = tap(&stage, &frame, separate);
+                for (uint32_t t = 0; t < count; t++) {
+                    const uint32_t *a = (const uint32_t *)before + t * pixels, *b = (const uint32_t *)after + t * pixels;
+                    uint64_t changed = 0, stray = 0;
+                    for (size_t p = 0; p < pixels; p++) {
+                        changed += a[p] != b[p];
+                        stray += ((a[p] ^ b[p]) & ~touched.masks[t]) != 0;
+                    }
+                    bool same = cases[i].channels == FNL_DECAL_COLOR && strcmp(targets[t].name, "mobile specular") == 0;
+                    if (stray || (touched.masks[t] && !same && changed < 50)) /* dielectrics of all colours reflect alike */
+                        fail_msg("%s in %s, %s: %llu pixels of '%s' change, %llu of them in other channels", cases[i].what,
+                                 fnl_mobile_layout_name((fnl_mobile_layout)layout), separate ? "separate" : "merged",
+                                 (unsigned long long)changed, targets[t].name, (unsigned long long)stray);
+                }
+                free(after);
+            }
+            free(before);
+            stage_close(&stage);
+        }
+}
+
 static void test_many_decals_over_one_another_MB_12(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:wall?lights=12", 0);
@@ -125,6 +230,7 @@ int main(int count, char **arguments) {
     if (count > 1) cmocka_set_test_filter(arguments[1]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_decals_rewrite_the_targets_MB_12, harness_check),
+        cmocka_unit_test_teardown(test_untouched_channels_keep_their_bits_MB_12, harness_check),
         cmocka_unit_test_teardown(test_many_decals_over_one_another_MB_12, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
