@@ -650,6 +650,87 @@ static void test_baked_decals_cost_nothing_ES_29(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+static void tilted_texel(uint32_t x, uint32_t y, uint8_t out[4]) {
+    (void)x, (void)y;
+    const uint8_t tilted[4] = {176, 104, 220, 255};
+    memcpy(out, tilted, 4);
+}
+
+static void tilted_back_texel(uint32_t x, uint32_t y, uint8_t out[4]) {
+    (void)x, (void)y;
+    const uint8_t tilted[4] = {100, 140, 240, 255};
+    memcpy(out, tilted, 4);
+}
+
+/* Each channel, and all of them, upon materials with and without textures of their own, flattened or not: what is baked looks like the
+   decal on the mesh. Materials whose factors are less than what is painted keep what is beside it. */
+static void test_baked_channels_ES_29(void **state) {
+    (void)state;
+    static const uint32_t channels[] = {FNL_DECAL_COLOR,    FNL_DECAL_NORMAL,   FNL_DECAL_ROUGHNESS,
+                                        FNL_DECAL_METALLIC, FNL_DECAL_EMISSION, FNL_DECAL_ALL};
+    for (uint32_t textured = 0; textured < 2; textured++)
+        for (uint32_t i = 0; i < 2 * COUNT_OF(channels); i++) {
+            fnl_scene *scene = test_scene();
+            fnl_material_params m = fnl_material_params_default();
+            m.metallic = 0.2f;
+            m.roughness = textured ? 0.8f : 0.4f;
+            m.emissive[0] = 0.1f;
+            m.normal_scale = 0.8f;
+            if (textured) {
+                m.normal_image = add_picture(scene, 128, 128, false, tilted_back_texel);
+                m.metallic_roughness_image = add_picture(scene, 128, 128, false, tilted_back_texel);
+                m.emissive_image = add_picture(scene, 128, 128, true, tilted_texel);
+            }
+            uint32_t node =
+                test_place(scene, test_quad_mesh(scene, test_material(scene, &m).index), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+            fnl_light_params light = test_point((vec3){0.6f, 0.4f, 0.9f}, 4, 6);
+            scene_add_light(scene, &light, SCENE_NONE);
+            assert_int_equal(fnl_scene_set_ambient(scene, (vec3){0.3f, 0.3f, 0.4f}, (vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
+            scene_update_transforms(scene);
+            fnl_decal_params p = plain(0.9f, 0.3f, 0.2f, 0.75f,
+                                       box_at((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 0, 1}, 0.6f), (vec3){1, 1, 0.2f}));
+            p.channels = channels[i / 2];
+            p.flatten = i % 2 == 1;
+            p.roughness = 0.9f;
+            p.metallic = 0.8f;
+            p.normal_image = add_picture(scene, 8, 8, false, tilted_texel);
+            p.emissive[0] = 0.05f;
+            p.emissive[1] = 0.7f;
+            p.instance = instance_of(scene, node);
+            fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+            fnl_image seen[4];
+            fnl_renderer *r = test_renderer(scene);
+            for (int k = 0; k < 4; k++) { /* bare, on the mesh, baked, taken off again */
+                fnl_decal_id id = {0};
+                p.kind = k == 1 ? FNL_DECAL_MESH : FNL_DECAL_BAKED;
+                if (k == 1 || k == 2) id = add(scene, &p);
+                test_render_frame(r, &frame);
+                seen[k] = test_read(r, FNL_OUTPUT_RADIANCE);
+                if (id.generation) assert_int_equal(fnl_scene_remove_decal(scene, id), FNL_OK);
+            }
+            double off = 0, changed = 0, beside = 0;
+            for (uint32_t y = 0; y < SIDE; y++)
+                for (uint32_t x = 0; x < SIDE; x++)
+                    for (int c = 0; c < 3; c++) {
+                        double bare = (double)test_pixel(&seen[0], x, y)[c], mesh = (double)test_pixel(&seen[1], x, y)[c],
+                               baked = (double)test_pixel(&seen[2], x, y)[c];
+                        bool inside = hypot((double)x - 31.5, (double)y - 31.5) < 10;
+                        bool outside = hypot((double)x - 31.5, (double)y - 31.5) > 26;
+                        if (inside) off = fmax(off, fabs(mesh - baked) / (mesh + 0.05));
+                        if (inside) changed = fmax(changed, fabs(mesh - bare) / (bare + 0.05));
+                        if (outside) beside = fmax(beside, fabs(baked - bare) / (bare + 0.05));
+                    }
+            print_message("  channels %u, flatten %d, textured %u: %.4f off, %.3f changed, %.4f beside\n", p.channels,
+                          p.flatten, textured, off, changed, beside);
+            double most = p.channels & FNL_DECAL_NORMAL ? 0.06 : 0.02; /* eight bits have no level direction: 1/510 off */
+            assert_true(off < most && changed > 0.03 && beside < most);
+            assert_true(test_equal(&seen[0], &seen[3]));
+            for (int k = 0; k < 4; k++) free_picture(&seen[k]);
+            fnl_renderer_destroy(&r);
+            fnl_scene_destroy(&scene);
+        }
+}
+
 /* All orders, both ways, MSAA: the same picture, and overflowing pools change no bit. */
 static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
     (void)state;
@@ -690,7 +771,7 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
             assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
             assert_true(stats.decal_overflow > 0);
             assert_true(test_equal(&full, &cramped));
-            assert_true(r->decal_capacity > 7); /* for the next frame */
+            assert_true(r->decal_capacity > 7);         /* for the next frame */
             for (uint32_t tree = 0; tree < 2; tree++) { /* cells that ask each box, and a tree over few: the same entries */
                 uint64_t entries = stats.decal_entries;
                 r->decal_tree = tree ? 0 : UINT32_MAX;
@@ -787,6 +868,7 @@ int main(void) {
         cmocka_unit_test(test_mesh_decals_do_not_slide_ES_27),
         cmocka_unit_test(test_redrawn_triangles_ES_28),
         cmocka_unit_test(test_baked_decals_cost_nothing_ES_29),
+        cmocka_unit_test(test_baked_channels_ES_29),
         cmocka_unit_test(test_all_orders_agree_EQ_ES_36_ES_59),
         cmocka_unit_test(test_none_cost_nothing),
         cmocka_unit_test(test_a_hundred_thousand_decals),
