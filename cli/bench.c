@@ -352,12 +352,8 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
     }
     if (!fnl_lists_supported(candidate->shading, candidate->lists))
         return skip(plan, to, candidate, "these lists do not go with this shading order");
-    bool has_samples = candidate->shading == FNL_SHADING_FORWARD || candidate->shading == FNL_SHADING_FORWARD_PREPASS ||
-                       candidate->shading == FNL_SHADING_DEFERRED || candidate->shading == FNL_SHADING_VISIBILITY ||
-                       candidate->shading == FNL_SHADING_AUTO;
-    if (to->msaa > 1 && !has_samples) return skip(plan, to, candidate, "this shading order has no MSAA");
-    if (to->msaa > 1 && strncmp(candidate->options, "gbuffer=", 8) == 0)
-        return skip(plan, to, candidate, "this layout of the G-buffer has 1 sample a pixel");
+    if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
+        return skip(plan, to, candidate, "this shading order has no MSAA");
     struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
     if (!bigger) return false;
     to->candidates = bigger;

@@ -19,10 +19,17 @@ float gbuffer_depth(gpu_gbuffer from, ivec2 pixel, int at) { return texelFetch(t
 bool gbuffer_is_forward(gpu_gbuffer from, ivec2 pixel) {
     return (gbuffer_form(from) & GBUFFER_FORM_MASK) != 0u && texelFetch(textures[from.mask], pixel, 0).r > 0.0;
 }
+bool gbuffer_is_forward(gpu_gbuffer from, ivec2 pixel, int at) {
+    return (gbuffer_form(from) & GBUFFER_FORM_MASK) != 0u && texelFetch(textures_multisampled[from.mask], pixel, at).r > 0.0;
+}
 // Which of the items that meet there at the same depth is seen, as far as 8 bits tell.
 float gbuffer_mask_of(uint item) { return float(item % 255u + 1u) / 255.0; }
 bool gbuffer_is_owner(gpu_gbuffer from, ivec2 pixel, uint item) {
     return round(texelFetch(textures[from.mask], pixel, 0).r * 255.0) == float(item % 255u + 1u);
+}
+
+bool gbuffer_is_owner(gpu_gbuffer from, ivec2 pixel, int at, uint item) {
+    return round(texelFetch(textures_multisampled[from.mask], pixel, at).r * 255.0) == float(item % 255u + 1u);
 }
 
 // World-space position of what a pixel's centre shows.
@@ -107,7 +114,11 @@ surface gbuffer_surface_at(gpu_gbuffer from, ivec2 pixel, int at, vec3 position,
     gpu_material_entry entry;
     if (gbuffer_has_id(form)) entry = from.entries.at[gbuffer_unpack_material(form, g)];
     gbuffer_place place;
-    if (gbuffer_normal_is_placed(form)) place = gbuffer_place_at(from.view, position);
+    if (gbuffer_normal_is_placed(form)) { // where it was packed: samples of a pixel are, at its middle
+        vec3 packed_at = position;
+        if (at >= 0) packed_at = gbuffer_position(from.view, pixel, view_depth_of(from.view, gbuffer_depth(from, pixel, at)));
+        place = gbuffer_place_at(from.view, packed_at);
+    }
     surface s = gbuffer_unpack(form, g, place, entry, position, emissive);
     if ((form & GBUFFER_FORM_CHROMA) != 0u) s.base_color = gbuffer_color(from, pixel, at, g.targets[0].rg);
     return s;

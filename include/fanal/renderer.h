@@ -419,6 +419,8 @@ FNL_API fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *
 
 /** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
 FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
+/** Whether pixels may have several samples (fnl_frame.msaa) with an order; FNL_SHADING_AUTO chooses one that has them. */
+FNL_API bool fnl_msaa_supported(fnl_shading shading);
 
 /** What visibility shading sorts pixels by, so that each class of materials is shaded by a shader that has only what it needs. */
 typedef enum fnl_visibility_sort {
@@ -460,7 +462,7 @@ typedef struct fnl_frame {
     fnl_light_lists lists;  /**< default FNL_LISTS_AUTO */
     fnl_list_options list_options;
     uint32_t
-        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); forward orders, deferred, visibility; default 1 */
+        msaa; /**< samples: 1, 2, 4, 8, as far as the device goes (fnl_device_info.max_msaa); orders with fnl_msaa_supported(); default 1 */
     fnl_msaa_method msaa_method; /**< default compact. FNL_SHADING_DEFERRED */
     uint32_t msaa_groups;        /**< surfaces of a pixel at most, 2 or 3; default 2. FNL_MSAA_AGGREGATE */
     /**
@@ -501,7 +503,7 @@ typedef struct fnl_frame {
      */
     float light_lod;
     fnl_deferred_pass deferred_pass; /**< deferred, with class_blocks 0 and 1 sample; default compute */
-    fnl_gbuffer gbuffer; /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT, and nothing else with msaa > 1 */
+    fnl_gbuffer gbuffer; /**< deferred, deferred-volumes; default FNL_GBUFFER_DEFAULT */
     fnl_normal_encoding normals; /**< the same; one that the layout's normal can hold; default FNL_NORMALS_LAYOUT */
     bool
         chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */

@@ -20,6 +20,7 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
                                           .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
     f->gbuffer = gbuffer;
     struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
+    hybrid_add(f->graph, input, &gbuffer, f->radiance);
     f->surfaces = edges.surfaces;
     f->edge_counts = edges.counts;
 }
@@ -59,6 +60,21 @@ void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
     f->lights.totals_known = false;
 }
 
+/* The base of volumes: everything but local lights. Several samples a pixel: each surface once. */
+static struct surface_layers add_base(struct frame_state *f, struct shade_input *input, const struct gbuffer *gbuffer) {
+    struct surface_layers layers = {.count = f->frame->msaa};
+    if (f->frame->msaa == 1) {
+        deferred_add(f->graph, input, gbuffer, NULL, f->radiance);
+        return layers;
+    }
+    struct deferred_msaa_params params = {.method = MSAA_COMPACT, .groups = 2};
+    struct edges edges = deferred_msaa_add(f->graph, input, gbuffer, &params, f->radiance);
+    f->surfaces = edges.surfaces;
+    f->edge_counts = edges.counts;
+    layers.surfaces = edges.surfaces;
+    return layers;
+}
+
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
 void order_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
@@ -66,7 +82,7 @@ void order_volumes(struct frame_state *f, struct shade_input *input, bool prepas
     struct light_list own = {0}; /* of what is lit forward */
     bool has_lists = order_has_blend(f) || gbuffer.mask.id;
     if (has_lists) {
-        order_add_lists(f, f->depth, gbuffer.mask.id ? &gbuffer : NULL);
+        order_add_lists(f, f->depth, gbuffer.mask.id && f->frame->msaa == 1 ? &gbuffer : NULL);
         own = f->lights;
         if (!gbuffer.mask.id) f->lights = f->blend_lights; /* opaque surfaces need none: what makes them is not run */
     } else {
@@ -76,12 +92,15 @@ void order_volumes(struct frame_state *f, struct shade_input *input, bool prepas
     none.local_count = 0;
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input->lights = &base;
-    deferred_add(f->graph, input, &gbuffer, NULL, f->radiance);
+    struct surface_layers layers = add_base(f, input, &gbuffer);
     uint32_t shape = (uint32_t)f->frame->list_options.volume_shape;
     if (shape == VOLUME_STENCIL && !volumes_stencil_supported(f->r->device)) shape = VOLUME_DEPTH_BOUNDS;
     struct volumes volumes = order_prepare_volumes(f, shape);
-    volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
-    f->light_draws = 2 + 2 * volumes.alone;
+    if (layers.count > 1)
+        volumes_add_samples(f->graph, input, &volumes, &gbuffer, &layers, f->radiance);
+    else
+        volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
+    f->light_draws = layers.count * (2 + 2 * volumes.alone);
     if (gbuffer.mask.id) {
         input->lights = &own;
         hybrid_add(f->graph, input, &gbuffer, f->radiance);

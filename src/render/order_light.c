@@ -19,18 +19,28 @@ static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
 /* Bytes of the targets of sums, and with them of the surfaces that they were made for. */
 static uint64_t light_bytes(const struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
     uint32_t texel = graph_image_info(f->graph, sums->targets[0]).format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
-    return surface_bytes + (uint64_t)sums->width * sums->height * (sums->target_count * texel + (sums->samples.id ? 4 : 0));
+    return surface_bytes +
+           (uint64_t)sums->width * sums->height * (sums->layers * sums->target_count * texel + (sums->samples.id ? 4 : 0));
+}
+
+/* Of several samples a pixel lists see all depths, but no normals. At full resolution each surface of a pixel is lit. */
+static void split_surfaces(struct frame_state *f, const struct shade_input *input, struct light_surfaces *surfaces) {
+    if (surfaces->samples == 1) return;
+    struct edges edges = light_surfaces_split(f->graph, input, surfaces);
+    f->surfaces = edges.surfaces;
+    f->edge_counts = edges.counts;
 }
 
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, buffer, f->depth);
     struct gbuffer normals = light_surfaces_normals(&surfaces);
-    order_add_lists(f, f->depth, &normals);
-    struct light_sums sums =
-        light_sums_create(f->graph, input, buffer, scale, graph_image_info(f->graph, f->radiance).format);
+    if (scale == 1) split_surfaces(f, input, &surfaces);
+    order_add_lists(f, f->depth, surfaces.samples > 1 ? NULL : &normals);
+    struct light_sums sums = light_sums_create(f->graph, input, buffer, scale,
+                                               graph_image_info(f->graph, f->radiance).format, surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    f->light_bytes = light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * input->width * input->height);
+    f->light_bytes = light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * surfaces.samples * input->width * input->height);
 }
 
 void order_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -49,17 +59,19 @@ static void add_blend_lists(struct frame_state *f) {
 
 void order_pre_lighting(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, LIGHT_BUFFER_TWO, f->depth);
+    split_surfaces(f, input, &surfaces);
     add_blend_lists(f);
     struct light_input none = f->scene->lights;
     none.local_count = 0;
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input->lights = &base;
-    struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device));
+    struct light_sums sums = light_sums_create(f->graph, input, LIGHT_BUFFER_TWO, 1, volumes_format(f->r->device),
+                                               surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS);
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    f->light_bytes = light_bytes(f, &sums, 12ull * input->width * input->height);
+    f->light_bytes = light_bytes(f, &sums, 12ull * surfaces.samples * input->width * input->height);
     if (!order_has_blend(f)) order_count_volumes(f, &volumes);
 }
 
@@ -73,9 +85,13 @@ void order_light_indexed(struct frame_state *f, struct shade_input *input, bool 
     add_blend_lists(f);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
     struct indexed_params params = {(uint32_t)f->frame->list_options.light_packing, f->frame->list_options.light_layers};
-    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params);
+    struct indexed_samples samples = {0};
+    f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params, &samples);
     input->lights = &f->lights;
-    forward_add(f->graph, input, GEOMETRY_OPAQUE, true, f->radiance, f->depth);
+    if (f->frame->msaa > 1)
+        light_indexed_samples_add(f->graph, input, &samples, f->radiance, f->depth);
+    else
+        forward_add(f->graph, input, GEOMETRY_OPAQUE, true, f->radiance, f->depth);
 }
 
 void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -84,7 +100,7 @@ void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass)
     struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
     uint32_t layers = MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS);
     zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
-    f->light_bytes = 36ull * layers * input->width * input->height;
+    f->light_bytes = (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height;
     f->lights.totals = volumes.totals;
     f->lights.totals_known = false;
 }
@@ -97,6 +113,7 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
     struct light_input *lights = &f->scene->lights;
     const struct light_input whole = *lights;
     fnl_frame low_frame = *frame;
+    low_frame.msaa = f->view.samples = 1; /* materials alone have more */
     lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->list_options.light_scale);
     lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->list_options.light_scale);
     f->view.inverse_size = (vec2){1 / (float)low_frame.width, 1 / (float)low_frame.height};
@@ -114,7 +131,7 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
     struct gbuffer normals = light_surfaces_normals(&inferred.surfaces);
     order_add_lists(f, inferred.surfaces.depth, &normals);
     uint32_t buffer = light_buffer(f, LIGHT_BUFFER_FOUR) == LIGHT_BUFFER_RGBA ? LIGHT_BUFFER_RGBA : LIGHT_BUFFER_FOUR;
-    struct light_sums sums = light_sums_create(f->graph, &low, buffer, 1, graph_image_info(f->graph, f->radiance).format);
+    struct light_sums sums = light_sums_create(f->graph, &low, buffer, 1, graph_image_info(f->graph, f->radiance).format, 1);
     light_sums_add(f->graph, &low, &inferred.surfaces, &sums);
 
     f->view = view;

@@ -371,10 +371,6 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "layout %s has no base colour that chroma could make smaller", fnl_gbuffer_name(frame->gbuffer));
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->gbuffer != FNL_GBUFFER_DEFAULT && frame->msaa > 1) {
-        log_error(host, "layout %s has 1 sample a pixel", fnl_gbuffer_name(frame->gbuffer));
-        return FNL_ERROR_UNSUPPORTED;
-    }
     return FNL_OK;
 }
 
@@ -438,8 +434,8 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->shading != FNL_SHADING_AUTO && !shading_is(frame->shading, SHADING_SAMPLES) && frame->msaa > 1) {
-        log_error(host, "%s shading has no MSAA; use a forward order, deferred, visibility, or 1 sample",
+    if (!fnl_msaa_supported(frame->shading) && frame->msaa > 1) {
+        log_error(host, "%s shading has no MSAA; use another order, or 1 sample",
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }

@@ -74,14 +74,17 @@ static const struct order {
     [FNL_SHADING_FORWARD] = {order_forward, SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_ITEMS | SHADING_SAMPLES},
     [FNL_SHADING_FORWARD_PREPASS] = {order_forward, SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES},
     [FNL_SHADING_DEFERRED] = {order_deferred, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
-    [FNL_SHADING_DEFERRED_VOLUMES] = {order_volumes, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES},
-    [FNL_SHADING_LIGHT_PREPASS] = {order_light_prepass, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW},
-    [FNL_SHADING_PRE_LIGHTING] = {order_pre_lighting, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES},
+    [FNL_SHADING_DEFERRED_VOLUMES] = {order_volumes, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES |
+                                                            SHADING_SAMPLES},
+    [FNL_SHADING_LIGHT_PREPASS] = {order_light_prepass, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_SAMPLES},
+    [FNL_SHADING_PRE_LIGHTING] = {order_pre_lighting, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES | SHADING_SAMPLES},
     [FNL_SHADING_INFERRED] = {order_inferred,
-                              SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
-    [FNL_SHADING_LIGHT_INDEXED] = {order_light_indexed, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES},
-    [FNL_SHADING_ZIOMA] = {order_zioma, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES},
-    [FNL_SHADING_LOW_RES] = {order_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE},
+                              SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE |
+                                  SHADING_SAMPLES},
+    [FNL_SHADING_LIGHT_INDEXED] = {order_light_indexed, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES},
+    [FNL_SHADING_ZIOMA] = {order_zioma, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES},
+    [FNL_SHADING_LOW_RES] = {order_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE |
+                                                SHADING_SAMPLES},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
@@ -89,6 +92,10 @@ static const struct order {
 };
 
 bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
+
+bool fnl_msaa_supported(fnl_shading shading) {
+    return shading == FNL_SHADING_AUTO || ((uint32_t)shading < FNL_SHADING_COUNT && shading_is(shading, SHADING_SAMPLES));
+}
 
 bool shading_has_prepass(const fnl_frame *frame) {
     return shading_is(frame->shading, SHADING_PREPASS) ||

@@ -50,7 +50,7 @@ expect 2 'animation' render builtin:spheres --animation 7 $small -o "$work/a.png
 expect 2 'missing.gltf: cannot be opened' render "$work/missing.gltf" -o "$work/a.png"
 echo '{"asset": {"version": "2.0"' >"$work/cut.gltf"
 expect 2 'cut.gltf' render "$work/cut.gltf" -o "$work/a.png"
-expect 2 'deferred-volumes shading has no MSAA' render builtin:spheres $small --shading deferred-volumes --msaa 4 -o "$work/a.png"
+expect 2 'mobile shading has no MSAA' render builtin:spheres $small --shading mobile --msaa 4 -o "$work/a.png"
 absent "$work"/a.*
 
 # An output that cannot be written leaves none of its siblings behind.

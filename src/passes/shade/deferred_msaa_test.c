@@ -434,7 +434,7 @@ static void test_refused(void **state) {
     bad.class_blocks = 8;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_UNSUPPORTED);
     bad = good;
-    bad.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    bad.shading = FNL_SHADING_MOBILE;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_UNSUPPORTED);
     bad = good;
     bad.msaa_method = FNL_MSAA_METHOD_COUNT;

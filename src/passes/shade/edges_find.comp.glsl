@@ -127,7 +127,7 @@ uint merged(ivec2 pixel, uint word, uint count) {
 uint surfaces_of(ivec2 pixel) {
     uint word = 0xffffffffu, count = 0u;
     for (uint s = 0u; s < SAMPLES; s++) {
-        if (!(gbuffer_depth(push.gbuffer, pixel, int(s)) > 0.0)) continue;
+        if (!(gbuffer_depth(push.gbuffer, pixel, int(s)) > 0.0) || gbuffer_is_forward(push.gbuffer, pixel, int(s))) continue;
         uint found = count;
         for (uint k = 0u; k < count && found == count; k++)
             if (same_surface(pixel, uint(findLSB(surface_samples(word, k))), s)) found = k;

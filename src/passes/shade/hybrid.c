@@ -43,8 +43,9 @@ void hybrid_add(struct graph *graph, const struct shade_input *input, const stru
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
                                               .depth_test = true,
                                               .depth_compare = VK_COMPARE_OP_EQUAL,
-                                              .samples = 1};
+                                              .samples = MAX(graph_image_info(graph, radiance).samples, 1u)};
     gbuffer_specialise(gbuffer, data.state.constants, &data.state.constant_count);
+    data.state.constants[data.state.constant_count++] = data.state.samples;
     struct graph_pass *pass = graph_add_pass(graph, "lit forward", GRAPH_QUEUE_GRAPHICS, execute_hybrid, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set_of(gbuffer));
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);

@@ -36,7 +36,7 @@ static void execute_surfaces(const struct graph_context *context, const void *da
 struct inferred inferred_surfaces_add(struct graph *graph, const struct shade_input *low, bool blend) {
     struct graph_image_params image = {
         .name = "inferred normals", .format = NORMAL_FORMAT, .width = low->width, .height = low->height};
-    struct inferred inferred = {.low = low->view};
+    struct inferred inferred = {.low = low->view, .surfaces = {.samples = 1, .layers.count = 1}};
     inferred.surfaces.normal = graph_create_image(graph, &image);
     image.name = "inferred items";
     image.format = ITEM_FORMAT;
@@ -95,14 +95,15 @@ void inferred_material_add(struct graph *graph, const struct shade_input *input,
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_inferred_material_frag,
         .constant_count = 15,
-        .constants = {input->lights->kind, input->counters.id != 0, 1, 1, [13] = sums->buffer, [14] = blends},
+        .constants = {input->lights->kind, input->counters.id != 0, 1, 1, [9] = graph_image_info(graph, radiance).samples,
+                      [13] = sums->buffer, [14] = blends},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
         .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
         .depth_test = true,
         .depth_compare = blends ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_EQUAL,
-        .samples = 1};
+        .samples = MAX(graph_image_info(graph, radiance).samples, 1u)};
     struct graph_pass *pass = graph_add_pass(graph, blends ? "forward blend" : "light materials", GRAPH_QUEUE_GRAPHICS,
                                              execute_materials, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set);

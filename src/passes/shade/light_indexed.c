@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/light_indexed.h"
 
+#include "passes/shade/light_indexed_samples_shared.h"
 #include "shaders.h"
 
 struct indexed_data {
     struct volumes volumes;
     VkDeviceAddress view;
-    graph_image depth, first;
+    graph_image depth, attached, first; /* what is read of the surfaces, and what the depth test is against */
     graph_buffer counts, slots;
-    uint32_t packing, capacity, batch, layers, step;
+    uint32_t packing, capacity, batch, layers, step, samples;
 };
 
 static void execute_ids(const struct graph_context *context, const void *data) {
@@ -16,7 +17,7 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     bool images = d->packing != INDEXED_IDS;
     struct gpu_graphics_params state = {.fragment = &shader_light_indexed_frag,
                                         .constant_count = 15,
-                                        .constants = {GPU_LIST_ALL, [13] = d->packing, [14] = d->step},
+                                        .constants = {GPU_LIST_ALL, [9] = d->samples, [13] = d->packing, [14] = d->step},
                                         .color_count = images,
                                         .color_formats = {images ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_UNDEFINED},
                                         .blends = {d->packing == INDEXED_SHIFT ? GPU_BLEND_QUARTER
@@ -46,7 +47,7 @@ static void execute_clear(const struct graph_context *context, const void *data)
 }
 
 struct list_data {
-    struct gpu_light_list *header;
+    struct gpu_light_list *header, *all;
     VkDeviceAddress view;
     graph_buffer ids, counts, slots, cells, list, totals;
     graph_image images[INDEXED_LAYERS];
@@ -67,6 +68,10 @@ static void execute_list(const struct graph_context *context, const void *data) 
     if (d->header) {
         d->header->cells = push.cells;
         d->header->ids = push.list;
+    }
+    if (d->all) {
+        d->all->cells = push.cells + (uint64_t)d->width * d->height * sizeof(struct gpu_cell);
+        d->all->ids = push.list;
     }
     struct gpu_compute_params params = {
         .shader = &shader_light_indexed_list_comp, .constant_count = 3, .constants = {[2] = d->packing}};
@@ -91,12 +96,12 @@ static void add_ids(struct graph *graph, const char *name, const struct indexed_
     if (data->first.id) graph_use_image(pass, data->first, GRAPH_SAMPLE_FRAGMENT);
     static const float zero[4];
     if (target.id) graph_color(pass, target, load, zero);
-    graph_depth_read_only(pass, data->depth);
+    graph_depth_read_only(pass, data->attached);
 }
 
 struct light_list light_indexed_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
                                     const struct volumes *volumes, const struct light_input *lights, graph_image depth,
-                                    const struct indexed_params *params) {
+                                    const struct indexed_params *params, struct indexed_samples *samples) {
     const uint64_t pixels = (uint64_t)input->width * input->height;
     bool images = params->packing != INDEXED_IDS;
     /* No more layers than lights could fill. */
@@ -119,9 +124,13 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
                              .layers = layers,
                              .width = input->width,
                              .height = input->height};
+    const uint32_t sample_count = MAX(graph_image_info(graph, depth).samples, 1u);
+    if (sample_count > 1) samples->bounds = sample_bounds_add(graph, input, depth);
     struct indexed_data ids = {.volumes = *volumes,
                                .view = input->view,
-                               .depth = depth,
+                               .depth = sample_count > 1 ? samples->bounds.ranges : depth,
+                               .attached = sample_count > 1 ? samples->bounds.farthest : depth,
+                               .samples = sample_count,
                                .counts = clear.buffers[0],
                                .slots = clear.buffers[1],
                                .packing = params->packing,
@@ -159,7 +168,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         list.header->tiles_x = input->width;
         list.header->tiles_y = input->height;
     }
-    out.cells = list.cells = graph_create_buffer(graph, "light id cells", pixels * sizeof(struct gpu_cell));
+    if (sample_count > 1) list.all = light_list_header(device, lights, &samples->all);
+    out.cells = list.cells = graph_create_buffer(graph, "light id cells", (pixels + 1) * sizeof(struct gpu_cell));
     out.ids = list.list = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
     pass = graph_add_pass(graph, "light id lists", GRAPH_QUEUE_GRAPHICS, execute_list, &list, sizeof list);
     graph_use_buffer(pass, list.ids, GRAPH_READ_COMPUTE);
@@ -171,4 +181,54 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     graph_use_buffer(pass, list.list, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, list.totals, GRAPH_READ_WRITE_COMPUTE);
     return out;
+}
+
+/* ---- shading of several samples ---- */
+
+struct samples_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    struct indexed_samples samples;
+    VkDeviceAddress view, lights;
+    graph_buffer counters;
+    struct gpu_graphics_params state;
+};
+
+static void execute_samples(const struct graph_context *context, const void *data) {
+    const struct samples_data *d = data;
+    struct gpu_indexed_samples_push push = {
+        .geometry = {.view = d->view,
+                     .lights = d->lights,
+                     .counters = d->counters.id ? graph_address(context, d->counters) : 0},
+        .all = d->samples.all,
+        .ranges = graph_sampled(context, d->samples.bounds.ranges)};
+    geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
+}
+
+void light_indexed_samples_add(struct graph *graph, const struct shade_input *input, const struct indexed_samples *samples,
+                               graph_image radiance, graph_image depth) {
+    struct graph_image_params target = graph_image_info(graph, radiance);
+    struct samples_data data = {.scene = input->scene,
+                                .draws = *input->draws,
+                                .samples = *samples,
+                                .view = input->view,
+                                .lights = input->lights->header,
+                                .counters = input->counters};
+    data.state = (struct gpu_graphics_params){.fragment = &shader_light_indexed_samples_frag,
+                                              .constant_count = 2,
+                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .color_count = 1,
+                                              .color_formats = {target.format},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_EQUAL,
+                                              .samples = target.samples};
+    struct graph_pass *pass = graph_add_pass(graph, "forward", GRAPH_QUEUE_GRAPHICS, execute_samples, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    graph_use_image(pass, samples->bounds.ranges, GRAPH_SAMPLE_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                (float[4]){input->background[0], input->background[1], input->background[2], 1});
+    graph_depth_read_only(pass, depth);
 }

@@ -4,9 +4,11 @@
 // Leaves the id of a light at the pixels that its sphere may reach.
 #include "common.glsl"
 #include "gbuffer.glsl"
+#include "passes/shade/sample_bounds.glsl"
 #include "passes/shade/volumes.glsl"
 #include "passes/shade/light_indexed_shared.h"
 
+layout(constant_id = 9) const uint SAMPLES = 1u;
 layout(constant_id = 13) const uint PACKING = INDEXED_IDS;
 layout(constant_id = 14) const uint STEP = 0u; // of max: 1 is the second
 
@@ -19,14 +21,18 @@ layout(location = 0) out vec4 out_id; // where ids go into an image
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     view_block v = push.head.view;
-    float depth = texelFetch(textures[push.depth], pixel, 0).r;
-    if (depth <= 0.0) discard; // sky
+    vec4 seen = texelFetch(textures[push.depth], pixel, 0);
+    if (seen.r <= 0.0 && (SAMPLES <= 1u || sample_bounds_empty(seen))) discard; // sky
     // A hair wider than the sphere: surfaces are drawn where interpolation puts them, and are looked at here where depth does.
     gpu_light light = push.head.list.list.lights.at[push.head.list.list.directional_count + in_light];
-    float view_depth = view_depth_of(v, depth);
-    float reach = light.bound_radius * 1.001 + 1e-4 + 1e-4 * view_depth;
-    vec3 between = light.bound_center - gbuffer_position(v, pixel, view_depth);
-    if (dot(between, between) > reach * reach) discard; // NaN stays
+    if (SAMPLES > 1u) {
+        if (!sample_bounds_reached(v, pixel, seen, light.bound_center, light.bound_radius)) discard;
+    } else {
+        float view_depth = view_depth_of(v, seen.r);
+        float reach = light.bound_radius * 1.001 + 1e-4 + 1e-4 * view_depth;
+        vec3 between = light.bound_center - gbuffer_position(v, pixel, view_depth);
+        if (dot(between, between) > reach * reach) discard; // NaN stays
+    }
     uint at = uint(pixel.y) * v.view.size.x + uint(pixel.x), pixels = v.view.size.x * v.view.size.y;
     if (PACKING == INDEXED_IDS) {
         uint slot = atomicAdd(push.counts.at[at], in_rank < 0xffffu ? 1u : INDEXED_LOST);

@@ -26,6 +26,7 @@ void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy, size = push.view.view.size;
     if (any(greaterThanEqual(pixel, size))) return;
     uint at = pixel.y * size.x + pixel.x;
+    if (at == 0u) push.cells.at[size.x * size.y] = gpu_cell(0u, GPU_CELL_ALL); // of points that are on no pixel's surfaces
     uint capacity = push.layers * INDEXED_LAYER_LIGHTS;
     bool full = false;
     if (PACKING == INDEXED_IDS) {

@@ -18,7 +18,7 @@ struct gpu_indexed_push {
     STRUCT(gpu_volume_head) head;
     ADDRESS(uint_array) counts; /* lights in each pixel and layer; of ids in each pixel */
     ADDRESS(uint_array) slots;  /* ids: of pixels, two to a word */
-    uint depth;                 /* bindless */
+    uint depth;                 /* bindless; of several samples a pixel: their ranges (sample_bounds.h) */
     uint capacity;              /* ids of a pixel */
     uint batch;                 /* layer that is drawn */
     uint layers;

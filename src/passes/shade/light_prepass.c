@@ -19,27 +19,34 @@ static void execute_surfaces(const struct graph_context *context, const void *da
                   (struct gpu_geometry_push){.view = d->view});
 }
 
-static graph_image create_image(struct graph *graph, const struct shade_input *input, const char *name, VkFormat format) {
+static graph_image create_image(struct graph *graph, const struct shade_input *input, const char *name, VkFormat format,
+                                uint32_t samples) {
     return graph_create_image(
-        graph, &(struct graph_image_params){.name = name, .format = format, .width = input->width, .height = input->height});
+        graph,
+        &(struct graph_image_params){
+            .name = name, .format = format, .width = input->width, .height = input->height, .samples = samples});
 }
 
 struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade_input *input, bool prepass, uint32_t buffer,
                                          graph_image depth) {
     bool reflects = buffer == LIGHT_BUFFER_TWO;
-    struct light_surfaces surfaces = {.depth = depth};
-    surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM);
-    if (reflects) surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM);
+    uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
+    struct light_surfaces surfaces = {.depth = depth, .samples = samples, .layers.count = 1};
+    surfaces.normal = create_image(graph, input, "light normals", VK_FORMAT_R16G16B16A16_UNORM, samples);
+    if (reflects)
+        surfaces.reflectance = create_image(graph, input, "light reflectance", VK_FORMAT_R8G8B8A8_UNORM, samples);
     struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_surfaces_frag,
+        .constant_count = 16,
+        .constants = {[2] = 1, [3] = 1, [15] = prepass && samples > 1},
         .color_count = reflects ? 2 : 1,
         .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
         .depth_test = true,
         .depth_write = !prepass,
         .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
-        .samples = 1};
+        .samples = samples};
     struct graph_pass *pass =
         graph_add_pass(graph, "light surfaces", GRAPH_QUEUE_GRAPHICS, execute_surfaces, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
@@ -76,28 +83,54 @@ struct gbuffer light_surfaces_normals(const struct light_surfaces *surfaces) {
                             .form = gbuffer_form_of(FNL_GBUFFER_DEFAULT, FNL_NORMALS_LAYOUT, false)};
 }
 
+struct edges light_surfaces_split(struct graph *graph, const struct shade_input *input, struct light_surfaces *surfaces) {
+    if (surfaces->samples == 1) return (struct edges){0};
+    /* A G-buffer of the default layout: the colour is not known and the same wherever normals are, as is the emission. */
+    graph_image third = surfaces->reflectance.id ? surfaces->reflectance : surfaces->normal;
+    struct gbuffer gbuffer = light_surfaces_normals(surfaces);
+    gbuffer.targets[2] = third;
+    gbuffer.target_count = 3;
+    struct edges_params params = {.limit = surfaces->samples};
+    struct edges edges = edges_add(graph, input, &gbuffer, surfaces->normal, &params);
+    surfaces->layers = (struct surface_layers){.surfaces = edges.surfaces, .count = surfaces->samples};
+    return edges;
+}
+
 /* ---- sums ---- */
 
 struct light_sums light_sums_create(struct graph *graph, const struct shade_input *input, uint32_t buffer, uint32_t scale,
-                                    VkFormat format) {
-    static const char *const names[LIGHT_BUFFER_TARGETS] = {"light sums", "light sums 1", "light sums 2", "light sums 3"};
+                                    VkFormat format, uint32_t layers) {
+#define FOUR(text) {text, text ".1", text ".2", text ".3"}
+    static const char *const names[SURFACE_LAYERS][LIGHT_BUFFER_TARGETS] = {
+        FOUR("light sums"),         FOUR("edge light sums 1"), FOUR("edge light sums 2"), FOUR("edge light sums 3"),
+        FOUR("edge light sums 4"),  FOUR("edge light sums 5"), FOUR("edge light sums 6"), FOUR("edge light sums 7")};
     struct light_sums sums = {.buffer = buffer,
                               .scale = scale,
+                              .layers = layers,
                               .width = DIVIDE_UP(input->width, scale),
                               .height = DIVIDE_UP(input->height, scale),
                               .target_count = buffer == LIGHT_BUFFER_RGBA  ? 1
                                               : buffer == LIGHT_BUFFER_TWO ? 2
                                                                            : 4};
     struct graph_image_params params = {.format = format, .width = sums.width, .height = sums.height};
-    for (uint32_t i = 0; i < sums.target_count; i++) {
-        params.name = names[i];
-        sums.targets[i] = graph_create_image(graph, &params);
-    }
+    for (uint32_t k = 0; k < layers; k++)
+        for (uint32_t i = 0; i < sums.target_count; i++) {
+            params.name = names[k][i];
+            graph_image image = graph_create_image(graph, &params);
+            if (k == 0)
+                sums.targets[i] = image;
+            else
+                sums.more[k - 1][i] = image;
+        }
     if (scale == 1) return sums;
     params.name = "light samples";
     params.format = VK_FORMAT_R32_UINT;
     sums.samples = graph_create_image(graph, &params);
     return sums;
+}
+
+const graph_image *light_sums_layer(const struct light_sums *sums, uint32_t layer) {
+    return layer == 0 ? sums->targets : sums->more[layer - 1];
 }
 
 struct sums_data {
@@ -112,19 +145,24 @@ static void execute_sums(const struct graph_context *context, const void *data) 
     const struct sums_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_light_prepass_lights_comp,
                                         .constant_count = 14,
-                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [13] = d->sums.buffer}};
+                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [9] = d->surfaces.samples,
+                                                      [13] = d->sums.buffer}};
     struct gpu_light_prepass_push push = {.view = d->view,
                                           .lights = d->lights,
                                           .counters = d->counters.id ? graph_address(context, d->counters) : 0,
+                                          .words = d->sums.layers > 1 ? graph_address(context, d->surfaces.layers.surfaces) : 0,
                                           .surfaces = light_surfaces_handles(context, &d->surfaces),
                                           .scale = d->sums.scale,
                                           .samples = d->sums.samples.id ? graph_storage(context, d->sums.samples) : 0,
                                           .width = d->sums.width,
                                           .height = d->sums.height};
-    for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_storage(context, d->sums.targets[i]);
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->sums.width, 8u), DIVIDE_UP(d->sums.height, 8u), 1);
+    for (; push.layer < d->sums.layers; push.layer++) {
+        const graph_image *targets = light_sums_layer(&d->sums, push.layer);
+        for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_storage(context, targets[i]);
+        gpu_push(context->commands, &push, sizeof push);
+        gpu_dispatch(context->commands, DIVIDE_UP(d->sums.width, 8u), DIVIDE_UP(d->sums.height, 8u), 1);
+    }
 }
 
 void light_sums_add(struct graph *graph, const struct shade_input *input, const struct light_surfaces *surfaces,
@@ -138,7 +176,10 @@ void light_sums_add(struct graph *graph, const struct shade_input *input, const 
     struct graph_pass *pass = graph_add_pass(graph, "light sums", GRAPH_QUEUE_GRAPHICS, execute_sums, &data, sizeof data);
     light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_WRITE_COMPUTE);
+    if (sums->layers > 1) graph_use_buffer(pass, surfaces->layers.surfaces, GRAPH_READ_COMPUTE);
+    for (uint32_t k = 0; k < sums->layers; k++)
+        for (uint32_t i = 0; i < sums->target_count; i++)
+            graph_use_image(pass, light_sums_layer(sums, k)[i], GRAPH_WRITE_COMPUTE);
     if (sums->samples.id) graph_use_image(pass, sums->samples, GRAPH_WRITE_COMPUTE);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
 }
@@ -157,21 +198,33 @@ struct material_data {
 
 static void execute_materials(const struct graph_context *context, const void *data) {
     const struct material_data *d = data;
-    bool filters = d->sums.scale > 1;
+    bool filters = d->sums.scale > 1, splits = d->sums.layers > 1;
     struct gpu_light_material_push push = {
         .geometry = {.view = d->view,
                      .lights = d->lights,
                      .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .samples = filters ? graph_sampled(context, d->sums.samples) : 0,
         .scale = d->sums.scale};
-    if (filters) push.surfaces = light_surfaces_handles(context, &d->surfaces);
+    if (filters || splits) push.surfaces = light_surfaces_handles(context, &d->surfaces);
     for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_sampled(context, d->sums.targets[i]);
+    if (splits) {
+        struct gpu_slice slice =
+            gpu_frame_allocate(context->device, (uint64_t)d->sums.layers * LIGHT_BUFFER_TARGETS * sizeof(uint32_t));
+        if (!slice.data) return; /* the device carries a sticky error */
+        uint32_t *layers = slice.data;
+        for (uint32_t i = 0; i < d->sums.layers * LIGHT_BUFFER_TARGETS; i++) {
+            graph_image image = light_sums_layer(&d->sums, i / LIGHT_BUFFER_TARGETS)[i % LIGHT_BUFFER_TARGETS];
+            layers[i] = image.id ? graph_sampled(context, image) : 0;
+        }
+        push.layers = slice.address;
+        push.words = graph_address(context, d->surfaces.layers.surfaces);
+    }
     geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
 }
 
 void light_material_add(struct graph *graph, const struct shade_input *input, const struct light_surfaces *surfaces,
                         const struct light_sums *sums, graph_image radiance) {
-    bool filters = sums->scale > 1;
+    bool filters = sums->scale > 1, splits = sums->layers > 1;
     struct material_data data = {.scene = input->scene,
                                  .draws = *input->draws,
                                  .surfaces = *surfaces,
@@ -182,19 +235,23 @@ void light_material_add(struct graph *graph, const struct shade_input *input, co
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_material_frag,
         .constant_count = 15,
-        .constants = {input->lights->kind, data.counters.id != 0, 1, 1, [13] = sums->buffer, [14] = sums->scale},
+        .constants = {input->lights->kind, data.counters.id != 0, 1, 1, [9] = surfaces->samples, [13] = sums->buffer,
+                      [14] = sums->scale},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
         .depth_test = true,
         .depth_compare = VK_COMPARE_OP_EQUAL,
-        .samples = 1};
+        .samples = surfaces->samples};
     struct graph_pass *pass =
         graph_add_pass(graph, "light materials", GRAPH_QUEUE_GRAPHICS, execute_materials, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
-    for (uint32_t i = 0; i < sums->target_count; i++) graph_use_image(pass, sums->targets[i], GRAPH_SAMPLE_FRAGMENT);
+    for (uint32_t k = 0; k < sums->layers; k++)
+        for (uint32_t i = 0; i < sums->target_count; i++)
+            graph_use_image(pass, light_sums_layer(sums, k)[i], GRAPH_SAMPLE_FRAGMENT);
+    if (filters || splits) light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
+    if (splits) graph_use_buffer(pass, surfaces->layers.surfaces, GRAPH_READ_FRAGMENT);
     if (filters) {
-        light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
         light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
         graph_use_image(pass, sums->samples, GRAPH_SAMPLE_FRAGMENT);
         if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_FRAGMENT);

@@ -112,16 +112,21 @@ vec4 light_surface_pack(surface s, out vec4 reflectance) {
     return vec4(octahedral_encode(s.normal) * 0.5 + 0.5, s.roughness, packed / 65535.0);
 }
 
-light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, vec3 position) {
+// `at`: a sample of the pixel, or -1 where it has but one.
+vec4 light_surface_texel(uint image, ivec2 pixel, int at) {
+    return at < 0 ? texelFetch(textures[image], pixel, 0) : texelFetch(textures_multisampled[image], pixel, at);
+}
+
+light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, int at, vec3 position) {
     light_surface s;
-    vec4 normal = texelFetch(textures[from.normal], pixel, 0);
+    vec4 normal = light_surface_texel(from.normal, pixel, at);
     s.position = position;
     s.normal = octahedral_decode(normal.xy * 2.0 - 1.0);
     s.roughness = normal.z;
     s.greatest_f0 = s.dielectric_f90 = s.f90 = 0.0;
     s.f0 = vec3(0.0);
     if (LIGHT_BUFFER == LIGHT_BUFFER_TWO) {
-        vec4 reflectance = texelFetch(textures[from.reflectance], pixel, 0);
+        vec4 reflectance = light_surface_texel(from.reflectance, pixel, at);
         uint packed = uint(round(normal.w * 65535.0));
         float root = float(packed >> 8) / 255.0;
         s.greatest_f0 = root * root;
@@ -131,5 +136,19 @@ light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, vec3 positi
     }
     return s;
 }
+// A surface as the first pass would have stored it, but for rounding.
+light_surface light_surface_from(surface m) {
+    light_surface s;
+    s.position = m.position;
+    s.normal = m.normal;
+    s.roughness = m.roughness;
+    s.greatest_f0 = max_component(m.dielectric_f0);
+    s.dielectric_f90 = m.dielectric_f90;
+    s.f0 = mix(m.dielectric_f0, m.base_color, m.metallic);
+    s.f90 = mix(m.dielectric_f90, 1.0, m.metallic);
+    return s;
+}
+
+light_surface light_surface_of(gpu_light_surfaces from, ivec2 pixel, vec3 position) { return light_surface_of(from, pixel, -1, position); }
 
 #endif

@@ -7,6 +7,7 @@
 #include "decals_raster.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/light_prepass.glsl"
+#include "passes/shade/light_samples.glsl"
 #include "passes/shade/light_scale.glsl"
 
 layout(constant_id = 14) const uint LIGHT_SCALE = 1u;
@@ -20,9 +21,9 @@ uint target_count() { return LIGHT_BUFFER == LIGHT_BUFFER_RGBA ? 1u : LIGHT_BUFF
 
 // A pixel of the surfaces as the light passes see it; false for the sky.
 bool surface_at(ivec2 pixel, out light_surface s, out float view_depth) {
-    float depth = texelFetch(textures[push.surfaces.depth], pixel, 0).r;
+    float depth = light_scale_depth(push.surfaces.depth, pixel);
     view_depth = view_depth_of(push.geometry.view, depth);
-    s = light_surface_of(push.surfaces, pixel, gbuffer_position(push.geometry.view, pixel, view_depth));
+    s = light_surface_of(push.surfaces, pixel, LIGHT_SCALE_SAMPLE, light_scale_position(push.geometry.view, pixel, view_depth));
     return depth > 0.0;
 }
 
@@ -36,11 +37,19 @@ float likeness(light_surface a, light_surface b, float allowed) {
 }
 
 // Bilinear between the four samples around, as far as they suit the pixel; where hardly any does, the pixel is lit for itself.
-light_sums sums_around(ivec2 pixel) {
+light_sums sums_around(ivec2 pixel, surface s) {
     view_block v = push.geometry.view;
     light_surface own, other;
     float view_depth, unused;
-    surface_at(pixel, own, view_depth);
+    uvec2 cell = uvec2(pixel);
+    if (SAMPLES > 1u) { // the fragment's own surface, wherever in the pixel that is
+        vec3 view_position = (v.view.world_to_view * vec4(s.position, 1.0)).xyz;
+        own = light_surface_from(s);
+        cell = pixel_of(v, view_position);
+        view_depth = -view_position.z;
+    } else {
+        surface_at(pixel, own, view_depth);
+    }
     ivec2 size = (ivec2(v.view.size) + int(LIGHT_SCALE) - 1) / int(LIGHT_SCALE);
     vec2 at = vec2(pixel - light_sample_plain(int(LIGHT_SCALE))) / float(LIGHT_SCALE);
     ivec2 base = ivec2(floor(at));
@@ -60,7 +69,7 @@ light_sums sums_around(ivec2 pixel) {
         for (uint k = 0u; k < target_count(); k++) sums.at[k] += weight * texelFetch(textures[push.targets[k]], texel, 0);
         suits += weight;
     }
-    if (suits < 0.3) return light_sums_of(own, v, push.geometry.lights, push.geometry.counters, uvec2(pixel), view_depth);
+    if (suits < 0.3) return light_sums_of(own, v, push.geometry.lights, push.geometry.counters, cell, view_depth);
     for (uint k = 0u; k < target_count(); k++) sums.at[k] /= suits;
     return sums;
 }
@@ -69,12 +78,20 @@ void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    // With several samples a pixel what is left of a cutout at its depth is no hole (forward_known.frag.glsl).
+    bool hole = SAMPLES <= 1u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
+    if (material_culled(materials, in_ids.x) || hole) discard;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     light_sums sums = light_sums_none();
-    if (LIGHT_SCALE > 1u)
-        sums = sums_around(pixel);
-    else
+    if (LIGHT_SCALE > 1u) {
+        sums = sums_around(pixel, s);
+    } else if (SAMPLES > 1u) {
+        view_block v = push.geometry.view;
+        uint word = push.words.at[uint(pixel.y) * v.view.size.x + uint(pixel.x)];
+        uint k = light_samples_choose(v, push.surfaces, word, pixel, uint(gl_SampleMaskIn[0]), s);
+        for (uint i = 0u; i < target_count(); i++)
+            sums.at[i] = texelFetch(textures[nonuniformEXT(push.layers.at[k * LIGHT_BUFFER_TARGETS + i])], pixel, 0);
+    } else
         for (uint i = 0u; i < target_count(); i++) sums.at[i] = texelFetch(textures[push.targets[i]], pixel, 0);
     view_block v = push.geometry.view;
     vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, sums));

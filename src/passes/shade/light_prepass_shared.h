@@ -22,16 +22,20 @@ struct gpu_light_prepass_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counters;
+    ADDRESS(uint_array) words;           /* with several samples a pixel: edges_shared.h */
     STRUCT(gpu_light_surfaces) surfaces;
     uint targets[LIGHT_BUFFER_TARGETS]; /* storage */
     uint scale;                         /* pixels of the screen along a side of a texel of the targets: 1, 2 or 4 */
     uint samples;                       /* storage: which of its pixels a texel stands for, where scale is not 1 */
     uint width;                         /* texels of the targets */
     uint height;
+    uint layer;                         /* with several samples a pixel: which surface of each is lit */
 };
 
 struct gpu_light_material_push {
     STRUCT(gpu_geometry_push) geometry;
+    ADDRESS(uint_array) words;           /* with several samples a pixel, as the next: edges_shared.h */
+    ADDRESS(const_uint_array) layers;    /* LIGHT_BUFFER_TARGETS bindless indices of each layer of sums */
     STRUCT(gpu_light_surfaces) surfaces;
     uint targets[LIGHT_BUFFER_TARGETS]; /* bindless, as the next */
     uint samples;

@@ -7,6 +7,8 @@
 #include "decals_raster.glsl"
 #include "passes/shade/light_prepass.glsl"
 
+layout(constant_id = 15) const uint HOLES_ARE_CUT = 0u; // by a prepass with several samples a pixel: see gbuffer.frag.glsl
+
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 layout(location = 0) out vec4 out_normal;
@@ -16,6 +18,6 @@ void main() {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.view, push.scene);
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (HOLES_ARE_CUT == 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     out_normal = light_surface_pack(s, out_reflectance);
 }

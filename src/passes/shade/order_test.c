@@ -342,8 +342,9 @@ static void test_msaa_edges(void **state) {
     print_message("%u edge pixels: mean error %.3f with 4 samples, %.3f with one; worst %.3f\n", edges, sum / edges,
                   plain_sum / edges, worst);
     assert_true(edges > 100 && worst < 0.45 && sum / edges < 0.12 && sum < plain_sum / 2);
-    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    frame.shading = FNL_SHADING_MOBILE;
     frame.msaa = 4;
+    assert_false(fnl_msaa_supported(frame.shading));
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
     free_picture(&fine);
     free_picture(&plain);

@@ -10,19 +10,23 @@ struct pre_lighting_data {
     VkDeviceAddress view;
     graph_buffer counters;
     VkFormat format;
+    uint32_t layer;
 };
 
 static void execute_pre_lighting(const struct graph_context *context, const void *data) {
     const struct pre_lighting_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_pre_lighting_frag,
                                         .constant_count = 14,
-                                        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [13] = LIGHT_BUFFER_TWO},
+                                        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [9] = d->surfaces.samples,
+                                                      [13] = LIGHT_BUFFER_TWO},
                                         .color_count = 2,
                                         .color_formats = {d->format, d->format},
                                         .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD}};
     struct gpu_pre_lighting_push push = {
         .head = {.view = d->view, .counters = d->counters.id ? graph_address(context, d->counters) : 0},
-        .surfaces = light_surfaces_handles(context, &d->surfaces)};
+        .words = d->surfaces.samples > 1 ? graph_address(context, d->surfaces.layers.surfaces) : 0,
+        .surfaces = light_surfaces_handles(context, &d->surfaces),
+        .layer = d->layer};
     volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
 }
 
@@ -33,12 +37,20 @@ void pre_lighting_add(struct graph *graph, const struct shade_input *input, cons
                                      .view = input->view,
                                      .counters = input->counters,
                                      .format = graph_image_info(graph, sums->targets[0]).format};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "light volumes", GRAPH_QUEUE_GRAPHICS, execute_pre_lighting, &data, sizeof data);
-    volumes_use(pass, volumes);
-    light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    for (uint32_t i = 0; i < sums->target_count; i++)
-        graph_color(pass, sums->targets[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
-    graph_depth_read_only(pass, surfaces->depth);
+    static const char *const names[SURFACE_LAYERS] = {"light volumes",   "light volumes 1", "light volumes 2",
+                                                      "light volumes 3", "light volumes 4", "light volumes 5",
+                                                      "light volumes 6", "light volumes 7"};
+    struct surface_layers layers = surfaces->layers;
+    if (layers.count > 1) surface_layers_add_depths(graph, input, surfaces->depth, &layers);
+    for (; data.layer < layers.count; data.layer++) {
+        struct graph_pass *pass =
+            graph_add_pass(graph, names[data.layer], GRAPH_QUEUE_GRAPHICS, execute_pre_lighting, &data, sizeof data);
+        volumes_use(pass, volumes);
+        light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
+        if (layers.count > 1) graph_use_buffer(pass, layers.surfaces, GRAPH_READ_FRAGMENT);
+        if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+        for (uint32_t i = 0; i < sums->target_count; i++)
+            graph_color(pass, light_sums_layer(sums, data.layer)[i], VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+        graph_depth_read_only(pass, layers.count > 1 ? layers.depths[data.layer] : surfaces->depth);
+    }
 }

@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/light_prepass.glsl"
+#include "passes/shade/light_samples.glsl"
 #include "passes/shade/volumes.glsl"
 #include "passes/shade/pre_lighting_shared.h"
 
@@ -21,16 +22,27 @@ const vec4 MOST = vec4(1e30);
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     view_block v = push.head.view;
-    float depth = texelFetch(textures[push.surfaces.depth], pixel, 0).r;
-    if (depth <= 0.0) discard; // sky
+    vec3 position;
+    int at = -1;
+    if (SAMPLES > 1u) {
+        uvec2 inside = min(uvec2(pixel), v.view.size - 1u); // helpers load too
+        uint samples = surface_samples(push.words.at[inside.y * v.view.size.x + inside.x], push.layer);
+        if (samples == 0u) discard;
+        float view_depth;
+        position = (v.view.view_to_world * vec4(surface_point(v, light_samples_depth(push.surfaces), pixel, samples, view_depth), 1.0)).xyz;
+        at = findLSB(samples);
+    } else {
+        float depth = texelFetch(textures[push.surfaces.depth], pixel, 0).r;
+        if (depth <= 0.0) discard; // sky
+        position = gbuffer_position(v, pixel, view_depth_of(v, depth));
+    }
     uint counter = (uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter], 1u);
-    vec3 position = gbuffer_position(v, pixel, view_depth_of(v, depth));
     vec3 to_light;
     vec3 illuminance = illuminate(push.head.list, push.head.list.list.directional_count + in_light, position, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
-    light_surface s = light_surface_of(push.surfaces, pixel, position);
+    light_surface s = light_surface_of(push.surfaces, pixel, at, position);
     surface shape;
     shape.normal = s.normal;
     shape.roughness = s.roughness;

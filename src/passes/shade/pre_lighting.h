@@ -9,7 +9,7 @@
 #include "passes/shade/light_prepass.h"
 #include "passes/shade/volumes.h"
 
-/** Adds all local lights to `sums`, of LIGHT_BUFFER_TWO and full resolution. Cost: per light and pixel of its volume two blends. */
+/** Adds all local lights to `sums`, of LIGHT_BUFFER_TWO and full resolution, layer by layer. Cost: per light and pixel of its volume two blends. */
 void pre_lighting_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
                       const struct light_surfaces *surfaces, const struct light_sums *sums);
 

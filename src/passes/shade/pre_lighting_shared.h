@@ -7,7 +7,9 @@
 
 struct gpu_pre_lighting_push {
     STRUCT(gpu_volume_head) head;
+    ADDRESS(uint_array) words;           /* with several samples a pixel, as the last: edges_shared.h */
     STRUCT(gpu_light_surfaces) surfaces;
+    uint layer;                          /* which surface of each pixel is lit */
 };
 
 #endif

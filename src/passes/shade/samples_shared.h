@@ -5,7 +5,7 @@
 
 /* A pixel's word: four bits a sample, from the least up, with the number of its surface. Surfaces are numbered from 0 by their first
    sample. */
-#define SURFACE_NONE 15u /* sky, or no such sample */
+#define SURFACE_NONE 15u /* sky, what is lit forward (gpu_gbuffer.mask), or no such sample */
 #define SURFACE_BITS 4u
 
 /* Counts over the frame. */

@@ -211,6 +211,8 @@ struct draw_data {
     graph_buffer counters;
     VkFormat format;
     uint32_t width, height;
+    graph_buffer words; /* of struct surface_layers, as the next */
+    uint32_t samples, layer;
 };
 
 /* The depth of what is lit here, once more beside a stencil; sky and what is lit forward lie behind everything. */
@@ -225,7 +227,11 @@ static void copy_depth(const struct graph_context *context, const struct draw_da
                                         .depth_write = true,
                                         .samples = 1};
     gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
-    struct gpu_volume_push push = {.view = d->view, .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+    state.constants[state.constant_count++] = d->samples;
+    struct gpu_volume_push push = {.view = d->view,
+                                   .words = d->words.id ? graph_address(context, d->words) : 0,
+                                   .gbuffer = gbuffer_handles(context, &d->gbuffer),
+                                   .layer = d->layer};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &state));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, 1, 0, 0);
@@ -276,11 +282,14 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                         .color_formats = {d->format},
                                         .blends = {GPU_BLEND_ADD}};
     gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
+    state.constants[9] = d->samples;
     state.constants[13] = d->volumes.shape == VOLUME_DEPTH_BOUNDS;
     state.constant_count = MAX(state.constant_count, 14u);
     struct gpu_volume_push push = {.view = d->view,
                                    .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-                                   .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+                                   .words = d->words.id ? graph_address(context, d->words) : 0,
+                                   .gbuffer = gbuffer_handles(context, &d->gbuffer),
+                                   .layer = d->layer};
     if (d->volumes.shape == VOLUME_STENCIL) {
         copy_depth(context, d);
         state.depth_format = STENCIL_FORMAT;
@@ -316,4 +325,51 @@ void volumes_add(struct graph *graph, const struct shade_input *input, const str
     } else {
         graph_depth_read_only(pass, gbuffer->depth);
     }
+}
+
+void volumes_add_samples(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
+                         const struct gbuffer *gbuffer, const struct surface_layers *layers, graph_image radiance) {
+    static const char *const names[SURFACE_LAYERS] = {"volumes",   "volumes 1", "volumes 2", "volumes 3",
+                                                      "volumes 4", "volumes 5", "volumes 6", "volumes 7"};
+    static const char *const images[SURFACE_LAYERS] = {"volume radiance",   "volume radiance 1", "volume radiance 2",
+                                                       "volume radiance 3", "volume radiance 4", "volume radiance 5",
+                                                       "volume radiance 6", "volume radiance 7"};
+    static const char *const stencils[SURFACE_LAYERS] = {"volume stencil",   "volume stencil 1", "volume stencil 2",
+                                                         "volume stencil 3", "volume stencil 4", "volume stencil 5",
+                                                         "volume stencil 6", "volume stencil 7"};
+    struct surface_layers with_depths = *layers;
+    bool stencil = volumes->shape == VOLUME_STENCIL;
+    if (!stencil) surface_layers_add_depths(graph, input, gbuffer->depth, &with_depths);
+    struct graph_image_params image = {
+        .format = graph_image_info(graph, radiance).format, .width = input->width, .height = input->height};
+    struct draw_data draw = {.gbuffer = *gbuffer,
+                             .volumes = *volumes,
+                             .view = input->view,
+                             .counters = input->counters,
+                             .format = image.format,
+                             .width = input->width,
+                             .height = input->height,
+                             .words = layers->surfaces,
+                             .samples = layers->count};
+    graph_image targets[SURFACE_LAYERS] = {{0}};
+    static const float zero[4];
+    for (; draw.layer < layers->count; draw.layer++) {
+        image.name = images[draw.layer];
+        targets[draw.layer] = graph_create_image(graph, &image);
+        struct graph_pass *pass =
+            graph_add_pass(graph, names[draw.layer], GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+        volumes_use(pass, volumes);
+        gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
+        graph_use_buffer(pass, draw.words, GRAPH_READ_FRAGMENT);
+        if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+        graph_color(pass, targets[draw.layer], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
+        if (stencil) {
+            struct graph_image_params both = {
+                .name = stencils[draw.layer], .format = STENCIL_FORMAT, .width = input->width, .height = input->height};
+            graph_depth(pass, graph_create_image(graph, &both), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+        } else {
+            graph_depth_read_only(pass, with_depths.depths[draw.layer]);
+        }
+    }
+    surface_layers_spread(graph, input, layers, targets, radiance);
 }

@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "shade.glsl"
 #include "gbuffer.glsl"
+#include "passes/shade/edges.glsl"
 #include "passes/shade/volumes.glsl"
 
 layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
@@ -21,18 +22,29 @@ const float MOST = 1e30;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float depth = gbuffer_depth(push.gbuffer, pixel);
-    if (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel)) discard; // sky, and what is lit forward
-    float view_depth = view_depth_of(push.view, depth);
+    float view_depth;
+    vec3 position;
+    int at = -1;
+    if (SAMPLES > 1u) {
+        uvec2 inside = min(uvec2(pixel), push.view.view.size - 1u); // helpers load too
+        uint samples = surface_samples(push.words.at[inside.y * push.view.view.size.x + inside.x], push.layer);
+        if (samples == 0u) discard;
+        position = (push.view.view.view_to_world * vec4(surface_point(push.view, push.gbuffer, pixel, samples, view_depth), 1.0)).xyz;
+        at = findLSB(samples);
+    } else {
+        float depth = gbuffer_depth(push.gbuffer, pixel);
+        if (depth <= 0.0 || gbuffer_is_forward(push.gbuffer, pixel)) discard; // sky, and what is lit forward
+        view_depth = view_depth_of(push.view, depth);
+        position = gbuffer_position(push.view, pixel, view_depth);
+    }
     if (BOUND_DEPTHS == 1u && (view_depth < in_depths.x || view_depth > in_depths.y)) discard;
     uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
-    vec3 position = gbuffer_position(push.view, pixel, view_depth);
     vec3 to_light;
     vec3 illuminance = illuminate(push.list, push.list.list.directional_count + in_light, position, to_light);
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
-    surface s = gbuffer_surface(push.gbuffer, pixel, position, vec3(0.0));
+    surface s = gbuffer_surface_at(push.gbuffer, pixel, at, position, vec3(0.0));
     brdf_view b = brdf_prepare(s, to_viewer(push.view, position));
     out_radiance = vec4(min(illuminance * brdf_cos(s, b, to_light), vec3(MOST)), 0.0);
 }

@@ -8,6 +8,7 @@
 #define FNL_PASSES_VOLUMES_H
 
 #include "passes/shade/gbuffer.h"
+#include "passes/shade/surface_layers.h"
 #include "passes/shade/volumes_shared.h"
 
 /** Indices of both solids, front faces counter-clockwise from outside. */
@@ -57,5 +58,9 @@ bool volumes_stencil_supported(const gpu_device *device);
  */
 void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
                  const struct gbuffer *gbuffer, graph_image radiance);
+/** The same for several samples a pixel, each surface of which is lit once: volumes are drawn for each of `layers`, which have no depths
+ *  yet. Cost beside that: a radiance image for each. */
+void volumes_add_samples(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
+                         const struct gbuffer *gbuffer, const struct surface_layers *layers, graph_image radiance);
 
 #endif

@@ -59,7 +59,9 @@ struct gpu_volume_push {
     ADDRESS(light_list_block) list;
     ADDRESS(const_uint_array) ids;
     ADDRESS(uint_array) counters;
+    ADDRESS(uint_array) words;     /* with several samples a pixel, as the last: samples_shared.h */
     STRUCT(gpu_gbuffer) gbuffer;
+    uint layer;                    /* which surface of each pixel is lit */
 };
 
 #endif

@@ -6,9 +6,11 @@
 #include "gbuffer.glsl"
 #include "shade.glsl"
 #include "scene.glsl"
+#include "passes/shade/sample_bounds.glsl"
 #include "passes/shade/volumes.glsl"
 #include "passes/shade/zioma_shared.h"
 
+layout(constant_id = 9) const uint SAMPLES = 1u;
 layout(constant_id = 13) const uint LAYER = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_zioma_push push; };
@@ -20,12 +22,20 @@ layout(location = 1) out vec4 out_color;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     view_block v = push.head.view;
-    float depth = texelFetch(textures[push.depth], pixel, 0).r;
+    vec4 seen = texelFetch(textures[push.depth], pixel, 0);
+    float depth = seen.r;
     float place = 1.0 - float(in_light + 1u) / 16777216.0;
-    if (depth <= 0.0) discard; // sky
+    if (depth <= 0.0 && (SAMPLES <= 1u || sample_bounds_empty(seen))) discard; // sky
     if (LAYER > 0u && place >= texelFetch(textures[push.previous], pixel, 0).r) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[(uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u], 1u);
     uint light = push.head.list.list.directional_count + in_light;
+    if (SAMPLES > 1u) { // reaches some sample, as far as its sphere tells
+        gpu_light bound = push.head.list.list.lights.at[light];
+        if (!sample_bounds_reached(v, pixel, seen, bound.bound_center, bound.bound_radius)) discard;
+        out_ray = out_color = vec4(0.0);
+        gl_FragDepth = place;
+        return;
+    }
     vec3 to_light;
     float strength = light_strength(push.head.list, light, gbuffer_position(v, pixel, view_depth_of(v, depth)), to_light);
     vec3 color = push.head.list.list.lights.at[light].color;

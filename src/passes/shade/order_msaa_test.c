@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The shading orders with four samples a pixel, each against forward-prepass with as many: pixels that show one surface to 2/255, pictures by
+ * decibels, surfaces whose light hardly changes within a pixel at their silhouettes too, where light that bleeds would show.
+ */
+#include "render/shading.h"
+#include "tests/render_harness.h"
+
+struct order_case {
+    fnl_shading shading;
+    double least;   /* decibels from forward-prepass */
+    int silhouette; /* greatest difference of flat surfaces, of 255, at their silhouettes */
+    bool exact;     /* lights each surface of a pixel for itself */
+};
+
+static const struct order_case orders[] = {
+    {FNL_SHADING_DEFERRED, 44, 2, true},      {FNL_SHADING_LIGHT_PREPASS, 44, 2, true},
+    {FNL_SHADING_PRE_LIGHTING, 44, 2, true},  {FNL_SHADING_LOW_RES, 26, 6, false},
+    {FNL_SHADING_INFERRED, 26, 6, false},     {FNL_SHADING_DEFERRED_VOLUMES, 44, 2, true},
+    {FNL_SHADING_LIGHT_INDEXED, 60, 1, false}, {FNL_SHADING_ZIOMA, 60, 1, false},
+};
+
+static bool has_samples(void) {
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
+    return (info.msaa_counts & 4) != 0;
+}
+
+/* In decibels, of 8-bit pictures; 99 when equal. */
+static double psnr(const fnl_image *a, const fnl_image *b) {
+    const uint8_t *p = a->pixels, *q = b->pixels;
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) {
+        if (i % 4 == 3) continue;
+        sum += (p[i] - q[i]) * (p[i] - q[i]);
+        count++;
+    }
+    return sum > 0 ? 10 * log10(255.0 * 255.0 * count / sum) : 99;
+}
+
+static fnl_frame frame_of(const struct stage *stage, fnl_shading shading) {
+    fnl_frame frame = stage->frame;
+    frame.width = 77;
+    frame.height = 43;
+    frame.msaa = 4;
+    frame.shading = shading;
+    frame.lists = FNL_LISTS_CLUSTERED;
+    return frame;
+}
+
+/* The pixels that the view of edges leaves grey: of one surface, lit at their middle by all. */
+static void check_inner(struct stage *stage, fnl_frame frame, const struct shot *shot, const struct shot *forward) {
+    frame.debug = FNL_DEBUG_EDGES;
+    struct shot edges = stage_shoot(stage, &frame);
+    const uint8_t *map = edges.color.pixels, *a = shot->color.pixels, *b = forward->color.pixels;
+    uint32_t pixels = frame.width * frame.height, inner = 0, off = 0;
+    for (uint32_t i = 0; i < pixels; i++) {
+        if (map[4 * i] != map[4 * i + 1] || map[4 * i] != map[4 * i + 2]) continue;
+        int difference = 0;
+        for (int k = 0; k < 3; k++) difference = MAX(difference, abs(a[4 * i + k] - b[4 * i + k]));
+        off += difference > 2;
+        inner++;
+    }
+    print_message("    %u pixels are no edges, %u of them off\n", inner, off);
+    assert_true(inner > pixels / 5);
+    assert_int_equal(off, 0);
+    assert_true(shot->stats.msaa_pixels > 0 && shot->stats.msaa_edge_pixels > 0);
+    shot_free(&edges);
+}
+
+static void test_scene(void **state) {
+    if (!has_samples()) skip();
+    struct stage stage = stage_open(*state, 0);
+    fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
+    struct shot forward = stage_shoot(&stage, &frame);
+    for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
+        const struct order_case *c = &orders[i];
+        frame = frame_of(&stage, c->shading);
+        struct shot shot = stage_shoot(&stage, &frame);
+        double near = psnr(&shot.color, &forward.color);
+        print_message("  %s: %.1f dB\n", fnl_shading_name(c->shading), near);
+        assert_int_equal(count_broken(&shot.radiance), 0);
+        if (c->exact) check_inner(&stage, frame, &shot, &forward);
+        assert_true(near > c->least);
+        frame.gbuffer_prepass = true; /* depth comes first: the same but for cutouts, of which the prepass leaves other fragments */
+        struct shot again = stage_shoot(&stage, &frame);
+        assert_true(psnr(&shot.color, &again.color) > c->least);
+        shot_free(&again);
+        shot_free(&shot);
+    }
+    shot_free(&forward);
+    stage_close(&stage);
+}
+
+/* ---- silhouettes ---- */
+
+static fnl_material_id add_material(fnl_scene *scene, float r, float g, float b) {
+    fnl_material_params params = fnl_material_params_default();
+    fnl_material_id id;
+    params.base_color[0] = r;
+    params.base_color[1] = g;
+    params.base_color[2] = b;
+    params.metallic = 0;
+    params.roughness = 0.9f;
+    assert_int_equal(fnl_scene_add_material(scene, &params, &id), FNL_OK);
+    return id;
+}
+
+/* A square from -1 to 1 that faces +Z, turned, scaled and moved. */
+static void add_square(fnl_scene *scene, fnl_material_id material, float angle, float size, vec3 at) {
+    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    fnl_mesh_params mesh = {
+        .vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices, .material = material};
+    fnl_mesh_id mesh_id;
+    fnl_instance_id instance;
+    assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &mesh_id), FNL_OK);
+    fnl_mat4 matrix = mat4_from_trs(at, quat_axis_angle(vec3_make(0, 0, 1), angle), vec3_make(size, size, 1));
+    assert_int_equal(fnl_scene_add_instance(scene, mesh_id, &matrix, &instance), FNL_OK);
+}
+
+static void add_light(fnl_scene *scene, vec3 position, float intensity, float range) {
+    fnl_light_params light = fnl_light_params_default();
+    fnl_light_id id;
+    light.position = position;
+    light.intensity = intensity;
+    light.range = range;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+}
+
+/*
+ * Dim squares, one of the wall's own material, before a wall that bright lights stand close to, and before the sky. No light reaches both.
+ * What each shows hardly changes from pixel to pixel, so all orders agree at silhouettes, wherever within a pixel they light it.
+ */
+static fnl_scene *silhouettes(void) {
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
+    fnl_material_id white = add_material(scene, 0.8f, 0.8f, 0.8f), red = add_material(scene, 0.8f, 0.2f, 0.1f);
+    add_square(scene, red, 0.4f, 0.35f, vec3_make(-0.4f, 0.1f, 2));
+    add_square(scene, white, 0.2f, 0.3f, vec3_make(0.4f, -0.1f, 2));
+    add_square(scene, white, 0.1f, 0.8f, vec3_make(0, -0.25f, -4));
+    for (int i = 0; i < 9; i++) add_light(scene, vec3_make(0.6f * (float)(i % 3 - 1), 0.6f * (float)(i / 3 - 1), -1), 8, 5);
+    for (int i = 0; i < 4; i++) add_light(scene, vec3_make((float)(i % 2) - 0.5f, (float)(i / 2) - 0.5f, 4.5f), 0.4f, 4.5f);
+    assert_int_equal(fnl_scene_set_background(scene, (vec3){0.3f, 0.3f, 0.9f}), FNL_OK);
+    return scene;
+}
+
+static void look_down(fnl_frame *frame) {
+    frame->camera = fnl_camera_default();
+    frame->camera.position = vec3_make(0, 0, 8);
+    frame->camera.target = vec3_make(0, 0, 0);
+    frame->camera.orthographic = true;
+    frame->camera.vertical_extent = 2;
+    frame->camera.far_distance = 20;
+    frame->exposure = FNL_EXPOSURE_EV;
+    frame->ev = -0.5f;
+}
+
+static void test_silhouettes(void **state) {
+    UNUSED(state);
+    if (!has_samples()) skip();
+    struct stage stage = stage_open_scene(silhouettes());
+    fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
+    look_down(&frame);
+    struct shot forward = stage_shoot(&stage, &frame);
+    frame.msaa = 1;
+    struct shot one = stage_shoot(&stage, &frame);
+    assert_true(greatest_difference(&one.color, &forward.color) > 60); /* there are edges to get wrong */
+    for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
+        frame = frame_of(&stage, orders[i].shading);
+        look_down(&frame);
+        struct shot shot = stage_shoot(&stage, &frame);
+        int difference = greatest_difference(&shot.color, &forward.color);
+        print_message("  %s: %d/255\n", fnl_shading_name(orders[i].shading), difference);
+        if (difference > orders[i].silhouette)
+            fail_msg("%s: %d/255 at silhouettes", fnl_shading_name(orders[i].shading), difference);
+        shot_free(&shot);
+    }
+    shot_free(&one);
+    shot_free(&forward);
+    stage_close(&stage);
+}
+
+/* ---- G-buffers of deferred shading ---- */
+
+/* Every layout, encoding and chroma; what a layout cannot hold is lit forward, on its own samples alone. */
+static void test_layouts(void **state) {
+    UNUSED(state);
+    if (!has_samples()) skip();
+    struct stage stage = stage_open("builtin:spheres?lights=40", 0);
+    fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
+    struct shot forward = stage_shoot(&stage, &frame);
+    for (uint32_t g = 0; g < FNL_GBUFFER_COUNT; g++) {
+        fnl_gbuffer_info info;
+        assert_int_equal(fnl_gbuffer_query_info((fnl_gbuffer)g, &info), FNL_OK);
+        for (uint32_t n = 0; n < FNL_NORMALS_COUNT + 1; n++) {
+            bool chroma = n == FNL_NORMALS_COUNT;
+            if (chroma ? g > 0 : n > 0 && (g > 0 || !(info.encodings >> n & 1))) continue;
+            struct shot shots[2];
+            for (uint32_t samples = 1; samples <= 4; samples += 3) {
+                frame = frame_of(&stage, FNL_SHADING_DEFERRED);
+                frame.msaa = samples;
+                frame.gbuffer = (fnl_gbuffer)g;
+                frame.normals = chroma ? FNL_NORMALS_LAYOUT : (fnl_normal_encoding)n;
+                frame.chroma = chroma;
+                shots[samples / 4] = stage_shoot(&stage, &frame);
+            }
+            frame.shading = FNL_SHADING_FORWARD_PREPASS;
+            frame.msaa = 1;
+            struct shot one = stage_shoot(&stage, &frame);
+            double near = psnr(&shots[1].color, &forward.color), near_one = psnr(&shots[0].color, &one.color);
+            print_message("  %s, normals %s%s: %.1f dB with 4 samples, %.1f dB with one\n", fnl_gbuffer_name((fnl_gbuffer)g),
+                          fnl_normal_encoding_name(frame.normals), chroma ? ", chroma" : "", near, near_one);
+            assert_int_equal(count_broken(&shots[1].radiance), 0);
+            /* Several samples lose what edges do and no more. */
+            assert_true(near > MIN(near_one - 1, 44));
+            shot_free(&one);
+            shot_free(&shots[0]);
+            shot_free(&shots[1]);
+        }
+    }
+    shot_free(&forward);
+    stage_close(&stage);
+}
+
+#define SCENE(source) {"ES-9, ES-20: shading orders with 4 samples near forward-prepass, " source, test_scene, NULL, harness_check, source}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        SCENE("builtin:hall?lights=64"),
+        SCENE("builtin:spheres?lights=30"),
+        SCENE("builtin:grass?lights=40"),
+        {"ES-20, ES-23: no light bleeds over silhouettes", test_silhouettes, NULL, harness_check, NULL},
+        {"ES-10, ES-12, ES-13, FP-8: G-buffers with 4 samples", test_layouts, NULL, harness_check, NULL},
+    };
+    return cmocka_run_group_tests_name("shading orders with samples", tests, harness_begin, harness_end);
+}
