@@ -244,3 +244,62 @@ bool argument_mobile(const char *option, const char *text, fnl_mobile_options *o
     }
     return true;
 }
+
+/* ---- settings of the order coarse ---- */
+
+static const char *coarse_criterion_name(int i) { return fnl_coarse_criterion_name((fnl_coarse_criterion)i); }
+static const char *coarse_split_name(int i) { return fnl_coarse_split_name((fnl_coarse_split)i); }
+
+static bool set_coarse(const char *option, const char *key, const char *value, fnl_coarse_options *out) {
+    const struct {
+        const char *key;
+        float *field;
+        double most;
+    } numbers[] = {{"depth-factor", &out->depth_factor, 1e9},
+                   {"normal-degrees", &out->normal_degrees, 180},
+                   {"tolerance", &out->tolerance, 1},
+                   {"albedo-tolerance", &out->albedo_tolerance, 1},
+                   {"ao", &out->ao_radius, 1e9}};
+    int index;
+    double number;
+    long long size;
+    for (size_t i = 0; value && i < sizeof numbers / sizeof *numbers; i++) {
+        if (strcmp(key, numbers[i].key) != 0) continue;
+        if (!argument_number(option, value, &number)) return false;
+        if (!(number >= 0 && number <= numbers[i].most)) return argument_bad(option, value, "in the range of this setting");
+        *numbers[i].field = (float)number;
+        return true;
+    }
+    if (value && strcmp(key, "size") == 0) {
+        if (!argument_integer(option, value, 1, 4, &size)) return false;
+        if (size == 3) return argument_bad(option, value, "one of 1 2 4");
+        out->size = (uint32_t)size;
+    } else if (value && strcmp(key, "criterion") == 0) {
+        if (!argument_name(option, value, coarse_criterion_name, &index)) return false;
+        out->criterion = (fnl_coarse_criterion)index;
+    } else if (value && strcmp(key, "split") == 0) {
+        if (!argument_name(option, value, coarse_split_name, &index)) return false;
+        out->split = (fnl_coarse_split)index;
+    } else if (!value && strcmp(key, "no-bias") == 0) {
+        out->bias = false;
+    } else if (!value && strcmp(key, "gather") == 0) {
+        out->gather = true;
+    } else {
+        return argument_bad(option, key,
+                            "a list of size=, criterion=, depth-factor=, normal-degrees=, tolerance=, albedo-tolerance=, "
+                            "split=, ao=, no-bias and gather");
+    }
+    return true;
+}
+
+bool argument_coarse(const char *option, const char *text, fnl_coarse_options *out) {
+    char copy[256], *rest = copy;
+    if (strlen(text) >= sizeof copy) return argument_bad(option, text, "a shorter list");
+    strcpy(copy, text);
+    for (char *part; (part = strsep(&rest, ","));) {
+        char *equals = strchr(part, '=');
+        if (equals) *equals = 0;
+        if (!set_coarse(option, part, equals ? equals + 1 : NULL, out)) return false;
+    }
+    return true;
+}

@@ -21,5 +21,7 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
 bool argument_list_options(const char *option, const char *text, fnl_list_options *out);
 /** "separate,light=unorm,range=16…" of the order mobile. */
 bool argument_mobile(const char *option, const char *text, fnl_mobile_options *out);
+/** The same for the order coarse: "size=4,split=albedo". */
+bool argument_coarse(const char *option, const char *text, fnl_coarse_options *out);
 
 #endif

@@ -26,7 +26,7 @@ static enum role role_of(const char *name) {
     static const char *const shading[] = {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
-        "lit forward", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
+        "lit forward", "coarse", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
         "visible ",    "texturing sh", NULL};
     static const char *const geometry[] = {"cull",       "sort",           "blend",
                                            "gbuffer",    "depth prepass",  "skin",

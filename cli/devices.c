@@ -36,6 +36,7 @@ static const struct {
     FEATURE(async_compute, "light lists beside drawing"),
     FEATURE(timestamps, "times of passes"),
     FEATURE(primitive_ids, "triangle numbers"),
+    FEATURE(minmax_samplers, "samplers that give the least and the greatest texel"),
     FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
     FEATURE(barycentrics, "visibility buffer with stored barycentrics"),

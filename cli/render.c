@@ -34,7 +34,8 @@ static void print_help(void) {
          "  --anisotropy N             most samples of a texture along the longer axis of a pixel's footprint, 1 to 16 (8)\n"
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces layers motion decals gbuffer-0 … gbuffer-4\n"
-         "                             material-id lit-forward edges halos, instead of the picture\n"
+         "                             material-id lit-forward edges halos coarse coarse-reason,\n"
+         "                             instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position,motion: more channels in the .exr\n"
          "\n"
          "Scene\n"
@@ -49,7 +50,7 @@ static void print_help(void) {
     puts(
         "Method\n"
         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-        "                             low-res inferred light-indexed zioma visibility texturing mobile auto\n"
+        "                             low-res inferred light-indexed zioma visibility texturing coarse mobile auto\n"
         "                             (deferred; with MSAA forward-prepass)\n"
         "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
         "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -73,6 +74,10 @@ static void print_help(void) {
         "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle");
     puts(
+        "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X, normal-degrees=X,\n"
+        "                             tolerance=X, albedo-tolerance=X, split=none|albedo|highlights|sharp, ao=METRES,\n"
+        "                             no-bias, gather\n"
+        "  --shade-cost N             turns of an idle loop in each evaluation of shading, for comparing methods (0)\n"
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
         "                             (compact)\n"
@@ -181,6 +186,8 @@ enum {
     O_MOBILE,
     O_VISIBILITY_SORT,
     O_VISIBILITY_BARYCENTRICS,
+    O_COARSE,
+    O_SHADE_COST,
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
@@ -300,6 +307,12 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_VISIBILITY_SORT:
         if (!argument_name("visibility-sort", value, visibility_sort_name, &index)) return false;
         o->frame.visibility.sort = (fnl_visibility_sort)index;
+        return true;
+    case O_COARSE:
+        return argument_coarse("coarse", value, &o->frame.coarse);
+    case O_SHADE_COST:
+        if (!argument_integer("shade-cost", value, 0, 100000, &integer)) return false;
+        o->frame.shade_cost = (uint32_t)integer;
         return true;
     case O_MOBILE_LAYOUT:
         if (!argument_name("mobile-layout", value, mobile_layout_name, &index)) return false;
@@ -458,6 +471,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
                                              {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
                                              {"aa", required_argument, NULL, O_AA},
+                                             {"coarse", required_argument, NULL, O_COARSE},
+                                             {"shade-cost", required_argument, NULL, O_SHADE_COST},
                                              {"deferred-pass", required_argument, NULL, O_DEFERRED_PASS},
                                              {"gbuffer", required_argument, NULL, O_GBUFFER},
                                              {"normals", required_argument, NULL, O_NORMALS},

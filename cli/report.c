@@ -108,6 +108,10 @@ void report_print(const struct render_report *r) {
         if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
         putchar('\n');
     }
+    if (s->shading == FNL_SHADING_COARSE && s->coarse_blocks)
+        printf("  blocks lit once %u of %u (%.1f%%); not for depth %u, normals %u, materials %u; lit %u times for %u pixels\n",
+               s->coarse_shared, s->coarse_blocks, 100.0 * s->coarse_shared / s->coarse_blocks, s->coarse_by_depth,
+               s->coarse_by_normal, s->coarse_by_material, s->coarse_shaded, s->coarse_pixels);
     if (s->shading == FNL_SHADING_MOBILE)
         printf("  mobile %s: %s, tone mapping %s\n", fnl_mobile_layout_name(r->frame.mobile.layout),
                s->mobile_merged ? "one scope" : "separate passes",
@@ -223,6 +227,20 @@ static void add_traffic(json_t *json, const struct render_report *r) {
                                   s->mobile_merged, "tonemapped_inside", s->mobile_tonemapped));
 }
 
+static void add_coarse(json_t *json, const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
+    if (s->shading != FNL_SHADING_COARSE) return;
+    const fnl_coarse_options *o = &r->frame.coarse;
+    json_object_set_new(
+        json, "coarse",
+        json_pack("{s:i,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "size", (int)o->size, "criterion",
+                  fnl_coarse_criterion_name(o->criterion), "split", fnl_coarse_split_name(o->split), "blocks",
+                  integer(s->coarse_blocks), "shared", integer(s->coarse_shared), "by_depth", integer(s->coarse_by_depth),
+                  "by_normal", integer(s->coarse_by_normal), "by_material", integer(s->coarse_by_material), "pixels",
+                  integer(s->coarse_pixels), "shaded", integer(s->coarse_shaded), "ao_shaded",
+                  integer(s->coarse_ao_shaded)));
+}
+
 bool report_save(const struct render_report *r, const char *path) {
     json_t *json = make_json(r);
     add_gbuffer(json, r);
@@ -230,6 +248,7 @@ bool report_save(const struct render_report *r, const char *path) {
     add_culling(json, r);
     add_transparency(json, r);
     add_msaa(json, r);
+    add_coarse(json, r);
     add_traffic(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&

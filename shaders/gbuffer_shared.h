@@ -33,6 +33,7 @@
 /* How the targets are packed: layout | encoding of normals << 8 | flags. A specialisation constant with this id, or gpu_gbuffer.form where
    the constant is not given. */
 #define GBUFFER_CONSTANT 8u
+#define GBUFFER_EXTRA_CONSTANT 10u /* of shaders that write more targets than the layout has */
 #define GBUFFER_FORM(layout, normals) ((layout) | (normals) << 8)
 #define GBUFFER_FORM_LAYOUT(form) ((form) & 255u)
 #define GBUFFER_FORM_NORMALS(form) ((form) >> 8 & 255u)

@@ -32,6 +32,14 @@ vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     return sum + ambient * s.occlusion + s.emissive;
 }
 
+// What stands for dearer shading where methods are compared (fnl_frame.shade_cost): a chain that no compiler can shorten, of which nothing is
+// left. `seed` is any number.
+float shade_cost(view_block v, float seed) {
+    float burn = clamp(seed, -1.0, 1.0);
+    for (uint i = 0u; i < v.view.shade_cost; i++) burn = sin(burn * 1.7 + 0.3);
+    return burn * v.view.nothing;
+}
+
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
 // or LIGHT_NO_ITEM.
 vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array counters, uvec2 pixel, float view_depth, uint item) {
@@ -60,6 +68,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
 
+    if (v.view.shade_cost > 0u) sum += shade_cost(v, s.roughness);
     return shade_rest(s, v, to_view, sum);
 }
 

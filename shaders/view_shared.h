@@ -31,6 +31,8 @@ struct gpu_view {
     uvec2 decals;        /* address of a struct gpu_decal_set; read only where a shader's features say that there is one */
     float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
     float light_max;     /* and the most that it holds */
+    uint shade_cost;     /* turns of a loop that only takes time */
+    float nothing;       /* 0, which shaders do not know */
 };
 
 #endif

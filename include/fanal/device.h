@@ -50,6 +50,7 @@ typedef struct fnl_device_info {
     bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate,
         multiview, pipeline_statistics,
         primitive_ids; /**< optional features; primitive_ids: fragment shaders know the number of their triangle */
+    bool minmax_samplers; /**< samplers can give the least and the greatest of four texels */
     uint32_t subgroup_size;
 } fnl_device_info;
 

@@ -42,6 +42,8 @@ typedef enum fnl_shading {
      * seen; transparent surfaces forward; no MSAA. Normals are rounded as in a G-buffer.
      */
     FNL_SHADING_TEXTURING,
+    /** Deferred, but blocks of pixels whose surfaces are alike are lit once: fnl_frame.coarse. Close, not equal; no MSAA. */
+    FNL_SHADING_COARSE,
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
     FNL_SHADING_AUTO, /**< the fastest order of the first three on this scene and device, found by measuring */
@@ -330,6 +332,42 @@ typedef enum fnl_gradients {
                                 neighbour does, the level of textures is a guess */
     FNL_GRADIENTS_COUNT
 } fnl_gradients;
+/** What says that the pixels of a block lie on one surface; normals and materials are compared besides. */
+typedef enum fnl_coarse_criterion {
+    FNL_COARSE_CRITERION_Z = 0, /**< view depths differ from the first pixel's by no more than its gradient explains */
+    FNL_COARSE_CRITERION_ID,    /**< one triangle of one object; needs fnl_device_info.primitive_ids */
+    FNL_COARSE_CRITERION_MINMAX, /**< ranges of depth and normal, by samplers where the device has them: finds no more blocks than z */
+    FNL_COARSE_CRITERION_COUNT
+} fnl_coarse_criterion;
+
+/** What of the light a block shares; the rest is made for each pixel. */
+typedef enum fnl_coarse_split {
+    FNL_COARSE_SPLIT_NONE = 0,   /**< all of it, by a base colour that is filtered over the block */
+    FNL_COARSE_SPLIT_ALBEDO,     /**< all of it, before base colours: each pixel has its own */
+    FNL_COARSE_SPLIT_HIGHLIGHTS, /**< diffuse and ambient light; the highlights of lights are made for each pixel */
+    FNL_COARSE_SPLIT_SHARP, /**< all but lights whose edge shows: spots, wedges, boxes and clipped ones light each pixel */
+    FNL_COARSE_SPLIT_COUNT
+} fnl_coarse_split;
+
+/** Settings of the order coarse. docs/techniques/coarse.md tells what they do to time and picture. */
+typedef struct fnl_coarse_options {
+    uint32_t size; /**< pixels along a side of a block: 2, 4, or 1: every pixel is lit, which gives the picture of deferred; default 2 */
+    fnl_coarse_criterion criterion; /**< default z */
+    /** Depths may differ by this much of size * sqrt(2) * (|dz/dx| + |dz/dy|), >= 0; on a plane the greatest difference is about
+        (size - 1) / (size * sqrt(2)) of that. Default 1. z and minmax */
+    float depth_factor;
+    float normal_degrees;   /**< normals may differ by this angle, 0 .. 180; default 2 */
+    float tolerance;        /**< so may roughness, metalness, occlusion, F90 and the root of F0, 0 .. 1; default 0.05 */
+    float albedo_tolerance; /**< and linear base colours, 0 .. 1; default 1: by any amount, as they are filtered */
+    fnl_coarse_split split; /**< default none */
+    bool bias;   /**< without it blocks take the base colour of their first pixel, which flickers in motion; default true */
+    bool gather; /**< what blocks share is written after all else is lit, not at once: the same picture; default false */
+    float ao_radius; /**< metres, >= 0: ambient light is dimmed by what is so near, found at the same coarse rate. 0 (default): off */
+} fnl_coarse_options;
+
+FNL_API fnl_coarse_options fnl_coarse_options_default(void);
+FNL_API const char *fnl_coarse_criterion_name(fnl_coarse_criterion criterion);
+FNL_API const char *fnl_coarse_split_name(fnl_coarse_split split);
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,
@@ -369,6 +407,8 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_EDGES, /**< deferred MSAA: pixels that show several things: blue one surface and sky, green 2 surfaces, yellow 3, red more */
     FNL_DEBUG_MOTION, /**< motion vectors: hue is direction, saturation speed; grey stands still */
     FNL_DEBUG_HALOS, /**< metals blue; what is neither metal nor not, metalness from 0.1 to 0.9, red, the brighter the more its colour shines */
+    FNL_DEBUG_COARSE, /**< FNL_SHADING_COARSE: green where a block is lit once */
+    FNL_DEBUG_COARSE_REASON, /**< and why others are not: depth or triangle red, normal blue, material yellow */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -510,6 +550,12 @@ typedef struct fnl_frame {
     fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
     fnl_visibility_options visibility; /**< of FNL_SHADING_VISIBILITY */
     fnl_gradients gradients;   /**< of FNL_SHADING_TEXTURING; default stored */
+    fnl_coarse_options coarse; /**< of FNL_SHADING_COARSE */
+    /**
+     * Turns of a loop that each evaluation of shading takes besides, 0 .. 100000, for comparing methods as if shading were dearer; the
+     * picture stays the same. Orders that keep light apart from materials and mobile take no notice. Default 0.
+     */
+    uint32_t shade_cost;
     bool gbuffer_prepass; /**< deferred, texturing, mobile: depth first, so that hidden surfaces read no textures; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
@@ -588,6 +634,10 @@ typedef struct fnl_frame_stats {
     uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */
         msaa_samples,       /**< samples that show a surface */
         msaa_shaded;        /**< how often a surface was shaded; known with count_lights */
+    /** With FNL_SHADING_COARSE: blocks that show some surface; those lit once; those that are not for the sake of depths or triangles,
+        normals, materials; pixels that show a surface; how often one was lit, for itself or its block. */
+    uint32_t coarse_blocks, coarse_shared, coarse_by_depth, coarse_by_normal, coarse_by_material, coarse_pixels, coarse_shaded;
+    uint32_t coarse_ao_shaded; /**< with ao_radius: how often occlusion was found */
     uint32_t decals_total,
         decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
     uint64_t decal_entries; /**< of the list over them, and of the tiles of the G-buffer's way */

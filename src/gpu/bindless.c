@@ -158,12 +158,15 @@ void gpu_bindless_remove(gpu_device *device, enum gpu_binding binding, uint32_t 
 
 static bool same_sampler(const struct gpu_sampler_params *a, const struct gpu_sampler_params *b) {
     return a->mag == b->mag && a->min == b->min && a->mip == b->mip && a->mipmapped == b->mipmapped &&
-           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->anisotropy == b->anisotropy;
+           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->anisotropy == b->anisotropy && a->reduction == b->reduction;
 }
 
 static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_params *params, VkSampler *out) {
+    VkSamplerReductionModeCreateInfo reduction = {.sType = VK_STRUCTURE_TYPE_SAMPLER_REDUCTION_MODE_CREATE_INFO,
+                                                  .reductionMode = params->reduction};
     VkSamplerCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+        .pNext = params->reduction == VK_SAMPLER_REDUCTION_MODE_WEIGHTED_AVERAGE ? NULL : &reduction,
         .magFilter = params->mag,
         .minFilter = params->min,
         .mipmapMode = params->mip,
@@ -177,6 +180,12 @@ static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_pa
         .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
     };
     return gpu_check(device, device->vk.CreateSampler(device->handle, &info, NULL, out), "vkCreateSampler");
+}
+
+bool gpu_minmax_supported(const gpu_device *device, VkFormat format) {
+    return device->info.minmax_samplers &&
+           gpu_format_supports(device, format,
+                               VK_FORMAT_FEATURE_2_SAMPLED_IMAGE_BIT | VK_FORMAT_FEATURE_2_SAMPLED_IMAGE_FILTER_MINMAX_BIT);
 }
 
 uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *params) {

@@ -149,8 +149,11 @@ struct gpu_sampler_params {
     bool mipmapped;
     VkSamplerAddressMode wrap_u, wrap_v;
     float anisotropy; /* 1: off; clamped to what the device has */
+    VkSamplerReductionMode reduction; /* MIN or MAX of the texels instead of their mean: where gpu_minmax_supported() */
 };
 uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *params);
+/** Whether images of this format can be sampled with a reduction. */
+bool gpu_minmax_supported(const gpu_device *device, VkFormat format);
 
 /* ---- uploads outside of frames: complete when gpu_upload_flush returns ---- */
 

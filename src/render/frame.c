@@ -19,6 +19,7 @@ static fnl_result add_view(struct frame_state *f) {
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
     shading_scale_light(f);
+    f->view.shade_cost = f->frame->shade_cost;
     f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
     TRY(decals_begin(f));
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
@@ -128,6 +129,7 @@ static void add_picture(struct frame_state *f) {
         graph_image metal = {0};
         if (f->frame->debug == FNL_DEBUG_HALOS)
             metal = halos_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
+        if (f->coarse_words.id) counts = (struct debug_counts){f->coarse_words, 1};
         if (shading_shows_volumes(f->frame)) counts = (struct debug_counts){f->counters, 2};
         debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, metal, f->view_address, f->color,
                        swap);
@@ -236,6 +238,12 @@ static void add_counts(struct frame_state *f) {
     if (f->visible_ranges.id)
         data.copies[data.count++] = (struct count_copy){f->visible_ranges, counts, 0, offsetof(struct frame_counts, visible),
                                                         sizeof(((struct frame_counts *)0)->visible)};
+    if (f->coarse_counts.id)
+        data.copies[data.count++] =
+            (struct count_copy){f->coarse_counts, counts, 0, offsetof(struct frame_counts, coarse), COARSE_COUNTS * 4};
+    if (f->coarse_ao_counts.id)
+        data.copies[data.count++] = (struct count_copy){f->coarse_ao_counts, counts, 0,
+                                                        offsetof(struct frame_counts, coarse_ao), COARSE_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};

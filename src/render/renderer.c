@@ -14,7 +14,7 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward",      "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
                                         "pre-lighting", "low-res",         "inferred", "light-indexed",    "zioma",
-                                        "visibility",   "texturing",       "mobile",   "auto"};
+                                        "visibility",   "texturing",       "coarse",   "mobile",           "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -103,6 +103,18 @@ const char *fnl_light_buffer_name(fnl_light_buffer buffer) {
     return NAME_OF(names, buffer);
 }
 
+const char *fnl_coarse_criterion_name(fnl_coarse_criterion criterion) {
+    static const char *const names[] = {"z", "id", "minmax"};
+    _Static_assert(COUNT_OF(names) == FNL_COARSE_CRITERION_COUNT, "each has a name");
+    return NAME_OF(names, criterion);
+}
+
+const char *fnl_coarse_split_name(fnl_coarse_split split) {
+    static const char *const names[] = {"none", "albedo", "highlights", "sharp"};
+    _Static_assert(COUNT_OF(names) == FNL_COARSE_SPLIT_COUNT, "each has a name");
+    return NAME_OF(names, split);
+}
+
 const char *fnl_deferred_pass_name(fnl_deferred_pass pass) {
     static const char *const names[] = {"compute", "fragment"};
     _Static_assert(COUNT_OF(names) == FNL_DEFERRED_PASS_COUNT, "each has a name");
@@ -153,7 +165,8 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
     static const char *const names[] = {
         "none",         "albedo",    "normal",      "depth",       "roughness", "lights",    "cells",     "overdraw",
         "tile-normals", "backfaces", "overshading", "layers",      "decals",    "gbuffer-0", "gbuffer-1", "gbuffer-2",
-        "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion",    "halos"};
+        "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion",    "halos",     "coarse",
+        "coarse-reason"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -187,6 +200,15 @@ fnl_list_options fnl_list_options_default(void) {
                               .cluster_far = INFINITY};
 }
 
+fnl_coarse_options fnl_coarse_options_default(void) {
+    return (fnl_coarse_options){.size = 2,
+                                .depth_factor = 1,
+                                .normal_degrees = 2,
+                                .tolerance = 0.05f,
+                                .albedo_tolerance = 1,
+                                .bias = true};
+}
+
 fnl_frame fnl_frame_default(void) {
     return (fnl_frame){.width = 1280,
                        .height = 720,
@@ -196,6 +218,7 @@ fnl_frame fnl_frame_default(void) {
                        .list_options = fnl_list_options_default(),
                        .mobile = fnl_mobile_options_default(),
                        .visibility = fnl_visibility_options_default(),
+                       .coarse = fnl_coarse_options_default(),
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
@@ -397,6 +420,30 @@ static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *fra
     return FNL_OK;
 }
 
+static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    const fnl_coarse_options *o = &frame->coarse;
+    REQUIRE(host, o->size == 1 || o->size == 2 || o->size == 4);
+    REQUIRE(host, (uint32_t)o->criterion < FNL_COARSE_CRITERION_COUNT);
+    REQUIRE(host, (uint32_t)o->split < FNL_COARSE_SPLIT_COUNT);
+    REQUIRE(host, o->depth_factor >= 0 && isfinite(o->depth_factor));
+    REQUIRE(host, o->normal_degrees >= 0 && o->normal_degrees <= 180);
+    REQUIRE(host, o->tolerance >= 0 && o->tolerance <= 1 && o->albedo_tolerance >= 0 && o->albedo_tolerance <= 1);
+    REQUIRE(host, o->ao_radius >= 0 && isfinite(o->ao_radius));
+    REQUIRE(host, frame->shade_cost <= 100000);
+    if (frame->shading == FNL_SHADING_COARSE && o->criterion == FNL_COARSE_CRITERION_ID &&
+        !gpu_info(r->device)->primitive_ids) {
+        log_error(host, "this device cannot number triangles, which the criterion id needs; use z");
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    bool view = frame->debug == FNL_DEBUG_COARSE || frame->debug == FNL_DEBUG_COARSE_REASON;
+    if (view && frame->shading != FNL_SHADING_COARSE) {
+        log_error(host, "the view %s shows the blocks of coarse shading", fnl_debug_view_name(frame->debug));
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
 static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
@@ -425,6 +472,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
     REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
     TRY(check_gbuffer_view(r, frame));
+    TRY(check_coarse(r, frame));
     REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
     REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
     REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
@@ -690,6 +738,15 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
         out->visibility_classes += entries > 0;
         out->visibility_entries += entries;
     }
+    out->coarse_shared = counts->coarse[COARSE_SHARED];
+    out->coarse_by_depth = counts->coarse[COARSE_DEPTH];
+    out->coarse_by_normal = counts->coarse[COARSE_NORMAL];
+    out->coarse_by_material = counts->coarse[COARSE_OTHER];
+    out->coarse_blocks =
+        out->coarse_shared + out->coarse_by_depth + out->coarse_by_normal + out->coarse_by_material;
+    out->coarse_pixels = counts->coarse[COARSE_COUNT_PIXELS];
+    out->coarse_shaded = counts->coarse[COARSE_COUNT_SHADED];
+    out->coarse_ao_shaded = counts->coarse_ao[COARSE_COUNT_SHADED];
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;

@@ -6,6 +6,7 @@
 #include "passes/debug/debug.h"
 #include "passes/geometry/clusters_shared.h"
 #include "passes/transparency/transparency.h"
+#include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
 #include "render/device_scene.h"
@@ -23,6 +24,7 @@ struct frame_counts {
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
     uint32_t edges[EDGES_COUNTS];
     uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
+    uint32_t coarse[COARSE_COUNTS], coarse_ao[COARSE_COUNTS];
     struct linked_totals blend;
     struct gpu_cluster_totals clusters;
 };
@@ -56,6 +58,7 @@ struct fnl_renderer {
     bool cannot_merge;  /* tests: as on devices whose scopes are too small for the order mobile */
     bool weighted_half; /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits; /* tests: ids at least so wide */
+    bool no_minmax;           /* tests: criterion minmax as on devices whose samplers cannot reduce */
     bool poison;              /* tests: transient buffers begin each frame full of rubbish */
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 

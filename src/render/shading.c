@@ -88,6 +88,7 @@ static const struct order {
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
+    [FNL_SHADING_COARSE] = {order_coarse, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_APPROXIMATE},
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE},
 };
 
@@ -149,7 +150,7 @@ void shading_add(struct frame_state *f) {
 uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
     const struct gbuffer *g = &f->gbuffer;
     if (!g->depth.id) return f->gbuffer_bytes;
-    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0);
+    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0) + f->coarse_bytes;
     return bytes * f->frame->width * f->frame->height * f->frame->msaa;
 }
 

@@ -21,6 +21,8 @@
 #define GPU_DEBUG_DECALS 12u
 #define GPU_DEBUG_EDGES 20u /* those between are views of the G-buffer (shade/gbuffer.h) */
 #define GPU_DEBUG_HALOS 22u /* after that of motion, which aa/motion.c draws */
+#define GPU_DEBUG_COARSE 23u
+#define GPU_DEBUG_COARSE_REASON 24u
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

@@ -7,6 +7,7 @@
 #include "lights/iterate.glsl"
 #include "passes/lights/backface.glsl"
 #include "passes/debug/debug_shared.h"
+#include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -84,6 +85,11 @@ void main() {
         vec2 metal = texelFetch(textures[push.metal], pixel, 0).xy;
         color = metal.x >= 0.9 ? mix(vec3(grey), vec3(0.1, 0.35, 0.95), 0.6) : vec3(grey * 0.5);
         if (metal.x > 0.1 && metal.x < 0.9) color = mix(vec3(0.25, 0.0, 0.0), vec3(1.0, 0.15, 0.0), min(4.0 * metal.y, 1.0));
+    }
+    if (mode == GPU_DEBUG_COARSE || mode == GPU_DEBUG_COARSE_REASON) {
+        const vec3 kinds[COARSE_KINDS] = vec3[](vec3(0.0), vec3(0.1, 0.8, 0.2), vec3(1.0, 0.15, 0.1), vec3(0.2, 0.4, 1.0), vec3(1.0, 0.8, 0.1));
+        bool is_shown = counted != COARSE_NOTHING && (mode == GPU_DEBUG_COARSE_REASON || counted == COARSE_SHARED);
+        color = is_shown ? mix(vec3(grey), kinds[min(counted, COARSE_KINDS - 1u)], 0.5) : vec3(grey);
     }
     if (mode == GPU_DEBUG_LIGHT_COUNT || mode == GPU_DEBUG_CELLS) {
         vec4 position = texelFetch(textures[push.position], pixel, 0);

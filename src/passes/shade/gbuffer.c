@@ -50,21 +50,36 @@ static void create_targets(struct graph *graph, const struct shade_input *input,
     gbuffer->form |= GBUFFER_FORM_MASK;
 }
 
+static void create_extras(struct graph *graph, const struct shade_input *input, const struct gbuffer_extras *extras,
+                          struct gbuffer *gbuffer) {
+    for (uint32_t i = 0; i < extras->count; i++)
+        gbuffer->extras[i] = graph_create_image(graph, &(struct graph_image_params){.name = extras->targets[i].name,
+                                                                                    .format = extras->targets[i].format,
+                                                                                    .width = input->width,
+                                                                                    .height = input->height});
+}
+
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth) {
+    return gbuffer_add_with(graph, input, prepass, radiance, depth, NULL);
+}
+
+struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
+                                graph_image depth, const struct gbuffer_extras *extras) {
     struct gbuffer gbuffer = {.depth = depth,
                               .view = input->view,
                               .entries = input->scene->material_entries,
                               .form = gbuffer_form_of(input->layout, input->normals, input->chroma)};
     uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     create_targets(graph, input, samples, &gbuffer);
+    if (extras) create_extras(graph, input, extras, &gbuffer);
     struct gbuffer_data data = {.scene = input->scene,
                                 .draws = *input->draws,
                                 .view = input->view,
                                 .entries = gbuffer.entries,
                                 .form = gbuffer.form};
     data.state =
-        (struct gpu_graphics_params){.fragment = &shader_gbuffer_frag,
+        (struct gpu_graphics_params){.fragment = extras ? extras->fragment : &shader_gbuffer_frag,
                                      .color_formats = {graph_image_info(graph, radiance).format},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
@@ -73,10 +88,12 @@ struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input,
                                      .samples = samples};
     gbuffer_specialise(&gbuffer, data.state.constants, &data.state.constant_count);
     data.state.constants[data.state.constant_count++] = prepass && samples > 1; /* HOLES_ARE_CUT */
-    graph_image images[GBUFFER_TARGETS + 1];
+    if (extras) data.state.constants[data.state.constant_count++] = extras->constant;
+    graph_image images[GBUFFER_TARGETS + GBUFFER_EXTRAS + 1];
     uint32_t count = 0;
     for (; count < gbuffer.target_count; count++) images[count] = gbuffer.targets[count];
     if (gbuffer.mask.id) images[count++] = gbuffer.mask;
+    for (uint32_t i = 0; extras && i < extras->count; i++) images[count++] = gbuffer.extras[i];
     data.state.color_count = 1 + count;
     struct graph_pass *pass;
     for (uint32_t i = 0; i < count; i++) data.state.color_formats[1 + i] = graph_image_info(graph, images[i]).format;

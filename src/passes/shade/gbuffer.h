@@ -6,11 +6,25 @@
 #include "gbuffer_shared.h"
 #include "passes/shade/shade.h"
 
+enum { GBUFFER_EXTRAS = 4 };
+
+/** What an order keeps beside the layout's targets: those come after them, and a fragment shader of the order's own writes all. */
+struct gbuffer_extras {
+    const struct gpu_shader *fragment;
+    uint32_t count;
+    struct {
+        const char *name; /* a literal */
+        VkFormat format;
+    } targets[GBUFFER_EXTRAS];
+    uint32_t constant; /* GBUFFER_EXTRA_CONSTANT of that shader */
+};
+
 struct gbuffer {
     graph_image depth;
     graph_image targets[GBUFFER_TARGETS]; /* id 0 from target_count on */
     uint32_t target_count;
     graph_image normal; /* the one of the targets that gbuffer_normal() of shaders/gbuffer.glsl reads */
+    graph_image extras[GBUFFER_EXTRAS]; /* gbuffer_use() and gbuffer_handles() leave them alone */
     graph_image mask;   /* R8: not 0 where hybrid_add() is to light the pixel: which item it is, in 8 bits; id 0: nowhere */
     uint32_t form;      /* how it is packed (gbuffer_shared.h) */
     VkDeviceAddress view, entries;
@@ -23,6 +37,9 @@ struct gbuffer {
  */
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth);
+/** The same with more targets, for layouts without a mask; `extras` may be NULL. */
+struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
+                                graph_image depth, const struct gbuffer_extras *extras);
 /** Declares that a pass samples all of it. */
 void gbuffer_use(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use);
 /** Declares that a pass samples what gbuffer_normal() reads. */

@@ -1,0 +1,171 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Deferred shading at a coarse rate: blocks of pixels that are alike are lit once.
+#include "common.glsl"
+#include "shade.glsl"
+#include "passes/shade/coarse.glsl"
+
+layout(constant_id = 7) const uint SPLIT = COARSE_SPLIT_NONE;
+
+// What lighting makes of a base colour c: c * by_color + rest. `rest` alone where nothing is split by the base colour.
+struct coarse_light {
+    vec3 by_color;
+    vec3 rest;
+};
+
+// Parts of the light: what blocks share, what each pixel has of its own.
+const uint PART_SLOW = 1u, PART_PIXEL = 2u;
+
+surface surface_at(ivec2 pixel, bool is_shared) {
+    view_block v = push.gbuffer.view;
+    float view_depth = view_depth_of(v, gbuffer_depth(push.gbuffer, pixel));
+    surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(v, pixel, view_depth), vec3(0.0));
+    if ((FLAGS & COARSE_COLOR) != 0u && is_shared) s.base_color = texelFetch(textures[push.color], pixel, 0).rgb;
+    if ((FLAGS & COARSE_AO) != 0u) s.occlusion *= texelFetch(textures[push.ao], pixel, 0).r;
+    return s;
+}
+
+// ---- parts of the light ----
+
+// The BRDF of brdf.glsl, by base colour and rest; both are linear in it.
+coarse_light brdf_parts(surface s, brdf_view b, vec3 to_light) {
+    brdf_lobes lobes;
+    coarse_light f = coarse_light(vec3(0.0), vec3(0.0));
+    if (!brdf_lobes_of(s.normal, b, to_light, lobes)) return f;
+    vec3 fresnel = s.dielectric_f0 + (vec3(s.dielectric_f90) - s.dielectric_f0) * lobes.m5;
+    float diffuse = (1.0 - max_component(fresnel)) * (1.0 / PI) * (1.0 - s.metallic);
+    float metal = s.metallic * lobes.specular;
+    if (SPLIT == COARSE_SPLIT_ALBEDO) {
+        f.by_color = vec3((diffuse + metal * (1.0 - lobes.m5)) * lobes.n_l);
+        f.rest = (fresnel * (lobes.specular * (1.0 - s.metallic)) + metal * lobes.m5) * lobes.n_l;
+    } else { // by_color: the diffuse light; rest: highlights, with the colour in both
+        f.by_color = s.base_color * (diffuse * lobes.n_l);
+        f.rest = (fresnel * (lobes.specular * (1.0 - s.metallic)) + (s.base_color + (1.0 - s.base_color) * lobes.m5) * metal) * lobes.n_l;
+    }
+    return f;
+}
+
+// Ambient light by base colour and rest: shade_rest() is linear in it too.
+coarse_light ambient_parts(surface s, vec3 to_view) {
+    surface black = s, white = s;
+    black.base_color = vec3(0.0);
+    white.base_color = vec3(1.0);
+    coarse_light light;
+    light.rest = shade_rest(black, push.gbuffer.view, to_view, vec3(0.0));
+    light.by_color = shade_rest(white, push.gbuffer.view, to_view, vec3(0.0)) - light.rest;
+    return light;
+}
+
+// Lights whose illuminance ends at an edge that shows: cones, wedges, boxes. That of points and capsules fades out to nothing.
+bool has_edge(uint light) {
+    uint kind = push.lights.list.lights.at[light].kind;
+    return kind != GPU_LIGHT_POINT && kind != GPU_LIGHT_CAPSULE || push.lights.list.lights.at[light].hull_count != 0u;
+}
+
+// `parts` of the light at a pixel's surface. The sum of the parts is what shade_surface() gives but for the order of its additions.
+coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
+    view_block v = push.gbuffer.view;
+    vec3 to_view = to_viewer(v, s.position);
+    brdf_view b = brdf_prepare(s, to_view);
+    coarse_light sum = coarse_light(vec3(0.0), vec3(0.0));
+    float diffuse_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts & PART_SLOW) : 1.0;
+    float rest_weight = SPLIT == COARSE_SPLIT_HIGHLIGHTS ? float(parts >> 1u & 1u) : 1.0;
+    bool is_slow = (parts & PART_SLOW) != 0u;
+    uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
+    for (uint i = 0u; i < directional_count; i++) {
+        coarse_light f = brdf_parts(s, b, -push.lights.list.lights.at[i].direction);
+        vec3 color = push.lights.list.lights.at[i].color;
+        sum.by_color += color * f.by_color * diffuse_weight;
+        sum.rest += color * f.rest * rest_weight;
+    }
+    light_cursor cursor = lights_begin(push.lights, light_point(pixel, view_depth, s.position, s.normal, LIGHT_NO_ITEM));
+    uint visited = 0u, useful = 0u;
+    FOR_EACH_LIGHT(push.lights, cursor, light) {
+        bool wanted = SPLIT != COARSE_SPLIT_SHARP || (parts & (has_edge(light) ? PART_PIXEL : PART_SLOW)) != 0u;
+        vec3 to_light, illuminance = vec3(0.0);
+        if (wanted) illuminance = illuminate(push.lights, light, s.position, to_light);
+        if (COUNT_LIGHTS == 1u) visited++;
+        if (illuminance != vec3(0.0)) {
+            coarse_light f = brdf_parts(s, b, to_light);
+            sum.by_color += illuminance * f.by_color * diffuse_weight;
+            sum.rest += illuminance * f.rest * rest_weight;
+            if (COUNT_LIGHTS == 1u) useful++;
+        }
+    }
+    if (COUNT_LIGHTS == 1u) {
+        atomicAdd(push.counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
+        atomicAdd(push.counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
+    }
+    if (!is_slow) return sum;
+    if (v.view.shade_cost > 0u) sum.rest += shade_cost(v, s.roughness);
+    coarse_light ambient = ambient_parts(s, to_view);
+    if (SPLIT == COARSE_SPLIT_ALBEDO)
+        sum.by_color += ambient.by_color;
+    else
+        sum.by_color += ambient.by_color * s.base_color;
+    sum.rest += ambient.rest;
+    return sum;
+}
+
+vec3 put_together(coarse_light light, vec3 base_color) {
+    return SPLIT == COARSE_SPLIT_ALBEDO ? light.by_color * base_color + light.rest : light.by_color + light.rest;
+}
+
+// ---- pixels ----
+
+void store(ivec2 pixel, vec3 light) {
+    vec3 emissive = imageLoad(images[push.target], pixel).rgb;
+    imageStore(images[push.target], pixel, vec4(min(light + emissive, vec3(push.gbuffer.view.view.hdr_max)), 1.0));
+}
+
+// Writes what a block shares to its pixels, with what each has of its own.
+void spread(coarse_block block, coarse_light light) {
+    for (uint i = 0u; i < SIZE * SIZE; i++) {
+        ivec2 pixel = block.first + ivec2(i % SIZE, i / SIZE);
+        if (!coarse_inside(pixel)) continue;
+        coarse_light own = light;
+        vec3 color = vec3(0.0);
+        if (SPLIT == COARSE_SPLIT_ALBEDO) color = texelFetch(textures[push.gbuffer.targets[0]], pixel, 0).rgb;
+        if (SPLIT == COARSE_SPLIT_HIGHLIGHTS || SPLIT == COARSE_SPLIT_SHARP) {
+            float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
+            coarse_light more = light_parts(surface_at(pixel, false), uvec2(pixel), view_depth, PART_PIXEL);
+            own.by_color += more.by_color;
+            own.rest += more.rest;
+        }
+        store(pixel, put_together(own, color));
+    }
+}
+
+void main() {
+    coarse_block block = coarse_find();
+    coarse_light kept;
+    uint turns = coarse_turns(), shaded = 0u;
+    for (uint turn = 0u; turn < turns; turn++) {
+        ivec2 pixel;
+        if (coarse_work(block, turn, pixel)) {
+            shaded++;
+            bool is_shared = turn == 0u && block.kind == COARSE_SHARED;
+            float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
+            surface s = surface_at(pixel, is_shared);
+            coarse_light light;
+            if (SPLIT == COARSE_SPLIT_NONE)
+                light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM));
+            else
+                light = light_parts(s, uvec2(pixel), view_depth, is_shared ? PART_SLOW : PART_SLOW | PART_PIXEL);
+            if (is_shared)
+                kept = light;
+            else
+                store(pixel, put_together(light, s.base_color));
+            if (is_shared && (FLAGS & COARSE_GATHER) == 0u) spread(block, light);
+        }
+    }
+    if (block.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u) spread(block, kept);
+    if ((FLAGS & COARSE_WORDS) != 0u && block.kind != COARSE_NOTHING)
+        for (uint i = 0u; i < SIZE * SIZE; i++) {
+            ivec2 at = block.first + ivec2(i % SIZE, i / SIZE);
+            if (coarse_inside(at) && gbuffer_depth(push.gbuffer, at) > 0.0)
+                push.words.at[uint(at.y) * push.gbuffer.view.view.size.x + uint(at.x)] = block.kind;
+        }
+    coarse_end(shaded);
+}

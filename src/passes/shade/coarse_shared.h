@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef FNL_PASSES_COARSE_SHARED_H
+#define FNL_PASSES_COARSE_SHARED_H
+
+#include "gbuffer_shared.h"
+
+/* Values of fnl_coarse_criterion and fnl_coarse_split. */
+#define COARSE_CRITERION_Z 0u
+#define COARSE_CRITERION_ID 1u
+#define COARSE_CRITERION_MINMAX 2u
+#define COARSE_SPLIT_NONE 0u
+#define COARSE_SPLIT_ALBEDO 1u
+#define COARSE_SPLIT_HIGHLIGHTS 2u
+#define COARSE_SPLIT_SHARP 3u
+
+/* Flags of the shaders. */
+#define COARSE_COLOR 1u    /* blocks read a base colour of their own */
+#define COARSE_GATHER 2u   /* what blocks share is kept until the other pixels are done, and written then */
+#define COARSE_WORDS 4u    /* each pixel's kind goes to gpu_coarse_push.words */
+#define COARSE_SAMPLERS 8u /* criterion minmax: ranges come from samplers */
+#define COARSE_AO 16u      /* gpu_coarse_push.ao is read */
+
+/* What a block is, or, as debug views show it, each of its pixels. */
+#define COARSE_NOTHING 0u /* shows no surface */
+#define COARSE_SHARED 1u  /* is shaded once */
+#define COARSE_DEPTH 2u   /* shaded by pixels: depths, or triangles, are too different */
+#define COARSE_NORMAL 3u
+#define COARSE_OTHER 4u   /* roughness, metalness, occlusion, F0 or base colour are */
+#define COARSE_KINDS 5u
+
+/* Counts of a frame: blocks of each kind, then pixels that show a surface, then how often lighting was evaluated for a pixel or block. */
+#define COARSE_COUNT_PIXELS 5u
+#define COARSE_COUNT_SHADED 6u
+#define COARSE_COUNTS 7u
+
+#define COARSE_GROUP 64u /* threads, each of one block */
+
+struct gpu_coarse_settings {
+    float depth_bound;      /* of differences of the view depth: times the sum of the gradient's parts */
+    float normal_chord;     /* greatest distance of two normals */
+    float tolerance;        /* of roughness, metalness, occlusion, F90 and the root of F0 */
+    float albedo_tolerance; /* of base colours */
+    float ao_radius;        /* metres */
+};
+
+#ifdef GL_core_profile
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer coarse_settings_block { gpu_coarse_settings settings; };
+#endif
+
+struct gpu_coarse_push {
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;
+    STRUCT(gpu_gbuffer) gbuffer;
+    ADDRESS(coarse_settings_block) settings;
+    ADDRESS(uint_array) counts; /* COARSE_COUNTS */
+    ADDRESS(uint_array) words;  /* a COARSE_… kind for each pixel */
+    uint target;                /* storage: radiance, emission in; or openness out */
+    uint color;                 /* sampled: base colour of blocks */
+    uint geometry;              /* sampled: gradient of view depth, or ids */
+    uint azimuth, height;       /* sampled: criterion minmax */
+    uint ao;                    /* sampled: openness */
+    uint least, greatest;       /* samplers */
+};
+
+#endif

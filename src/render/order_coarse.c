@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/orders.h"
+
+#include "passes/shade/coarse.h"
+
+void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass) {
+    fnl_debug_view view = f->frame->debug;
+    struct coarse_params params = {.options = f->frame->coarse,
+                                   .samplers = coarse_has_samplers(f->r->device) && !f->r->no_minmax,
+                                   .words = view == FNL_DEBUG_COARSE || view == FNL_DEBUG_COARSE_REASON};
+    struct gbuffer gbuffer = coarse_gbuffer_add(f->graph, input, &params, prepass, f->radiance, f->depth);
+    order_add_lists(f, f->depth, &gbuffer);
+    struct coarse coarse = coarse_add(f->graph, f->r->device, input, &params, &gbuffer, f->radiance);
+    f->gbuffer = gbuffer;
+    f->coarse_bytes = coarse_extra_bytes(&params.options);
+    f->coarse_counts = coarse.counts;
+    f->coarse_ao_counts = coarse.ao_counts;
+    f->coarse_words = coarse.words;
+}
