@@ -80,6 +80,11 @@ coarse_material coarse_material_at(ivec2 pixel) {
 
 float coarse_greatest(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
+// What rounding makes of the view depths of one plane that faces the viewer.
+float coarse_precision(float view_depth) {
+    return 5e-7 * (push.gbuffer.view.view.orthographic > 0.5 ? push.gbuffer.view.view.depth_decode.x : view_depth);
+}
+
 // Pixels beyond the edge of the picture are those at its edge: the same block's. `pixels` is how many show a surface.
 uint coarse_kind(ivec2 first, out uint pixels) {
     view_block v = push.gbuffer.view;
@@ -92,7 +97,7 @@ uint coarse_kind(ivec2 first, out uint pixels) {
         id = texelFetch(textures_uint[push.geometry], first, 0).rg;
     } else {
         vec2 gradient = abs(texelFetch(textures[push.geometry], first, 0).rg);
-        bound = settings.depth_bound * (gradient.x + gradient.y);
+        bound = settings.depth_bound * (gradient.x + gradient.y) + coarse_precision(view_depth);
     }
     bool same = true, surfaces_alone = true;
     pixels = 0u;

@@ -33,7 +33,7 @@ float openness(ivec2 pixel) {
         float distance2 = dot(to, to), rest = max(radius2 - distance2, 0.0) / radius2;
         if (depth > 0.0) sum += rest * rest * rest * max(dot(to, normal) - bias, 0.0) / (distance2 + 0.01 * radius2);
     }
-    return clamp(1.0 - 5.0 * radius / float(SAMPLES) * sum, 0.0, 1.0);
+    return clamp(1.0 - 2.0 * radius / float(SAMPLES) * sum, 0.0, 1.0);
 }
 
 void main() {
