@@ -470,6 +470,8 @@ static int run(struct bench_options *o, const struct bench_plan *plan, struct be
     uint32_t width = o->size_count ? o->sizes[0][0] : 0, height = o->size_count ? o->sizes[0][1] : 0;
     enum bench_end end = bench_measure(s, plan, data);
     if (end == BENCH_REFUSED) return 2;
+    if (end == BENCH_DONE && bench_suite_is_coarse(o->suite) && !bench_coarse_measure(s, width, height, data))
+        end = BENCH_FAILED;
     if (end == BENCH_DONE && bench_suite_is_aa(o->suite) && !bench_aa_measure(s, width, height, data)) end = BENCH_FAILED;
     bench_conclude(data);
     if (o->suite) bench_suite_conclude(o->suite, width, height, data);
@@ -477,6 +479,7 @@ static int run(struct bench_options *o, const struct bench_plan *plan, struct be
     if (!s->quiet) {
         bench_print(data);
         bench_aa_print(data);
+        bench_coarse_print(data);
         printf("\n%s: results.csv, results.json, report.html\n", s->output);
         if (end == BENCH_INTERRUPTED) puts("Interrupted: --resume goes on from here.");
     }

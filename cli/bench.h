@@ -121,6 +121,17 @@ bool bench_create_device(const struct bench_settings *settings, const fnl_host *
 bool bench_aa_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
 void bench_aa_print(const struct bench_data *data);
 
+/** For such comparisons: one exposure for all, metered by a frame; ways must not differ by what a meter makes of them. Clustered lists, deferred. */
+bool bench_metered_frame(fnl_renderer *renderer, const fnl_scene *scene, uint32_t width, uint32_t height, fnl_frame *out);
+/** Sorts them. */
+double bench_median_of(double *values, uint32_t count);
+
+/* ---- coarse shading (bench_coarse.c) ---- */
+
+/** Measures it into root.coarse; width 0: 1920 x 1080. False with a message. */
+bool bench_coarse_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
+void bench_coarse_print(const struct bench_data *data);
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
@@ -172,6 +183,8 @@ const struct bench_suite *bench_suite_find(const char *name);
 const char *bench_suite_name(int index);
 /** Whether it is the one of antialiasing, which bench_aa_measure measures. */
 bool bench_suite_is_aa(const struct bench_suite *suite);
+/** Likewise bench_coarse_measure. */
+bool bench_suite_is_coarse(const struct bench_suite *suite);
 /** Adds the cases of a suite; width 0: the size of the source. False when memory ran out. */
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);
 /** Sets root.suite to the table of what was found. */

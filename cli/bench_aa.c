@@ -58,7 +58,7 @@ static double own_time(const fnl_frame_stats *stats) {
     return sum;
 }
 
-static double median_of(double *values, uint32_t count) {
+double bench_median_of(double *values, uint32_t count) {
     for (uint32_t i = 1; i < count; i++)
         for (uint32_t j = i; j > 0 && values[j - 1] > values[j]; j--) {
             double v = values[j];
@@ -74,8 +74,7 @@ static bool render(struct subject *s, fnl_frame_stats *stats) {
     return !s->failed;
 }
 
-/* One exposure for all, metered once: methods must not differ by what a meter makes of their edges. */
-static bool prepare_frame(fnl_renderer *renderer, const fnl_scene *scene, uint32_t width, uint32_t height, fnl_frame *out) {
+bool bench_metered_frame(fnl_renderer *renderer, const fnl_scene *scene, uint32_t width, uint32_t height, fnl_frame *out) {
     fnl_frame_stats stats;
     *out = fnl_frame_default();
     out->width = width;
@@ -112,7 +111,7 @@ static void add_rows(json_t *rows, const char *scene, struct subject *subjects, 
     fnl_image_difference errors[METHOD_COUNT] = {{0}};
     for (int m = 0; m < METHOD_COUNT; m++) {
         struct subject *s = &subjects[m];
-        times[m] = median_of(s->times, s->count);
+        times[m] = bench_median_of(s->times, s->count);
         if (!s->failed) s->failed = fnl_image_compare(NULL, &s->picture, reference, &errors[m]) != FNL_OK;
     }
     for (int m = 0; m < METHOD_COUNT; m++) {
@@ -120,7 +119,7 @@ static void add_rows(json_t *rows, const char *scene, struct subject *subjects, 
         if (subjects[m].failed || base->failed) continue;
         double removed = (errors[methods[m].base].mean - errors[m].mean) * 255;
         /* A pass that comes on top is timed by itself; samples are in every pass, so whole frames are compared. */
-        double cost = methods[m].msaa == methods[methods[m].base].msaa ? median_of(subjects[m].own, subjects[m].count)
+        double cost = methods[m].msaa == methods[methods[m].base].msaa ? bench_median_of(subjects[m].own, subjects[m].count)
                                                                        : times[m] - times[methods[m].base];
         json_t *row = json_pack("{s:s,s:s,s:f,s:f,s:f,s:f,s:f}", "scene", scene, "method", methods[m].name, "frame_ms",
                                 times[m], "extra_ms", cost, "mean_error", errors[m].mean * 255, "psnr",
@@ -140,7 +139,7 @@ static bool run_scene(fnl_device *device, const char *source, uint32_t width, ui
     fnl_image reference = {0};
     fnl_frame frame;
     bool good = fnl_scene_load(NULL, source, &scene) == FNL_OK && fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
-                prepare_frame(renderer, scene, width, height, &frame) &&
+                bench_metered_frame(renderer, scene, width, height, &frame) &&
                 supersample_render(&mean, renderer, &frame, SAMPLES) &&
                 fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &reference) == FNL_OK;
     if (good) supersample_store(&mean, &reference);

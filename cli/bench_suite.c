@@ -104,6 +104,7 @@ static const struct bench_suite suites[] = {
     {"clustered", "Ortegren and Persson 2016: clusters by conservative rasterisation", 1536, 768, clustered_rows,
      sizeof clustered_rows / sizeof *clustered_rows},
     {"aa", "antialiasing against 64 samples a pixel", 640, 360, NULL, 0},
+    {"coarse", "Sathe and Janczak 2016: deferred coarse pixel shading", 1920, 1080, NULL, 0},
     {"fine-pruned", "Mikkelsen 2016: fine pruned tiles", 1920, 1080, fine_rows, sizeof fine_rows / sizeof *fine_rows},
 };
 enum { SUITE_COUNT = sizeof suites / sizeof *suites };
@@ -116,7 +117,8 @@ const struct bench_suite *bench_suite_find(const char *name) {
     return NULL;
 }
 
-bool bench_suite_is_aa(const struct bench_suite *suite) { return suite && suite->row_count == 0; }
+bool bench_suite_is_aa(const struct bench_suite *suite) { return suite && strcmp(suite->name, "aa") == 0; }
+bool bench_suite_is_coarse(const struct bench_suite *suite) { return suite && strcmp(suite->name, "coarse") == 0; }
 
 /* ---- plan ---- */
 
@@ -217,7 +219,7 @@ static json_t *conclude_row(const struct bench_suite *suite, const struct row *r
 }
 
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data) {
-    if (bench_suite_is_aa(suite)) return; /* it has a table of its own */
+    if (suite->row_count == 0) return; /* it has a table of its own */
     json_t *rows = json_array();
     for (uint32_t i = 0; i < suite->row_count; i++)
         json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
