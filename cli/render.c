@@ -87,6 +87,7 @@ static void print_help(void) {
         "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
         "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
         "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
+        "  --occlusion                leaves out what others hide, by hierarchical depth in two phases\n"
         "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
         "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
         "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
@@ -202,6 +203,7 @@ enum {
     O_FRAME_TIME,
     O_DECALS,
     O_CULL,
+    O_OCCLUSION,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -331,6 +333,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_DECALS:
         return parse_decals(value, &o->frame);
+    case O_OCCLUSION:
+        o->frame.occlusion = true;
+        return true;
     case O_CULL:
         if (!argument_name("cull", value, culling_name, &index)) return false;
         o->frame.culling = (fnl_culling)index;
@@ -483,6 +488,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
                                              {"transparency", required_argument, NULL, O_TRANSPARENCY},
                                              {"decals", required_argument, NULL, O_DECALS},
+                                             {"occlusion", no_argument, NULL, O_OCCLUSION},
                                              {"cull", required_argument, NULL, O_CULL},
                                              {"mobile", required_argument, NULL, O_MOBILE},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},

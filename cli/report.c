@@ -79,6 +79,9 @@ void report_print(const struct render_report *r) {
                (double)s->triangles_outside * whole, (double)s->triangles_back * whole, (double)s->triangles_small * whole,
                s->clusters_drawn, s->clusters_total, s->items_whole);
     }
+    if (r->frame.occlusion)
+        printf("  items hidden by others %" PRIu64 "; triangles, by clusters and items: %" PRIu64 "\n", s->items_occluded,
+               s->triangles_occluded);
     if (r->frame.class_blocks) {
         printf("  blocks of %u pixels by class:", r->frame.class_blocks);
         for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
@@ -176,6 +179,8 @@ static void add_culling(json_t *json, const struct render_report *r) {
     json_object_set_new(culling, "triangles_drawn", integer(s->triangles_drawn));
     json_object_set_new(culling, "triangles_outside", integer(s->triangles_outside));
     json_object_set_new(culling, "triangles_back", integer(s->triangles_back));
+    json_object_set_new(culling, "items_occluded", integer(s->items_occluded));
+    json_object_set_new(culling, "triangles_occluded", integer(s->triangles_occluded));
     json_object_set_new(culling, "triangles_small", integer(s->triangles_small));
     json_object_set_new(culling, "clusters_total", integer(s->clusters_total));
     json_object_set_new(culling, "clusters_drawn", integer(s->clusters_drawn));

@@ -511,6 +511,12 @@ typedef struct fnl_frame {
      */
     float msaa_tolerance;
     fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances */
+    /**
+     * Opaque surfaces and cutouts that others hide are left out too, by depths of this very frame; the picture is the same, the debug view
+     * overdraw shows less. Default false. Without effect with low-res, inferred and texturing, and with MSAA where a debug view or an output of
+     * surfaces looks at the centres of pixels.
+     */
+    bool occlusion;
     fnl_transparency transparency; /**< default sorted */
     fnl_decals decals;             /**< default lists */
     /**
@@ -613,10 +619,11 @@ typedef struct fnl_frame_stats {
     uint64_t triangles_visible; /**< of opaque surfaces and cutouts; known with count_lights */
     /**
      * Opaque triangles and cutouts of all instances, and with clusters or triangles of fnl_culling what became of them: drawn, out of the view,
-     * facing away, between samples. Those of objects that one list or another draws in its own way (batches, multipass) count all the same.
+     * facing away, between samples, hidden by others (with occlusion). Those of objects that one list or another draws in its own way (batches, multipass) count all the same.
      */
-    uint64_t triangles_total, triangles_drawn, triangles_outside, triangles_back, triangles_small;
+    uint64_t triangles_total, triangles_drawn, triangles_outside, triangles_back, triangles_small, triangles_occluded;
     uint64_t clusters_total, clusters_drawn; /**< clusters of all instances, those of which something is drawn */
+    uint64_t items_occluded; /**< with occlusion: items in view that others hide */
     uint32_t items_whole; /**< visible items that were drawn as a whole because a pool was too small in this frame */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];

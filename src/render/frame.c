@@ -2,6 +2,7 @@
 /** The whole frame, in order. Read it as a table of contents; docs/overview.md tells the same story in words. */
 #include "passes/aa/morphological.h"
 #include "passes/geometry/clusters.h"
+#include "passes/geometry/occlusion.h"
 #include "passes/lights/sprites.h"
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
@@ -30,20 +31,6 @@ static fnl_result add_view(struct frame_state *f) {
     f->scene->lights.width = f->frame->width;
     f->scene->lights.height = f->frame->height;
     return FNL_OK;
-}
-
-/* ---- culling ---- */
-
-static void cull(struct frame_state *f) {
-    const fnl_frame *frame = f->frame;
-    f->draws = cull_add(f->graph, &f->scene->geometry, f->view_address);
-    if (frame->culling == FNL_CULLING_INSTANCES) return;
-    struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
-                                     .full_raster = shading_is(frame->shading, SHADING_FULL_RASTER),
-                                     .samples = frame->msaa,
-                                     .centers = true,
-                                     .cluster_capacity = f->r->cluster_capacity};
-    clusters_add(f->graph, f->r->device, &f->scene->geometry, &f->view, f->view_address, &params, &f->draws);
 }
 
 /* ---- light lists ---- */
@@ -89,6 +76,32 @@ static bool frame_shows_gbuffer(const fnl_frame *frame) {
 static bool needs_aov(const fnl_frame *frame) {
     return (frame->debug != FNL_DEBUG_NONE && !frame_shows_gbuffer(frame)) ||
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
+}
+
+/* ---- culling ---- */
+
+/* What hides a sample is known for the samples of the frame's own pixels alone. */
+static bool culls_hidden(const fnl_frame *frame) {
+    return frame->occlusion && shading_is(frame->shading, SHADING_FULL_RASTER) && (frame->msaa == 1 || !needs_aov(frame));
+}
+
+static void cull(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    const struct geometry_scene *scene = &f->scene->geometry;
+    struct hierarchy occluders = {0};
+    if (culls_hidden(frame))
+        f->draws = occlusion_add(f->graph, f->r->device, scene, &f->view,
+                                 f->r->temporal.valid ? &f->r->temporal.view : NULL, f->view_address, frame->msaa, &occluders);
+    else
+        f->draws = cull_add(f->graph, scene, f->view_address);
+    if (frame->culling == FNL_CULLING_INSTANCES) return;
+    struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
+                                     .full_raster = shading_is(frame->shading, SHADING_FULL_RASTER),
+                                     .samples = frame->msaa,
+                                     .centers = true,
+                                     .cluster_capacity = f->r->cluster_capacity,
+                                     .occluders = occluders.levels.id ? &occluders : NULL};
+    clusters_add(f->graph, f->r->device, scene, &f->view, f->view_address, &params, &f->draws);
 }
 
 static void add_picture(struct frame_state *f) {
@@ -256,6 +269,9 @@ static void add_counts(struct frame_state *f) {
     if (f->draws.totals.id)
         data.copies[data.count++] = (struct count_copy){f->draws.totals, counts, 0, offsetof(struct frame_counts, clusters),
                                                         sizeof(struct gpu_cluster_totals)};
+    if (f->draws.hidden.id)
+        data.copies[data.count++] = (struct count_copy){f->draws.hidden, counts, f->scene->geometry.item_count * 4ull,
+                                                        offsetof(struct frame_counts, hidden_items), 4};
     if (f->linked.totals.id)
         data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
                                                         sizeof(struct linked_totals)};

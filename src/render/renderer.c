@@ -723,9 +723,11 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
                                    [CLUSTERS_OUTSIDE] = &out->triangles_outside,
                                    [CLUSTERS_BACK] = &out->triangles_back,
-                                   [CLUSTERS_SMALL] = &out->triangles_small};
+                                   [CLUSTERS_SMALL] = &out->triangles_small,
+                                   [CLUSTERS_OCCLUDED] = &out->triangles_occluded};
     for (uint32_t i = 0; i < COUNT_OF(triangles); i++) *triangles[i] = reasons[2 * i] | (uint64_t)reasons[2 * i + 1] << 32;
     out->clusters_drawn = counts->clusters.clusters_drawn;
+    out->items_occluded = counts->hidden_items;
     out->items_whole = counts->clusters.whole_items;
     memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
     out->msaa_pixels = counts->edges[EDGES_PIXELS];

@@ -27,6 +27,7 @@ struct frame_counts {
     uint32_t coarse[COARSE_COUNTS], coarse_ao[COARSE_COUNTS];
     struct linked_totals blend;
     struct gpu_cluster_totals clusters;
+    uint32_t hidden_items;
 };
 
 enum { DECAL_POOL_START = 1 << 17 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/geometry/clusters.h"
 
+#include "passes/geometry/occlusion.h"
 #include "passes/geometry/prefix_sum.h"
 #include "shaders.h"
 
@@ -9,7 +10,8 @@
 struct step_data {
     const struct geometry_scene *scene;
     VkDeviceAddress view, params, buckets;
-    graph_buffer visible_sums, cluster_sums, slots, counts, masks, draw_sums, draws, totals, indices, triangles, hierarchy;
+    graph_buffer visible_sums, cluster_sums, slots, counts, masks, draw_sums, draws, totals, indices, triangles, hierarchy,
+        hidden;
     const struct gpu_shader *shader;
     uint32_t threads; /* 0: the dispatch is in totals */
     bool by_triangle;
@@ -40,7 +42,8 @@ static void execute_step(const struct graph_context *context, const void *data) 
                                     .totals = address_of(context, d->totals),
                                     .indices = address_of(context, d->indices),
                                     .triangles = address_of(context, d->triangles),
-                                    .hierarchy = address_of(context, d->hierarchy)};
+                                    .hierarchy = address_of(context, d->hierarchy),
+                                    .hidden = address_of(context, d->hidden)};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     if (d->threads)
@@ -65,9 +68,9 @@ static void add_step(struct graph *graph, const char *name, const struct gpu_sha
     struct step_data data = *all;
     data.shader = shader;
     data.threads = threads;
-    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,    &data.counts,
-                              &data.masks,        &data.draw_sums,    &data.draws,    &data.totals,
-                              &data.indices,      &data.triangles,    &data.hierarchy};
+    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,     &data.counts,
+                              &data.masks,        &data.draw_sums,    &data.draws,     &data.totals,
+                              &data.indices,      &data.triangles,    &data.hierarchy, &data.hidden};
     for (uint32_t i = 0; i < COUNT_OF(fields); i++) { /* a pass may not look at what it does not use */
         bool used = false;
         for (uint32_t k = 0; k < use_count; k++) used = used || uses[k].buffer.id == fields[i]->id;
@@ -107,6 +110,10 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
     p.slack = (params->full_raster ? 1.0f : 8.0f) / (float)(1u << MIN(gpu_subpixel_bits(device), 16u));
     p.pixels_per_slope =
         0.5f * fminf(fabsf((float)camera->size.x / camera->ndc_scale.x), fabsf((float)camera->size.y / camera->ndc_scale.y));
+    if (params->occluders) {
+        p.hierarchy_width = params->occluders->width;
+        p.hierarchy_height = params->occluders->height;
+    }
     if (params->full_raster && (params->samples == 1 || gpu_standard_samples(device))) {
         p.sample_count = sample_locations(params->samples, p.samples);
         if (params->centers && params->samples > 1) p.samples[p.sample_count++] = (vec2){0.5f, 0.5f};
@@ -147,6 +154,8 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
         .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
         .indices = graph_import_buffer(graph, "indices", scene->indices),
         .triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4),
+        .hierarchy = params->occluders ? params->occluders->levels : (graph_buffer){0},
+        .hidden = params->occluders ? draws->hidden : (graph_buffer){0},
         .by_triangle = params->by_triangle};
     if (params->by_triangle)
         d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
@@ -154,11 +163,11 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     struct graph_pass *pass = graph_add_pass(graph, "clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
     graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
     ADD_STEP("clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
-             CHANGES(totals));
+             CHANGES(totals), READS(hidden));
     prefix_sum_add(graph, &item_names, GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
     ADD_STEP("clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
     ADD_STEP("clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
-             WRITES(counts), CHANGES(totals), {vertices, GRAPH_READ_COMPUTE});
+             WRITES(counts), CHANGES(totals), READS(hierarchy), {vertices, GRAPH_READ_COMPUTE});
     if (params->by_triangle)
         ADD_STEP("clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots), CHANGES(counts),
                  WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE}, {d.totals, GRAPH_INDIRECT});

@@ -11,7 +11,7 @@
 #include "passes/geometry/geometry.h"
 #include "view_shared.h"
 
-struct hierarchy;
+struct hierarchy; /* occlusion.h */
 
 struct clusters_params {
     bool by_triangle; /* looks at each triangle of the clusters that are left */

@@ -3,7 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 // Bounding sphere and normal cone of each cluster against the view.
 #include "passes/geometry/clusters.glsl"
-#include "passes/geometry/hierarchy.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -59,7 +58,7 @@ uint reason_of(gpu_item item, gpu_primitive primitive, gpu_cluster cluster, uint
     vec2 low, high;
     float depth;
     vec3 seen = (push.view.view.world_to_view * vec4(center, 1.0)).xyz;
-    if (screen_rectangle(seen, vec3(radius * 1.0001 + 1e-6 * length(seen)), low, high, depth)) {
+    if (screen_rectangle(push.view, seen, vec3(radius * 1.0001 + 1e-6 * length(seen)), push.params.params.slack, low, high, depth)) {
         if (misses_samples(low, high)) return CLUSTERS_SMALL;
         if (push.params.params.hierarchy_width > 0u &&
             hierarchy_hides(push.hierarchy, uvec2(push.params.params.hierarchy_width, push.params.params.hierarchy_height), low, high, depth,

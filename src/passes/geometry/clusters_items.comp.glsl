@@ -15,7 +15,10 @@ void main() {
         if ((bucket_flags(index, first) & CLUSTERS_BUCKET_CULLED) != 0u) {
             gpu_primitive primitive = push.scene.scene.primitives.at[push.scene.scene.items.at[index].primitive];
             if (push.visible_sums.at[index] != push.visible_sums.at[index + 1u]) count = primitive.cluster_count;
-            else count_reason(CLUSTERS_OUTSIDE, primitive.index_count / 3u);
+            else {
+                bool hidden = push.params.params.hierarchy_width > 0u && push.hidden.at[index] != 0u;
+                count_reason(hidden ? CLUSTERS_OCCLUDED : CLUSTERS_OUTSIDE, primitive.index_count / 3u);
+            }
         }
     }
     push.cluster_sums.at[index] = count;

@@ -75,6 +75,7 @@ struct gpu_cluster_push {
     ADDRESS(uint_array)
     triangles; /* item -> where its triangles begin in here, or CLUSTERS_WHOLE; then numbers of triangles */
     ADDRESS(hierarchy_array) hierarchy;
+    ADDRESS(const_uint_array) hidden; /* items that are; with hierarchy_width > 0 */
 };
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/geometry/cull_shared.h"
 
-#include "passes/geometry/geometry.h"
+#include "passes/geometry/cull.h"
 #include "passes/geometry/radix_sort.h"
 #include "shaders.h"
 
@@ -9,8 +9,14 @@ struct cull_data {
     const struct geometry_scene *scene;
     VkDeviceAddress view;
     struct geometry_draws draws;
+    struct hierarchy occluders; /* levels.id 0: none */
     const struct gpu_shader *shader;
 };
+
+static void execute_clear_hidden(const struct graph_context *context, const void *data) {
+    const struct cull_data *d = data;
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->draws.hidden), 0, (d->scene->item_count + 1) * 4ull, 0);
+}
 
 static void execute_cull(const struct graph_context *context, const void *data) {
     const struct cull_data *d = data;
@@ -23,6 +29,13 @@ static void execute_cull(const struct graph_context *context, const void *data) 
                                  .draws = fills ? graph_address(context, d->draws.draws) : 0,
                                  .item_count = d->scene->item_count,
                                  .group_count = d->scene->group_count};
+    if (d->occluders.levels.id && !fills) {
+        push.hierarchy = graph_address(context, d->occluders.levels);
+        push.hidden = graph_address(context, d->draws.hidden);
+        push.hierarchy_width = d->occluders.width;
+        push.hierarchy_height = d->occluders.height;
+        push.occludee_count = d->scene->blend_item_count ? d->scene->blend_first_item : d->scene->item_count;
+    }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->scene->item_count + 1, 64u));
@@ -89,22 +102,45 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
     graph_use_buffer(pass, draws->blend_visible, GRAPH_WRITE_COMPUTE);
 }
 
-struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("cull");
+struct geometry_draws cull_items_add(struct graph *graph, const struct cull_names *names, const struct geometry_scene *scene,
+                                     VkDeviceAddress view, const struct hierarchy *occluders) {
     struct geometry_draws draws = {
-        .sums = graph_create_buffer(graph, "visible sums", (scene->item_count + 1) * 4ull),
-        .visible = graph_create_buffer(graph, "visible items", MAX(scene->item_count, 1u) * 4ull),
-        .draws = graph_create_buffer(graph, "draws", MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
+        .sums = graph_create_buffer(graph, names->sums, (scene->item_count + 1) * 4ull),
+        .visible = graph_create_buffer(graph, names->visible, MAX(scene->item_count, 1u) * 4ull),
+        .draws = graph_create_buffer(graph, names->draws, MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
+    if (occluders) draws.hidden = graph_create_buffer(graph, names->hidden, (scene->item_count + 1) * 4ull);
     struct cull_data data = {.scene = scene, .view = view, .draws = draws, .shader = &shader_cull_mark_comp};
-    struct graph_pass *pass = graph_add_pass(graph, "cull mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    if (occluders) {
+        data.occluders = *occluders;
+        struct graph_pass *clear =
+            graph_add_pass(graph, names->clear, GRAPH_QUEUE_GRAPHICS, execute_clear_hidden, &data, sizeof data);
+        graph_use_buffer(clear, draws.hidden, GRAPH_COPY_TO);
+    }
+    struct graph_pass *pass = graph_add_pass(graph, names->mark, GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, draws.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
+    if (occluders) {
+        graph_use_buffer(pass, occluders->levels, GRAPH_READ_COMPUTE);
+        graph_use_buffer(pass, draws.hidden, GRAPH_READ_WRITE_COMPUTE);
+    }
+    prefix_sum_add(graph, &names->sum, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
     data.shader = &shader_cull_fill_comp;
-    pass = graph_add_pass(graph, "cull fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    pass = graph_add_pass(graph, names->fill, GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, draws.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, draws.visible, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, draws.draws, GRAPH_WRITE_COMPUTE);
+    return draws;
+}
+
+struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
+                                      const struct hierarchy *occluders) {
+    static const struct cull_names names = {"cull clear",    "cull mark", "cull fill",    "visible sums",
+                                            "visible items", "draws",     "hidden items", PREFIX_SUM_NAMES("cull")};
+    struct geometry_draws draws = cull_items_add(graph, &names, scene, view, occluders);
     if (scene->blend_item_count) add_sort(graph, scene, view, &draws);
     return draws;
+}
+
+struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view) {
+    return cull_add_hidden(graph, scene, view, NULL);
 }

@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "view.glsl"
 #include "scene.glsl"
+#include "passes/geometry/hierarchy.glsl"
 #include "passes/geometry/cull_shared.h"
 
 layout(local_size_x = 64) in;

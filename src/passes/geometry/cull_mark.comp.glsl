@@ -5,6 +5,7 @@
 #include "common.glsl"
 #include "view.glsl"
 #include "scene.glsl"
+#include "passes/geometry/hierarchy.glsl"
 #include "passes/geometry/cull_shared.h"
 
 layout(local_size_x = 64) in;
@@ -28,6 +29,19 @@ void main() {
         vec4 plane = push.view.view.planes[i];
         // Negated, so that a NaN keeps the item.
         visible = visible && !(dot(plane.xyz, center) + plane.w < -dot(abs(plane.xyz), extent) * 1.0001);
+    }
+    if (visible && push.hierarchy_width > 0u && index < push.occludee_count) {
+        vec3 seen = (push.view.view.world_to_view * vec4(center, 1.0)).xyz, size = vec3(0.0);
+        for (int i = 0; i < 3; i++) size += abs(push.view.view.world_to_view[i].xyz) * extent[i];
+        vec2 low, high;
+        float depth;
+        // Two pixels: lines and points are wider than their bounds.
+        if (screen_rectangle(push.view, seen, size * 1.0001 + 1e-6 * length(seen), 2.0, low, high, depth) &&
+            hierarchy_hides(push.hierarchy, uvec2(push.hierarchy_width, push.hierarchy_height), low, high, depth, push.view.view.orthographic > 0.5)) {
+            visible = false;
+            push.hidden.at[index] = 1u;
+            atomicAdd(push.hidden.at[push.item_count], 1u);
+        }
     }
     push.sums.at[index] = visible ? 1u : 0u;
 }

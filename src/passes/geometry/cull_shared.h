@@ -7,23 +7,28 @@
 struct gpu_cull_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(uint_array) sums;    /* one per item and one more: 1 for visible ones, then their prefix sum */
-    ADDRESS(uint_array) visible; /* ids of visible items, in order */
-    ADDRESS(draw_array) draws;   /* one per group */
+    ADDRESS(uint_array) sums;           /* one per item and one more: 1 for visible ones, then their prefix sum */
+    ADDRESS(uint_array) visible;        /* ids of visible items, in order */
+    ADDRESS(draw_array) draws;          /* one per group */
+    ADDRESS(hierarchy_array) hierarchy; /* of hierarchy_width x hierarchy_height; 0: nothing hides anything */
+    ADDRESS(uint_array) hidden;         /* one per item: 1 where it is hidden; then how many are */
     uint item_count;
     uint group_count;
+    uint hierarchy_width;
+    uint hierarchy_height;
+    uint occludee_count; /* items before this one may be hidden */
 };
 
 /* Back-to-front order of blended items. */
 struct gpu_sort_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
-    ADDRESS(uint_array) keys_in;   /* pairs: key, item */
+    ADDRESS(uint_array) keys_in; /* pairs: key, item */
     ADDRESS(uint_array) keys_out;
     ADDRESS(const_uint_array) sums; /* of the cull step: which items are visible */
     ADDRESS(draw_array) draws;
     ADDRESS(uint_array) visible;
-    uint first_item;  /* of the blended items */
+    uint first_item; /* of the blended items */
     uint item_count;
 };
 

@@ -121,9 +121,13 @@ static void execute_prepass(const struct graph_context *context, const void *dat
 
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth) {
+    geometry_depth_add(graph, "depth prepass", scene, draws, view, depth);
+}
+
+void geometry_depth_add(struct graph *graph, const char *name, const struct geometry_scene *scene,
+                        const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth) {
     struct prepass_data data = {scene, *draws, view, graph_image_info(graph, depth).samples, GEOMETRY_OPAQUE};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "depth prepass", GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     use_vertices(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
 }

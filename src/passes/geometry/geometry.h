@@ -53,6 +53,7 @@ struct geometry_draws {
     graph_buffer blend_visible, blend_draws; /* id 0 when nothing blends */
     /* Of clusters_add; id 0: opaque triangles are drawn as items. */
     graph_buffer item_draws, totals, triangles, indices;
+    graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
 
 /**
@@ -93,6 +94,10 @@ uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_s
 /** Depth of the opaque set, single- or multisampled; clears first. */
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth);
+
+/** The same as a pass of another name. */
+void geometry_depth_add(struct graph *graph, const char *name, const struct geometry_scene *scene,
+                        const struct geometry_draws *draws, VkDeviceAddress view, graph_image depth);
 
 /** Depth of the nearest blended surfaces alone, whatever is opaque before them; clears first. */
 void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
