@@ -71,8 +71,9 @@ static void print_help(void) {
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
         "  --visibility-barycentrics  visibility: weights of corners are stored, so that shading fetches no positions\n"
-        "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
-        "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle");
+         "  --visibility-grid          visibility: ids at half the size with 4 samples, a quarter of the fragments\n"
+         "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
+         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle");
     puts(
         "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X, normal-degrees=X,\n"
         "                             tolerance=X, albedo-tolerance=X, split=none|albedo|highlights|sharp, ao=METRES,\n"
@@ -189,6 +190,7 @@ enum {
     O_VISIBILITY_BARYCENTRICS,
     O_COARSE,
     O_SHADE_COST,
+    O_VISIBILITY_GRID,
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
@@ -303,6 +305,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_MOBILE:
         return argument_mobile("mobile", value, &o->frame.mobile);
+    case O_VISIBILITY_GRID:
+        o->frame.visibility.grid = true;
+        return true;
     case O_VISIBILITY_BARYCENTRICS:
         o->frame.visibility.barycentrics = true;
         return true;
@@ -493,6 +498,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"mobile", required_argument, NULL, O_MOBILE},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},
+                                             {"visibility-grid", no_argument, NULL, O_VISIBILITY_GRID},
                                              {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},

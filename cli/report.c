@@ -96,6 +96,7 @@ void report_print(const struct render_report *r) {
         if (s->msaa_shaded) printf("; shaded %" PRIu64, s->msaa_shaded);
         puts("");
     }
+    if (s->visibility_fragments) printf("  fragments of ids: %u\n", s->visibility_fragments);
     if (s->visibility_entries)
         printf("  to be shaded: %u, of %u classes\n", s->visibility_entries, s->visibility_classes);
     if (s->blend_fragments)
@@ -222,8 +223,9 @@ static void add_traffic(json_t *json, const struct render_report *r) {
     json_object_set_new(json, "light_bytes", integer(s->light_bytes));
     if (s->shading == FNL_SHADING_VISIBILITY)
         json_object_set_new(json, "visibility",
-                            json_pack("{s:s,s:b,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort),
-                                      "barycentrics", r->frame.visibility.barycentrics, "entries",
+                            json_pack("{s:s,s:b,s:b,s:o,s:o,s:o}", "sort", fnl_visibility_sort_name(r->frame.visibility.sort),
+                                      "barycentrics", r->frame.visibility.barycentrics, "grid", r->frame.visibility.grid,
+                                      "fragments", integer(s->visibility_fragments), "entries",
                                       integer(s->visibility_entries), "classes", integer(s->visibility_classes)));
     json_object_set_new(json, "light_draws", integer(s->light_draws));
     if (s->shading != FNL_SHADING_MOBILE) return;

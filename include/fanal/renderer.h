@@ -475,6 +475,12 @@ typedef struct fnl_visibility_options {
     fnl_visibility_sort sort; /**< default off. The picture is the same */
     /** The id pass stores where in its triangle each pixel is, so that shading fetches no positions; 1 sample. Default false. */
     bool barycentrics;
+    /**
+     * The id pass draws a target of half the size with four samples, one for each pixel of the picture: a quarter of the fragments. Pixels are then
+     * seen and shaded a quarter of a pixel off their centres, right or left and above or below, where samples stand. 1 sample, not with
+     * barycentrics; plain where decals are drawn over surfaces again. Default false.
+     */
+    bool grid;
 } fnl_visibility_options;
 
 FNL_API fnl_visibility_options fnl_visibility_options_default(void);
@@ -635,6 +641,7 @@ typedef struct fnl_frame_stats {
     uint32_t blend_longest, blend_overflow;
     /** With FNL_SHADING_VISIBILITY and fnl_visibility_options.sort or MSAA: classes that occur, and pixels, or triangles of pixels, to shade. */
     uint32_t visibility_classes, visibility_entries;
+    uint32_t visibility_fragments; /**< how often the id pass wrote; known with count_lights */
     /** With FNL_SHADING_DEFERRED and MSAA, and FNL_SHADING_VISIBILITY, where each triangle is a surface. */
     uint32_t msaa_pixels,   /**< pixels that show a surface in some sample */
         msaa_edge_pixels;   /**< pixels whose samples show more than one thing, sky being one */

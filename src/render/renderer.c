@@ -2,6 +2,7 @@
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
 #include "passes/shade/gbuffer_layouts.h"
+#include "passes/visibility/visibility.h"
 #include "render/shading.h"
 
 enum { CLUSTER_POOL_START = 1 << 14, TRIANGLE_POOL_START = 1 << 18 };
@@ -491,6 +492,11 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
+    if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.grid &&
+        (frame->msaa > 1 || frame->visibility.barycentrics || !visibility_grid_supported(r->device))) {
+        log_error(host, "the grid takes 1 sample a pixel, no barycentrics, and a device with 4 samples");
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics && frame->msaa > 1) {
         log_error(host, "barycentrics are stored with 1 sample a pixel");
         return FNL_ERROR_UNSUPPORTED;
@@ -735,6 +741,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->msaa_surfaces = counts->edges[EDGES_SURFACES];
     out->msaa_samples = counts->edges[EDGES_SAMPLES];
     out->msaa_shaded = counts->edges[EDGES_SHADED];
+    out->visibility_fragments = counts->visible_fragments;
     for (uint32_t c = 0; c < GPU_CLASSES; c++) {
         uint32_t entries = counts->visible[c][1] - counts->visible[c][0];
         out->visibility_classes += entries > 0;

@@ -23,6 +23,7 @@ struct frame_counts {
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
     uint32_t edges[EDGES_COUNTS];
+    uint32_t visible_fragments;
     uint32_t visible[GPU_CLASSES][2]; /* first and end of what visibility shading lists, by class */
     uint32_t coarse[COARSE_COUNTS], coarse_ao[COARSE_COUNTS];
     struct linked_totals blend;

@@ -25,15 +25,23 @@ struct ids_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
     VkDeviceAddress view;
+    graph_buffer fragments;
     struct gpu_graphics_params state;
 };
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const graph_buffer *fragments = data;
+    gpu_fill_buffer(context->commands, graph_get_buffer(context, *fragments), 0, 4, 0);
+}
 
 static void execute_ids(const struct graph_context *context, const void *data) {
     const struct ids_data *d = data;
     const struct gpu_shader *mask = d->state.geometry      ? &shader_weights_mask_frag
                                     : d->state.samples > 1 ? &shader_visibility_samples_mask_frag
                                                            : &shader_visibility_mask_frag;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask, (struct gpu_geometry_push){.view = d->view});
+    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask,
+                  (struct gpu_geometry_push){
+                      .view = d->view, .counters = d->fragments.id ? graph_address(context, d->fragments) : 0});
 }
 
 static graph_image add_target(struct graph *graph, const char *name, VkFormat format, const struct shade_input *input,
@@ -57,8 +65,8 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     struct ids_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
         (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_visibility_samples_frag : &shader_visibility_frag,
-                                     .constant_count = 8,
-                                     .constants = {[7] = v.triangle_bits},
+                                     .constant_count = 9,
+                                     .constants = {[7] = v.triangle_bits, [8] = input->counters.id != 0},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = true,
@@ -77,7 +85,14 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     if (bits > 32)
         v.ids_high = add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input,
                                 &data.state);
-    struct graph_pass *pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
+    struct graph_pass *pass;
+    if (input->counters.id) {
+        data.fragments = v.fragments = graph_create_buffer(graph, "visibility fragments", 4);
+        pass = graph_add_pass(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &v.fragments, sizeof v.fragments);
+        graph_use_buffer(pass, v.fragments, GRAPH_COPY_TO);
+    }
+    pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
+    if (v.fragments.id) graph_use_buffer(pass, v.fragments, GRAPH_READ_WRITE_FRAGMENT);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     static const float none[4];
     if (v.weights.id) {
@@ -111,6 +126,7 @@ static void set_constants(const struct shade_data *d, uint32_t class_bits, struc
                                  d->counters.id != 0,
                                  all || decals || class_bits & GPU_CLASS_LIT,
                                  all || decals || class_bits & GPU_CLASS_METAL,
+                                 [7] = d->visibility.grid,
                                  [9] = d->scene->features,
                                  [10] = all || class_bits & GPU_CLASS_TEXTURES,
                                  [11] = all || class_bits & GPU_CLASS_NORMAL_MAP,

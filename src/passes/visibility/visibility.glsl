@@ -9,6 +9,8 @@
 layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
 layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
 
+layout(constant_id = 8) const uint COUNT_FRAGMENTS = 0u; // 1: push.counters holds how often an id was written
+
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 #ifndef ID_TARGETS
@@ -34,6 +36,7 @@ uint triangle_number() {
 
 void write_id() {
     uint item = in_ids.y + 1u;
+    if (COUNT_FRAGMENTS == 1u) atomicAdd(push.counters.at[0], 1u);
     out_id = ID_STORED(item << TRIANGLE_BITS | triangle_number());
     out_high = ID_STORED(TRIANGLE_BITS == 0u ? 0u : item >> (32u - TRIANGLE_BITS));
 }

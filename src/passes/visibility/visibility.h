@@ -7,11 +7,14 @@
 #define FNL_PASSES_VISIBILITY_H
 
 #include "passes/shade/shade.h"
+#include "view_shared.h"
 
 /** Ids of what is seen: 32 bits where items and triangles fit, else 48 or 64 in two images. */
 struct visibility {
     graph_image depth, ids, ids_high; /* ids_high.id 0: 32 bits */
     graph_image weights, gradients;   /* id 0: not stored */
+    graph_buffer fragments;           /* where lights are counted: how often an id was written */
+    bool grid;                        /* pixels are seen where visibility_grid_add has their samples */
     uint32_t triangle_bits;
 };
 
@@ -27,6 +30,17 @@ uint32_t visibility_bits(uint32_t item_count, uint32_t triangle_count, uint32_t 
  */
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
                                  graph_image depth);
+
+/** Whether the device can do visibility_grid_add. */
+bool visibility_grid_supported(const gpu_device *device);
+/**
+ * Fills ids and depth, of one sample, from a target of half the size with four samples a pixel: one for each pixel of the picture, but a
+ * quarter of the fragments (S. Aaltonen, "GPU-Driven Rendering Pipelines", SIGGRAPH 2015). The standard places of samples lie a quarter of a
+ * pixel right or left and above or below of the pixels' centres: there each pixel is seen, and shaded. `view` is that of the input. Cost: a pass over
+ * the screen that moves the samples to their pixels.
+ */
+struct visibility visibility_grid_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
+                                      const struct gpu_view *view, uint32_t bits, graph_image depth);
 
 /** What pixels are sorted by before they are shaded; the picture is the same. */
 enum visibility_sort { VISIBILITY_SORT_OFF, VISIBILITY_SORT_CLASS, VISIBILITY_SORT_MATERIAL };

@@ -14,6 +14,7 @@
 layout(local_size_x = 64) in; // 8x8 pixels, or entries of a list
 layout(push_constant, scalar) uniform push_block { gpu_visibility_push push; };
 
+layout(constant_id = 7) const uint GRID = 0u; // 1: pixels are seen at the places of four samples to two by two pixels
 layout(constant_id = 15) const uint STORED_WEIGHTS = 0u; // 1: the id pass has stored weights; one sample
 
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
@@ -103,6 +104,12 @@ void shade_samples(ivec2 pixel, uint surface_index) {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }
 
+// Where visibility_grid_add sees a pixel: the places of samples in a pixel of twice the size.
+vec2 grid_place(ivec2 pixel) {
+    const vec2 places[4] = vec2[](vec2(0.75, 0.25), vec2(0.75, 0.75), vec2(0.25, 0.25), vec2(0.25, 0.75));
+    return vec2(pixel) + places[(pixel.y & 1) * 2 + (pixel.x & 1)];
+}
+
 void main() {
     ivec2 pixel = ivec2(pixel_of_place(gl_WorkGroupID.xy, gl_LocalInvocationIndex)), size = ivec2(push.view.view.size);
     uint surface_index = 0u;
@@ -121,6 +128,6 @@ void main() {
     }
     uvec2 id = visible_id(push.ids, push.ids_high, pixel, 0);
     vec3 radiance = push.background;
-    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, vec2(pixel) + 0.5, id);
+    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5, id);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
 }

@@ -336,11 +336,96 @@ static void test_edges(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- the grid ---- */
+
+/* Each pixel is that of a plain frame sampled where the grid has the pixel's sample; a quarter of the fragments. */
+static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double most_fragments) {
+    static const fnl_vec2 places[4] = {{0.25f, -0.25f}, {0.25f, 0.25f}, {-0.25f, -0.25f}, {-0.25f, 0.25f}};
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_image plain[4];
+    fnl_frame_stats stats;
+    frame.shading = FNL_SHADING_VISIBILITY;
+    frame.count_lights = true;
+    renderer->visibility_bits = bits;
+    for (uint32_t i = 0; i < 4; i++) {
+        frame.jitter = places[i];
+        test_render_frame(renderer, &frame);
+        plain[i] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+    }
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    uint32_t fragments = stats.visibility_fragments, wrong = 0, unlike_centers = 0;
+    frame.jitter = (fnl_vec2){0, 0};
+    frame.visibility.grid = true;
+    fnl_image gridded[FNL_VISIBILITY_SORT_COUNT];
+    for (int sort = 0; sort < FNL_VISIBILITY_SORT_COUNT; sort++) {
+        frame.visibility.sort = (fnl_visibility_sort)sort;
+        test_render_frame(renderer, &frame);
+        gridded[sort] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        assert_true(sort == 0 || test_equal(&gridded[0], &gridded[sort]));
+    }
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) {
+            double error = 0, other = 0;
+            for (int c = 0; c < 3; c++) {
+                double value = (double)test_pixel(&gridded[0], x, y)[c];
+                uint32_t own = (y & 1) * 2 + (x & 1);
+                error = fmax(error, fabs(value - (double)test_pixel(&plain[own], x, y)[c]));
+                other = fmax(other, fabs(value - (double)test_pixel(&plain[3 - own], x, y)[c]));
+            }
+            wrong += error > 1e-3;
+            unlike_centers += other > 1e-3;
+        }
+    print_message("%ux%u: %u pixels differ (from the opposite places %u), %u fragments of %u\n", frame.width, frame.height, wrong,
+                  unlike_centers, stats.visibility_fragments, fragments);
+    assert_true(wrong * 1000 <= frame.width * frame.height);
+    if (fragments > 100) assert_true(unlike_centers > 20 * wrong + 20);
+    assert_true(stats.visibility_fragments <= most_fragments * fragments);
+    assert_true(stats.visibility_fragments * 4 >= fragments);
+    for (int i = 0; i < 4; i++) free_picture(&plain[i]);
+    for (int i = 0; i < FNL_VISIBILITY_SORT_COUNT; i++) free_picture(&gridded[i]);
+    fnl_renderer_destroy(&renderer);
+}
+
+static void test_grid(void **state) {
+    UNUSED(state);
+    struct flat triangles[TRIANGLES];
+    fnl_scene *scene = flat_scene(triangles);
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.width = 160;
+    frame.height = 120;
+    check_grid(scene, frame, 32, 0.33);
+    frame.width = 61;
+    frame.height = 47;
+    check_grid(scene, frame, 64, 0.45);
+    frame.width = frame.height = 1;
+    check_grid(scene, frame, 48, 1);
+    fnl_scene_destroy(&scene);
+    scene = turned();
+    frame.width = 97;
+    frame.height = 55;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){0.3f, 0.4f, 5};
+    frame.camera.target = (vec3){0, 0, 0};
+    check_grid(scene, frame, 32, 0.8); /* small triangles reach into more pixels than they cover */
+    fnl_renderer *renderer = test_renderer(scene);
+    frame.shading = FNL_SHADING_VISIBILITY;
+    frame.visibility.grid = true;
+    frame.msaa = 4;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    frame.msaa = 1;
+    frame.visibility.barycentrics = true;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-78: sorted by class or material, each pixel is shaded once, to the same bits", test_sorts, NULL, NULL, NULL},
         {"ES-78: keys have as many bits as there are materials", test_plan, NULL, NULL, NULL},
         {"ES-75: each triangle of a pixel is shaded once and weighs its samples", test_samples, NULL, NULL, NULL},
+        {"ES-72: a grid of samples has the edges of all pixels, and a quarter of the fragments", test_grid, NULL, NULL, NULL},
         {"ES-75: edges are as smooth as forward shading makes them", test_edges, NULL, NULL, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
 }
