@@ -33,11 +33,13 @@ static const char *decals_name(int i) { return bench_way_name(BENCH_WAY_DECALS, 
 static const char *msaa_method_name(int i) { return bench_way_name(BENCH_WAY_MSAA_METHOD, i); }
 static const char *visibility_sort_name(int i) { return bench_way_name(BENCH_WAY_VISIBILITY_SORT, i); }
 static const char *barycentrics_name(int i) { return bench_way_name(BENCH_WAY_BARYCENTRICS, i); }
+static const char *grid_name(int i) { return bench_way_name(BENCH_WAY_GRID, i); }
 static const char *mobile_layout_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LAYOUT, i); }
 static const char *mobile_lights_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LIGHTS, i); }
 static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_GAMMA, i); }
 static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
                                                                msaa_method_name,   visibility_sort_name, barycentrics_name,
+                                                               grid_name,
                                                                mobile_layout_name, mobile_lights_name,   mobile_gamma_name};
 
 static void print_names(const char *(*name_of)(int)) {
@@ -66,6 +68,7 @@ static void print_help(void) {
          "  --msaa-method KINDS        of deferred with MSAA; 'all' is one of them (compact)\n"
          "  --visibility-sort KINDS|all    of visibility: off, class, material (off)\n"
          "  --visibility-barycentrics KINDS|all    of visibility with 1 sample: off, on (off)\n"
+         "  --visibility-grid KINDS|all    of visibility with 1 sample: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours\n"
          "\n"
@@ -187,6 +190,7 @@ enum {
     O_MSAA_METHOD,
     O_VISIBILITY_SORT,
     O_VISIBILITY_BARYCENTRICS,
+    O_VISIBILITY_GRID,
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
     O_MOBILE_GAMMA,
@@ -217,6 +221,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"visibility-barycentrics", required_argument, NULL, O_VISIBILITY_BARYCENTRICS},
+                                             {"visibility-grid", required_argument, NULL, O_VISIBILITY_GRID},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
                                              {"mobile-gamma", required_argument, NULL, O_MOBILE_GAMMA},
@@ -267,6 +272,8 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_VISIBILITY_SORT, value);
     case O_VISIBILITY_BARYCENTRICS:
         return parse_way(o, BENCH_WAY_BARYCENTRICS, value);
+    case O_VISIBILITY_GRID:
+        return parse_way(o, BENCH_WAY_GRID, value);
     case O_MOBILE_LAYOUT:
         return parse_way(o, BENCH_WAY_MOBILE_LAYOUT, value);
     case O_MOBILE_LIGHTS:
@@ -354,6 +361,8 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
         return skip(plan, to, candidate, "these lists do not go with this shading order");
     if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
         return skip(plan, to, candidate, "this shading order has no MSAA");
+    if (strstr(candidate->options, "visibility-barycentrics=on") && strstr(candidate->options, "visibility-grid=on"))
+        return skip(plan, to, candidate, "the grid stores no barycentrics");
     struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
     if (!bigger) return false;
     to->candidates = bigger;

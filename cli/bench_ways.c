@@ -28,6 +28,7 @@ static const struct {
     [BENCH_WAY_MSAA_METHOD] = {"msaa-method", "msaa_method", msaa_method_name},
     [BENCH_WAY_VISIBILITY_SORT] = {"visibility-sort", "visibility_sort", visibility_sort_name},
     [BENCH_WAY_BARYCENTRICS] = {"visibility-barycentrics", "visibility_barycentrics", switch_name},
+    [BENCH_WAY_GRID] = {"visibility-grid", "visibility_grid", switch_name},
     [BENCH_WAY_MOBILE_LAYOUT] = {"mobile-layout", "mobile_layout", mobile_layout_name},
     [BENCH_WAY_MOBILE_LIGHTS] = {"mobile-lights", "mobile_lights", mobile_lights_name},
     [BENCH_WAY_MOBILE_GAMMA] = {"mobile-gamma", "mobile_gamma", mobile_gamma_name},
@@ -44,6 +45,7 @@ struct bench_ways bench_ways_default(void) {
                                           [BENCH_WAY_MSAA_METHOD] = (int)frame.msaa_method,
                                           [BENCH_WAY_VISIBILITY_SORT] = (int)frame.visibility.sort,
                                           [BENCH_WAY_BARYCENTRICS] = frame.visibility.barycentrics,
+                                          [BENCH_WAY_GRID] = frame.visibility.grid,
                                           [BENCH_WAY_MOBILE_LAYOUT] = (int)frame.mobile.layout,
                                           [BENCH_WAY_MOBILE_LIGHTS] = (int)frame.mobile.lights,
                                           [BENCH_WAY_MOBILE_GAMMA] = (int)frame.mobile.gamma}};
@@ -63,6 +65,7 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
     case BENCH_WAY_VISIBILITY_SORT:
         return shading == FNL_SHADING_VISIBILITY;
     case BENCH_WAY_BARYCENTRICS:
+    case BENCH_WAY_GRID:
         return shading == FNL_SHADING_VISIBILITY && msaa == 1;
     case BENCH_WAY_MOBILE_LAYOUT:
     case BENCH_WAY_MOBILE_LIGHTS:
@@ -117,6 +120,7 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->msaa_method = (fnl_msaa_method)chosen.values[BENCH_WAY_MSAA_METHOD];
     frame->visibility.sort = (fnl_visibility_sort)chosen.values[BENCH_WAY_VISIBILITY_SORT];
     frame->visibility.barycentrics = chosen.values[BENCH_WAY_BARYCENTRICS];
+    frame->visibility.grid = chosen.values[BENCH_WAY_GRID];
     frame->mobile.layout = (fnl_mobile_layout)chosen.values[BENCH_WAY_MOBILE_LAYOUT];
     frame->mobile.lights = (fnl_mobile_lights)chosen.values[BENCH_WAY_MOBILE_LIGHTS];
     frame->mobile.gamma = (fnl_mobile_gamma)chosen.values[BENCH_WAY_MOBILE_GAMMA];

@@ -35,7 +35,7 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
 bool visibility_grid_supported(const gpu_device *device);
 /**
  * Fills ids and depth, of one sample, from a target of half the size with four samples a pixel: one for each pixel of the picture, but a
- * quarter of the fragments (S. Aaltonen, "GPU-Driven Rendering Pipelines", SIGGRAPH 2015). The standard places of samples lie a quarter of a
+ * quarter of the fragments (U. Haar and S. Aaltonen, "GPU-Driven Rendering Pipelines", SIGGRAPH 2015). The standard places of samples lie a quarter of a
  * pixel right or left and above or below of the pixels' centres: there each pixel is seen, and shaded. `view` is that of the input. Cost: a pass over
  * the screen that moves the samples to their pixels.
  */
