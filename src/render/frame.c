@@ -80,9 +80,15 @@ static bool needs_aov(const fnl_frame *frame) {
 
 /* ---- culling ---- */
 
+/* A grid of samples looks beside the centres of pixels. */
+static bool full_raster(const fnl_frame *frame) {
+    bool grid = frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.grid;
+    return shading_is(frame->shading, SHADING_FULL_RASTER) && !grid;
+}
+
 /* What hides a sample is known for the samples of the frame's own pixels alone. */
 static bool culls_hidden(const fnl_frame *frame) {
-    return frame->occlusion && shading_is(frame->shading, SHADING_FULL_RASTER) && (frame->msaa == 1 || !needs_aov(frame));
+    return frame->occlusion && full_raster(frame) && (frame->msaa == 1 || !needs_aov(frame));
 }
 
 static void cull(struct frame_state *f) {
@@ -96,7 +102,7 @@ static void cull(struct frame_state *f) {
         f->draws = cull_add(f->graph, scene, f->view_address);
     if (frame->culling == FNL_CULLING_INSTANCES) return;
     struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
-                                     .full_raster = shading_is(frame->shading, SHADING_FULL_RASTER),
+                                     .full_raster = full_raster(frame),
                                      .samples = frame->msaa,
                                      .centers = true,
                                      .cluster_capacity = f->r->cluster_capacity,
