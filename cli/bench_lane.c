@@ -26,12 +26,13 @@ static enum role role_of(const char *name) {
     static const char *const shading[] = {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
+        "dais sha",    "dais spread", "dais gate", "dais rest",
         "lit forward", "coarse", "mobile",      "visibility sh", "linked",   "weighted",    "decal",           "count decal",
         "visible ",    "texturing sh", NULL};
     static const char *const geometry[] = {"cull",       "sort",           "blend",
                                            "gbuffer",    "depth prepass",  "skin",
                                            "morph",      "light surfaces", "inferred surfaces",
-                                           "visibility", "texturing",     "keep previous",  "update",
+                                           "visibility", "texturing",     "dais",           "keep previous",  "update",
                                            NULL};
     static const char *const rest[] = {"meter",   "exposure", "mlaa",           "smaa",  "motion", "taa",
                                        "tonemap", "resolve",  "clear",          "debug", "encode", "aov",

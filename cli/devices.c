@@ -37,6 +37,8 @@ static const struct {
     FEATURE(timestamps, "times of passes"),
     FEATURE(primitive_ids, "triangle numbers"),
     FEATURE(minmax_samplers, "samplers that give the least and the greatest texel"),
+    FEATURE(post_depth_coverage, "dais shading with lists of covered samples"),
+    FEATURE(quad_operations, "dais shading at a lower rate"),
     FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
     FEATURE(barycentrics, "visibility buffer with stored barycentrics"),

@@ -50,7 +50,8 @@ static void print_help(void) {
     puts(
         "Method\n"
         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-        "                             low-res inferred light-indexed zioma visibility texturing coarse mobile auto\n"
+        "                             low-res inferred light-indexed zioma visibility texturing coarse dais\n"
+        "                             mobile auto\n"
         "                             (deferred; with MSAA forward-prepass)\n"
         "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
         "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -71,9 +72,12 @@ static void print_help(void) {
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
         "  --visibility-barycentrics  visibility: weights of corners are stored, so that shading fetches no positions\n"
-         "  --visibility-grid          visibility: ids at half the size with 4 samples, a quarter of the fragments\n"
-         "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
-         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle");
+        "  --visibility-grid          visibility: ids at half the size with 4 samples, a quarter of the fragments\n"
+        "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
+        "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
+        "  --dais KIND                dais: where references to triangles stand: target list (target)\n"
+        "  --dais-multirate           dais: ambient light once for four pixels of a triangle\n"
+        "  --dais-cache N             dais: buckets of the cache of triangles, a power of two up to 4194304 (65536)");
     puts(
         "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X, normal-degrees=X,\n"
         "                             tolerance=X, albedo-tolerance=X, split=none|albedo|highlights|sharp, ao=METRES,\n"
@@ -121,6 +125,7 @@ static void print_help(void) {
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
 static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
+static const char *dais_mode_name(int i) { return fnl_dais_mode_name((fnl_dais_mode)i); }
 static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
@@ -194,6 +199,9 @@ enum {
     O_GROW_METAL,
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
+    O_DAIS,
+    O_DAIS_MULTIRATE,
+    O_DAIS_CACHE,
     O_TRAFFIC,
     O_TRANSPARENCY,
     O_DEFERRED_PASS,
@@ -328,6 +336,18 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_MOBILE_LIGHTS:
         if (!argument_name("mobile-lights", value, mobile_lights_name, &index)) return false;
         o->frame.mobile.lights = (fnl_mobile_lights)index;
+        return true;
+    case O_DAIS:
+        if (!argument_name("dais", value, dais_mode_name, &index)) return false;
+        o->frame.dais.mode = (fnl_dais_mode)index;
+        return true;
+    case O_DAIS_MULTIRATE:
+        o->frame.dais.multirate = true;
+        return true;
+    case O_DAIS_CACHE:
+        if (!argument_integer("dais-cache", value, 1, 1 << 22, &integer)) return false;
+        if (integer & (integer - 1)) return argument_bad("dais-cache", value, "a power of two");
+        o->frame.dais.cache_buckets = (uint32_t)integer;
         return true;
     case O_TRAFFIC:
         o->traffic = true;
@@ -502,6 +522,9 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"grow-metal", required_argument, NULL, O_GROW_METAL},
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
+                                             {"dais", required_argument, NULL, O_DAIS},
+                                             {"dais-multirate", no_argument, NULL, O_DAIS_MULTIRATE},
+                                             {"dais-cache", required_argument, NULL, O_DAIS_CACHE},
                                              {"traffic", no_argument, NULL, O_TRAFFIC},
                                              {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
                                              {"lights", required_argument, NULL, O_LIGHTS},

@@ -116,6 +116,17 @@ void report_print(const struct render_report *r) {
         printf("  blocks lit once %u of %u (%.1f%%); not for depth %u, normals %u, materials %u; lit %u times for %u pixels\n",
                s->coarse_shared, s->coarse_blocks, 100.0 * s->coarse_shared / s->coarse_blocks, s->coarse_by_depth,
                s->coarse_by_normal, s->coarse_by_material, s->coarse_shaded, s->coarse_pixels);
+    if (s->shading == FNL_SHADING_DAIS) {
+        printf("  dais %s: %u triangles stored", fnl_dais_mode_name(r->frame.dais.mode), s->dais.triangles);
+        if (s->dais.unique) printf(", %u different", s->dais.unique);
+        printf("; cache failures %u; overflow %u; %.1f KiB, %.1f bytes a sample", s->dais.cache_failures, s->dais.overflow,
+               (double)s->dais.bytes / 1024,
+               (double)s->dais.bytes / ((double)r->frame.width * r->frame.height * r->frame.msaa));
+        if (r->frame.dais.mode == FNL_DAIS_LIST) printf("; list elements %u", s->dais.list_elements);
+        if (r->frame.dais.multirate) printf("; shading samples %u", s->dais.shading_samples);
+        if (s->dais.shaded) printf("; shaded %u", s->dais.shaded);
+        putchar('\n');
+    }
     if (s->shading == FNL_SHADING_MOBILE)
         printf("  mobile %s: %s, tone mapping %s\n", fnl_mobile_layout_name(r->frame.mobile.layout),
                s->mobile_merged ? "one scope" : "separate passes",
@@ -198,6 +209,18 @@ static void add_msaa(json_t *json, const struct render_report *r) {
                                   integer(s->msaa_shaded)));
 }
 
+static void add_dais(json_t *json, const struct render_report *r) {
+    const struct fnl_dais_stats *d = &r->stats.dais;
+    if (r->stats.shading != FNL_SHADING_DAIS) return;
+    json_object_set_new(
+        json, "dais",
+        json_pack("{s:s,s:b,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "mode", fnl_dais_mode_name(r->frame.dais.mode), "multirate",
+                  r->frame.dais.multirate, "bytes", integer(d->bytes), "triangles", integer(d->triangles), "unique",
+                  integer(d->unique), "cache_failures", integer(d->cache_failures), "overflow", integer(d->overflow),
+                  "list_elements", integer(d->list_elements), "shading_samples", integer(d->shading_samples), "shaded",
+                  integer(d->shaded)));
+}
+
 static void add_transparency(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     json_object_set_new(json, "transparency",
@@ -256,6 +279,7 @@ bool report_save(const struct render_report *r, const char *path) {
     add_transparency(json, r);
     add_msaa(json, r);
     add_coarse(json, r);
+    add_dais(json, r);
     add_traffic(json, r);
     char temporary[4096] = "";
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&

@@ -17,6 +17,11 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
+// What a surface gets from all around, but for its mirror direction. Shaders that know it already say so before they include this.
+#ifndef AMBIENT_DIFFUSE
+#define AMBIENT_DIFFUSE(v, normal) ambient_radiance(v, normal)
+#endif
+
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
 // occlusion) and the surface's own glow.
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
@@ -27,7 +32,7 @@ vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     // What the dielectric's surface reflects from all around does not get below it.
     float reflected = max_component(s.dielectric_f0 * environment.x + s.dielectric_f90 * environment.y);
     vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - reflected);
-    vec3 ambient = diffuse * ambient_radiance(v, s.normal) +
+    vec3 ambient = diffuse * AMBIENT_DIFFUSE(v, s.normal) +
                    (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
     return sum + ambient * s.occlusion + s.emissive;
 }

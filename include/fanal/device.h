@@ -51,6 +51,8 @@ typedef struct fnl_device_info {
         multiview, pipeline_statistics,
         primitive_ids; /**< optional features; primitive_ids: fragment shaders know the number of their triangle */
     bool minmax_samplers; /**< samplers can give the least and the greatest of four texels */
+    bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
+    bool quad_operations;     /**< fragment shaders share values in squares of four pixels */
     uint32_t subgroup_size;
 } fnl_device_info;
 

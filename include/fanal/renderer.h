@@ -44,6 +44,9 @@ typedef enum fnl_shading {
     FNL_SHADING_TEXTURING,
     /** Deferred, but blocks of pixels whose surfaces are alike are lit once: fnl_frame.coarse. Close, not equal; no MSAA. */
     FNL_SHADING_COARSE,
+    /** References to triangles, and each triangle that is seen once; compute shading that interpolates by derivatives; transparent surfaces
+        forward. fnl_frame.dais, docs/techniques/dais.md */
+    FNL_SHADING_DAIS,
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
                              few bits a pixel, so pictures differ by rounding; no MSAA. docs/techniques/mobile.md */
     FNL_SHADING_AUTO, /**< the fastest order of the first three on this scene and device, found by measuring */
@@ -234,6 +237,19 @@ typedef enum fnl_msaa_method {
     FNL_MSAA_METHOD_COUNT
 } fnl_msaa_method;
 
+/** Where FNL_SHADING_DAIS keeps its references. Both give the same picture. */
+typedef enum fnl_dais_mode {
+    FNL_DAIS_TARGET = 0, /**< a render target with as many samples as the picture */
+    FNL_DAIS_LIST,       /**< a word a pixel, and list elements for triangles that do not cover all of it */
+    FNL_DAIS_MODE_COUNT
+} fnl_dais_mode;
+
+typedef struct fnl_dais_options {
+    fnl_dais_mode mode;     /**< default target */
+    uint32_t cache_buckets; /**< of the cache of triangles, two triangles each: a power of two, 1 .. 2^22; default 65536 */
+    bool multirate; /**< ambient light is found once for four pixels of a triangle: close, not equal; default false */
+} fnl_dais_options;
+
 /** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED =
@@ -422,6 +438,7 @@ FNL_API const char *fnl_raster_path_name(fnl_raster_path path);
 FNL_API const char *fnl_raster_nodes_name(fnl_raster_nodes nodes);
 FNL_API const char *fnl_volume_shape_name(fnl_volume_shape shape);
 FNL_API const char *fnl_msaa_method_name(fnl_msaa_method method);
+FNL_API const char *fnl_dais_mode_name(fnl_dais_mode mode);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
 FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_culling_name(fnl_culling culling);
@@ -568,6 +585,7 @@ typedef struct fnl_frame {
      * picture stays the same. Orders that keep light apart from materials and mobile take no notice. Default 0.
      */
     uint32_t shade_cost;
+    fnl_dais_options dais;     /**< of FNL_SHADING_DAIS */
     bool gbuffer_prepass; /**< deferred, texturing, mobile: depth first, so that hidden surfaces read no textures; default false */
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
@@ -652,6 +670,17 @@ typedef struct fnl_frame_stats {
         normals, materials; pixels that show a surface; how often one was lit, for itself or its block. */
     uint32_t coarse_blocks, coarse_shared, coarse_by_depth, coarse_by_normal, coarse_by_material, coarse_pixels, coarse_shaded;
     uint32_t coarse_ao_shaded; /**< with ao_radius: how often occlusion was found */
+    /** With FNL_SHADING_DAIS. */
+    struct fnl_dais_stats {
+        uint64_t bytes;           /**< of what this frame's references, triangles, cache and lists fill */
+        uint32_t triangles;       /**< stored: each that is seen once, and those that the cache had forgotten */
+        uint32_t unique;          /**< different ones among them; known with count_lights */
+        uint32_t cache_failures;  /**< stored because a bucket of the cache stayed locked */
+        uint32_t overflow;        /**< fragments that found a pool full and were shaded forward; the pool grows by the next frame */
+        uint32_t list_elements;   /**< FNL_DAIS_LIST: triangles of pixels that they do not cover wholly */
+        uint32_t shading_samples; /**< with multirate: places where ambient light was found */
+        uint32_t shaded;          /**< triangles of all pixels, each of which is shaded once; known with count_lights */
+    } dais;
     uint32_t decals_total,
         decals_in_view; /**< decals that are shown (baked ones left out); boxes and volumes whose bounds touch the view */
     uint64_t decal_entries; /**< of the list over them, and of the tiles of the G-buffer's way */

@@ -100,6 +100,18 @@ bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeat
     return (properties3.optimalTilingFeatures & features) == features;
 }
 
+uint32_t gpu_target_samples(const gpu_device *device, VkFormat format) {
+    VkPhysicalDeviceImageFormatInfo2 query = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
+                                              .format = format,
+                                              .type = VK_IMAGE_TYPE_2D,
+                                              .tiling = VK_IMAGE_TILING_OPTIMAL,
+                                              .usage =
+                                                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
+    VkImageFormatProperties2 properties = {.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
+    VkResult result = device->instance.vk.GetPhysicalDeviceImageFormatProperties2(device->physical, &query, &properties);
+    return result == VK_SUCCESS ? properties.imageFormatProperties.sampleCounts : 0;
+}
+
 void gpu_name(gpu_device *device, VkObjectType type, uint64_t handle, const char *name) {
     if (!device->names || !name) return;
     VkDebugUtilsObjectNameInfoEXT info = {
@@ -250,6 +262,7 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     VkPhysicalDeviceFeatures *enabled = &features.features.features;
     enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
     enabled->imageCubeArray = supported->imageCubeArray;
+    enabled->sampleRateShading = supported->sampleRateShading;
     enabled->pipelineStatisticsQuery = supported->pipelineStatisticsQuery;
     features.features_11.multiview = physical->supported.features_11.multiview;
     features.features_12.samplerFilterMinmax = physical->supported.features_12.samplerFilterMinmax;
@@ -266,11 +279,15 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
             .pQueuePriorities = priorities,
         };
     }
-    static const char *const conservative = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
+    const char *extensions[4];
+    uint32_t extension_count = 0;
+    if (physical->info.conservative_raster)
+        extensions[extension_count++] = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
+    if (physical->info.post_depth_coverage) extensions[extension_count++] = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-        .enabledExtensionCount = physical->info.conservative_raster ? 1 : 0,
-        .ppEnabledExtensionNames = &conservative,
+        .enabledExtensionCount = extension_count,
+        .ppEnabledExtensionNames = extensions,
         .pNext = &features.features,
         .queueCreateInfoCount = same_family ? 1 : GPU_QUEUE_COUNT,
         .pQueueCreateInfos = queues,

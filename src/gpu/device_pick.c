@@ -103,6 +103,7 @@ static void query_extensions(const struct gpu_instance *instance, struct gpu_phy
         {VK_KHR_FRAGMENT_SHADER_BARYCENTRIC_EXTENSION_NAME, &out->info.barycentrics},
         {VK_EXT_SAMPLE_LOCATIONS_EXTENSION_NAME, &out->info.sample_locations},
         {VK_KHR_FRAGMENT_SHADING_RATE_EXTENSION_NAME, &out->info.fragment_shading_rate},
+        {VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME, &out->info.post_depth_coverage},
     };
     uint32_t count = 0;
     if (instance->vk.EnumerateDeviceExtensionProperties(out->handle, NULL, &count, NULL) != VK_SUCCESS || count == 0) return;
@@ -172,6 +173,8 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     snprintf(info->driver, sizeof info->driver, "%.120s%s%.120s", driver.driverName, driver.driverInfo[0] ? " " : "",
              driver.driverInfo);
     info->subgroup_size = subgroup.subgroupSize;
+    info->quad_operations = subgroup.supportedOperations & VK_SUBGROUP_FEATURE_QUAD_BIT &&
+                            subgroup.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT;
     out->isotropic_gradients = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     /* Where triangles that snapping has made flat vanish, so would small things. */
     info->conservative_raster = info->conservative_raster && conservative.degenerateTrianglesRasterized;

@@ -43,6 +43,8 @@ bool gpu_standard_samples(const gpu_device *device);
 /** Bits of a pixel's fraction that a rasteriser keeps of a vertex's place. */
 uint32_t gpu_subpixel_bits(const gpu_device *device);
 bool gpu_format_supports(const gpu_device *device, VkFormat format, VkFormatFeatureFlags2 features);
+/** Sample counts, as bits, of colour targets of this format that are sampled later. */
+uint32_t gpu_target_samples(const gpu_device *device, VkFormat format);
 /** Waits until all submitted work is done. */
 fnl_result gpu_wait_idle(gpu_device *device);
 /** The sticky error, FNL_OK when none. Logged when it was set. */

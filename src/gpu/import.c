@@ -44,6 +44,7 @@ static fnl_result import_device(gpu_device *device, const fnl_device_params *par
     device->info.barycentrics = device->info.sample_locations = device->info.fragment_shading_rate = false;
     device->info.multiview = device->info.pipeline_statistics = device->info.primitive_ids = false;
     device->info.minmax_samplers = false;
+    device->info.post_depth_coverage = false;
     device->isotropic_gradients = physical.isotropic_gradients;
     device->imported = true;
     device->physical = import->physical_device;

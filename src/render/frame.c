@@ -266,6 +266,9 @@ static void add_counts(struct frame_state *f) {
     if (f->visible_fragments.id)
         data.copies[data.count++] =
             (struct count_copy){f->visible_fragments, counts, 0, offsetof(struct frame_counts, visible_fragments), 4};
+    if (f->dais_counts.id)
+        data.copies[data.count++] =
+            (struct count_copy){f->dais_counts, counts, 0, offsetof(struct frame_counts, dais), DAIS_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};

@@ -21,6 +21,7 @@ void order_low_res(struct frame_state *f, struct shade_input *input, bool prepas
 void order_visibility(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_texturing(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass);
+void order_dais(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass);
 
 /* ---- what they share ---- */

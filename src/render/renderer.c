@@ -15,7 +15,8 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward",      "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
                                         "pre-lighting", "low-res",         "inferred", "light-indexed",    "zioma",
-                                        "visibility",   "texturing",       "coarse",   "mobile",           "auto"};
+                                        "visibility",   "texturing",       "coarse",   "dais",             "mobile",
+                                        "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -66,6 +67,11 @@ const char *fnl_msaa_method_name(fnl_msaa_method method) {
     static const char *const names[] = {"all", "tiles", "stencil", "compact", "coverage", "aggregate"};
     _Static_assert(COUNT_OF(names) == FNL_MSAA_METHOD_COUNT, "each has a name");
     return NAME_OF(names, method);
+}
+
+const char *fnl_dais_mode_name(fnl_dais_mode mode) {
+    static const char *const names[] = {"target", "list"};
+    return (uint32_t)mode < FNL_DAIS_MODE_COUNT ? names[mode] : NULL;
 }
 
 const char *fnl_transparency_name(fnl_transparency transparency) {
@@ -220,6 +226,7 @@ fnl_frame fnl_frame_default(void) {
                        .mobile = fnl_mobile_options_default(),
                        .visibility = fnl_visibility_options_default(),
                        .coarse = fnl_coarse_options_default(),
+                       .dais = {.cache_buckets = 1 << 16},
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
@@ -317,6 +324,8 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->pool_capacity = POOL_START;
     r->decal_capacity = DECAL_POOL_START;
     r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
+    r->dais_capacity = DAIS_POOL_START;
+    r->dais_node_capacity = DAIS_NODE_START;
     device_scene_init(&r->device_scene, device, scene);
     lists_init(&r->lists, &r->host);
     load_choices(r);
@@ -501,10 +510,11 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "barycentrics are stored with 1 sample a pixel");
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (frame->shading == FNL_SHADING_VISIBILITY && !gpu_info(r->device)->primitive_ids) {
-        log_error(host, "this device cannot number triangles, which visibility shading needs");
+    if ((frame->shading == FNL_SHADING_VISIBILITY || frame->shading == FNL_SHADING_DAIS) && !gpu_info(r->device)->primitive_ids) {
+        log_error(host, "this device cannot number triangles, which %s shading needs", fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
+    TRY(dais_check(r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1) {
         log_error(host, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
@@ -560,6 +570,17 @@ static void grow_blend_pool(fnl_renderer *r, const struct frame_counts *counts) 
         r->blend_capacity = MAX(r->blend_capacity, blend_capacity(r, needed + needed / 4));
 }
 
+static void grow_dais_pools(fnl_renderer *r, const struct frame_counts *counts) {
+    uint64_t limit = gpu_info(r->device)->memory_bytes / 8 / 4;
+    if (counts->dais[DAIS_OVERFLOW] == 0) return;
+    /* How much more the others want is not known: those that find no room take none. */
+    if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->dais_capacity)
+        r->dais_capacity = (uint32_t)MIN(MAX(2ull * r->dais_capacity, (uint64_t)DAIS_POOL_START), MIN(limit, DAIS_POOL_LIMIT));
+    uint64_t nodes = counts->dais[DAIS_NODES] + 2ull;
+    if (nodes > r->dais_node_capacity)
+        r->dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, DAIS_POOL_LIMIT) / 4);
+}
+
 static const struct frame_counts *slot_counts(const fnl_renderer *r, uint32_t slot) { return r->counts[slot].mapped; }
 
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
@@ -583,6 +604,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
         grow_blend_pool(r, slot_counts(r, slot));
         grow_decal_pool(r, slot_counts(r, slot));
         grow_cluster_pools(r, slot_counts(r, slot));
+        grow_dais_pools(r, slot_counts(r, slot));
     }
     if (!r->blend_capacity) r->blend_capacity = blend_capacity(r, (uint64_t)frame->width * frame->height);
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
@@ -714,7 +736,9 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     grow_blend_pool(r, counts);
     grow_decal_pool(r, counts);
     grow_cluster_pools(r, counts);
+    grow_dais_pools(r, counts);
     *out = r->stats;
+    dais_query(r, counts->dais, &out->dais);
     out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
     out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;

@@ -3,6 +3,7 @@
 #define FNL_RENDER_RENDERER_INTERNAL_H
 
 #include "fanal/renderer.h"
+#include "passes/dais/dais_shared.h"
 #include "passes/debug/debug.h"
 #include "passes/geometry/clusters_shared.h"
 #include "passes/transparency/transparency.h"
@@ -29,9 +30,15 @@ struct frame_counts {
     struct linked_totals blend;
     struct gpu_cluster_totals clusters;
     uint32_t hidden_items;
+    uint32_t dais[DAIS_COUNTS];
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
+enum {
+    DAIS_POOL_START = 1 << 20, /* words of triangles */
+    DAIS_POOL_LIMIT = 1 << 30, /* references have 31 bits */
+    DAIS_NODE_START = 1 << 14
+};
 enum { OUTPUT_COUNT = 6 };           /* bits of fnl_output */
 enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
@@ -61,6 +68,10 @@ struct fnl_renderer {
     bool weighted_half; /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
     uint32_t visibility_bits; /* tests: ids at least so wide */
     bool no_minmax;           /* tests: criterion minmax as on devices whose samplers cannot reduce */
+    uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
+    uint64_t dais_bytes;                        /* of the last frame: what the pools do not hold */
+    uint32_t dais_probe;                        /* tests: DAIS_SHOW_… */
+    bool dais_plain; /* tests: as on devices without coverage after the depth test or values shared by four pixels */
     bool poison;              /* tests: transient buffers begin each frame full of rubbish */
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 

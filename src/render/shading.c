@@ -89,6 +89,7 @@ static const struct order {
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
     [FNL_SHADING_COARSE] = {order_coarse, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_APPROXIMATE},
+    [FNL_SHADING_DAIS] = {order_dais, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES | SHADING_APPROXIMATE},
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE},
 };
 
@@ -160,7 +161,7 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (order_draws_batches(f)) opaque = batches_draw_count(scene);
     if (order_draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
-    if (shading_is(f->frame->shading, SHADING_REDRAW)) opaque *= 2;
+    if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais_counts.id) opaque *= 2;
     if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: MIT */
+#include "passes/dais/dais.h"
+
+#include "scene_shared.h"
+#include "shaders.h"
+
+#define REFERENCE_FORMAT VK_FORMAT_R32_UINT
+
+static uint64_t address_or_zero(const struct graph_context *context, graph_buffer buffer) {
+    return buffer.id ? graph_address(context, buffer) : 0;
+}
+
+bool dais_target_supported(const gpu_device *device, uint32_t samples) {
+    return samples == 1 || gpu_target_samples(device, REFERENCE_FORMAT) & samples;
+}
+
+/* ---- clearing ---- */
+
+struct clear_data {
+    graph_buffer buffers[3];
+};
+
+static void execute_clear(const struct graph_context *context, const void *data) {
+    const struct clear_data *d = data;
+    for (uint32_t i = 0; i < COUNT_OF(d->buffers); i++) {
+        if (!d->buffers[i].id) continue;
+        const struct gpu_buffer *buffer = graph_get_buffer(context, d->buffers[i]);
+        gpu_fill_buffer(context->commands, buffer, 0, buffer->size, 0);
+    }
+}
+
+static void add_clear(struct graph *graph, const char *name, const struct clear_data *clear) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_clear, clear, sizeof *clear);
+    for (uint32_t i = 0; i < COUNT_OF(clear->buffers); i++)
+        if (clear->buffers[i].id) graph_use_buffer(pass, clear->buffers[i], GRAPH_COPY_TO);
+}
+
+/* ---- visibility ---- */
+
+struct visibility_data {
+    const struct geometry_scene *scene;
+    struct geometry_draws draws;
+    struct dais dais;
+    graph_buffer cache;
+    VkDeviceAddress view;
+    struct gpu_graphics_params state;
+};
+
+static void execute_visibility(const struct graph_context *context, const void *data) {
+    const struct visibility_data *d = data;
+    const struct dais *dais = &d->dais;
+    struct gpu_dais_visibility_push push = {.geometry = {.view = d->view},
+                                            .indices = d->scene->indices->address,
+                                            .pool = graph_address(context, dais->pool),
+                                            .counts = graph_address(context, dais->counts),
+                                            .cache = graph_address(context, d->cache),
+                                            .stored = graph_address(context, dais->stored),
+                                            .heads = address_or_zero(context, dais->heads),
+                                            .nodes = address_or_zero(context, dais->nodes),
+                                            .samples = address_or_zero(context, dais->samples),
+                                            .bucket_mask = dais->params.buckets - 1,
+                                            .capacity = dais->params.capacity,
+                                            .node_capacity = dais->params.node_capacity,
+                                            .sample_capacity = dais->sample_capacity};
+    geometry_draw_with(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
+}
+
+static const struct gpu_shader *visibility_shader(const struct dais_params *params) {
+    bool quads = params->shared_samples && params->quads;
+    if (!params->lists) return quads ? &shader_dais_target_quad_frag : &shader_dais_target_frag;
+    if (params->each_sample) return &shader_dais_list_samples_frag;
+    return quads ? &shader_dais_list_quad_frag : &shader_dais_list_frag;
+}
+
+static void add_visibility(struct graph *graph, const struct shade_input *input, const struct dais *dais,
+                           graph_buffer cache) {
+    struct visibility_data data = {
+        .scene = input->scene, .draws = *input->draws, .dais = *dais, .cache = cache, .view = input->view};
+    data.state = (struct gpu_graphics_params){.fragment = visibility_shader(&dais->params),
+                                              .constant_count = 10,
+                                              .constants = {[7] = dais->params.shared_samples, [9] = dais->sample_count},
+                                              .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
+                                              .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0,
+                                                                dais->shared.id ? REFERENCE_FORMAT : 0},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_EQUAL,
+                                              .samples = dais->sample_count};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "dais visibility", GRAPH_QUEUE_GRAPHICS, execute_visibility, &data, sizeof data);
+    geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
+    graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_GRAPHICS);
+    graph_buffer cleared[] = {dais->counts, cache, dais->heads}; /* others are read where this pass has written */
+    graph_buffer written[] = {dais->pool, dais->stored, dais->nodes, dais->samples};
+    for (uint32_t i = 0; i < COUNT_OF(cleared); i++)
+        if (cleared[i].id) graph_use_buffer(pass, cleared[i], GRAPH_READ_WRITE_FRAGMENT);
+    for (uint32_t i = 0; i < COUNT_OF(written); i++)
+        if (written[i].id) graph_use_buffer(pass, written[i], GRAPH_WRITE_FRAGMENT);
+    static const float none[4];
+    if (dais->references.id) graph_color(pass, dais->references, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
+    if (dais->shared.id) graph_color(pass, dais->shared, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
+    graph_depth_read_only(pass, dais->depth);
+}
+
+/* ---- derivatives ---- */
+
+struct derive_data {
+    struct dais dais;
+    graph_buffer table;
+    VkDeviceAddress view, scene;
+    const struct gpu_shader *shader;
+    bool indirect;
+};
+
+static void execute_derive(const struct graph_context *context, const void *data) {
+    const struct derive_data *d = data;
+    struct gpu_compute_params params = {.shader = d->shader};
+    bool reads = d->indirect;
+    struct gpu_dais_derive_push push = {
+        .view = d->view,
+        .scene = d->scene,
+        .pool = reads ? graph_address(context, d->dais.pool) : 0,
+        .stored = reads ? graph_address(context, d->dais.stored) : 0,
+        .counts = graph_address(context, d->dais.counts),
+        .table = address_or_zero(context, d->table),
+        .table_size = d->table.id ? (uint32_t)(graph_get_buffer(context, d->table)->size / 4) : 0,
+        .sample_capacity = d->dais.sample_capacity};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    if (d->indirect)
+        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->dais.counts), DAIS_DISPATCH * 4);
+    else
+        gpu_dispatch(context->commands, 1, 1, 1);
+}
+
+static struct graph_pass *add_derive(struct graph *graph, const char *name, const struct derive_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_derive, data, sizeof *data);
+    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_WRITE_COMPUTE);
+    if (!data->indirect) return pass;
+    graph_use_buffer(pass, data->dais.counts, GRAPH_INDIRECT);
+    graph_use_buffer(pass, data->dais.stored, GRAPH_READ_COMPUTE);
+    return pass;
+}
+
+struct dais dais_add(struct graph *graph, const struct shade_input *input, const struct dais_params *params, graph_image depth) {
+    struct dais dais = {.params = *params,
+                        .depth = depth,
+                        .width = input->width,
+                        .height = input->height,
+                        .sample_count = MAX(graph_image_info(graph, depth).samples, 1u)};
+    uint64_t pixels = (uint64_t)input->width * input->height;
+    dais.pool = graph_create_buffer(graph, "dais triangles", params->capacity * 4ull);
+    dais.stored = graph_create_buffer(graph, "dais stored", (params->capacity / (DAIS_HEADER + 12) + 1) * 4ull);
+    dais.counts = graph_create_buffer(graph, "dais counts", DAIS_COUNTS * 4);
+    graph_buffer cache = graph_create_buffer(graph, "dais cache", params->buckets * DAIS_BUCKET * 4ull);
+    dais.fixed_bytes = params->buckets * DAIS_BUCKET * 4ull;
+    uint64_t references = pixels * 4 * (params->shared_samples ? 2 : 1);
+    if (params->lists) {
+        dais.heads = graph_create_buffer(graph, "dais heads", references);
+        dais.nodes = graph_create_buffer(graph, "dais nodes", params->node_capacity * DAIS_NODE * 4ull);
+        dais.fixed_bytes += references;
+    } else {
+        struct graph_image_params target = {.name = "dais references",
+                                            .format = REFERENCE_FORMAT,
+                                            .width = input->width,
+                                            .height = input->height,
+                                            .samples = dais.sample_count};
+        dais.references = graph_create_image(graph, &target);
+        target.name = "dais shared samples";
+        if (params->shared_samples) dais.shared = graph_create_image(graph, &target);
+        dais.fixed_bytes += references * dais.sample_count;
+    }
+    if (params->shared_samples) { /* rarely more than one a pixel: what finds no room shades for itself */
+        dais.sample_capacity = (uint32_t)pixels + pixels / 4 + 64;
+        dais.samples = graph_create_buffer(graph, "dais samples", dais.sample_capacity * 8ull);
+    }
+    add_clear(graph, "dais clear", &(struct clear_data){{dais.counts, cache, dais.heads}});
+    add_visibility(graph, input, &dais, cache);
+
+    struct derive_data data = {
+        .dais = dais, .view = input->view, .scene = input->scene->scene, .shader = &shader_dais_arguments_comp};
+    add_derive(graph, "dais arguments", &data);
+    data.shader = &shader_dais_derive_comp;
+    data.indirect = true;
+    struct graph_pass *pass = add_derive(graph, "dais derivatives", &data);
+    graph_use_buffer(pass, dais.pool, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE); /* instances */
+    if (!input->counters.id) return dais;
+    uint32_t size = 1;
+    while (size < params->capacity / (DAIS_HEADER + 12) * 2) size *= 2;
+    data.shader = &shader_dais_unique_comp;
+    data.table = graph_create_buffer(graph, "dais unique table", size * 4ull);
+    add_clear(graph, "dais unique clear", &(struct clear_data){{data.table}});
+    pass = add_derive(graph, "dais unique", &data);
+    graph_use_buffer(pass, dais.pool, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.table, GRAPH_READ_WRITE_COMPUTE);
+    return dais;
+}
+
+/* ---- shading ---- */
+
+struct shade_data {
+    struct dais dais;
+    const struct geometry_scene *scene;
+    graph_image radiance;
+    VkDeviceAddress view, lights;
+    graph_buffer counters, results;
+    VkFormat format;
+    uint32_t kind;
+    float background[3];
+};
+
+static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t *constants) {
+    const struct dais_params *params = &d->dais.params;
+    const uint32_t values[15] = {d->kind,
+                                 d->counters.id != 0,
+                                 1,
+                                 1,
+                                 d->dais.sample_count,
+                                 params->lists,
+                                 [9] = d->scene->features,
+                                 1,
+                                 1,
+                                 params->shared_samples,
+                                 d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 params->probe};
+    *count = COUNT_OF(values);
+    memcpy(constants, values, sizeof values);
+    memcpy(&constants[8], &d->scene->gradient_taps, sizeof(float));
+}
+
+static struct gpu_dais_shade_push push_of(const struct graph_context *context, const struct shade_data *d) {
+    const struct dais *dais = &d->dais;
+    return (struct gpu_dais_shade_push){
+        .view = d->view,
+        .scene = d->scene->scene,
+        .lights = d->lights,
+        .counters = 0,
+        .pool = graph_address(context, dais->pool),
+        .heads = address_or_zero(context, dais->heads),
+        .nodes = address_or_zero(context, dais->nodes),
+        .results = address_or_zero(context, d->results),
+        .references = dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE,
+        .shared_samples = dais->shared.id ? graph_sampled(context, dais->shared) : GPU_TEXTURE_NONE,
+        .background = {d->background[0], d->background[1], d->background[2]},
+        .sample_capacity = dais->sample_capacity};
+}
+
+static void use_references(struct graph_pass *pass, const struct dais *dais, enum graph_use image, enum graph_use buffer) {
+    graph_use_buffer(pass, dais->pool, buffer);
+    if (dais->references.id) graph_use_image(pass, dais->references, image);
+    if (dais->shared.id) graph_use_image(pass, dais->shared, image);
+    if (dais->heads.id) graph_use_buffer(pass, dais->heads, buffer);
+    if (dais->nodes.id) graph_use_buffer(pass, dais->nodes, buffer);
+}
+
+static void execute_spawned(const struct graph_context *context, const void *data) {
+    const struct shade_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_dais_spawned_comp};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_dais_shade_push push = {.view = d->view,
+                                       .scene = d->scene->scene,
+                                       .pool = graph_address(context, d->dais.pool),
+                                       .samples = graph_address(context, d->dais.samples),
+                                       .counts = graph_address(context, d->dais.counts),
+                                       .sample_capacity = d->dais.sample_capacity};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->dais.counts), DAIS_SPAWNED * 4);
+}
+
+static void add_spawned(struct graph *graph, const struct shade_data *data) {
+    struct graph_pass *pass =
+        graph_add_pass(graph, "dais shared samples", GRAPH_QUEUE_GRAPHICS, execute_spawned, data, sizeof *data);
+    graph_use_buffer(pass, data->dais.pool, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->dais.samples, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->dais.counts, GRAPH_INDIRECT);
+    graph_use_buffer(pass, data->scene->vertices, GRAPH_READ_COMPUTE);
+}
+
+static void execute_shade(const struct graph_context *context, const void *data) {
+    const struct shade_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_dais_shade_comp};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_dais_shade_push push = push_of(context, d);
+    push.samples = address_or_zero(context, d->dais.samples);
+    if (d->counters.id) {
+        push.counters = graph_address(context, d->counters);
+        push.counts = graph_address(context, d->dais.counts);
+    }
+    push.target = d->dais.sample_count == 1 ? graph_storage(context, d->radiance) : GPU_TEXTURE_NONE;
+    if (d->dais.params.probe == DAIS_SHOW_DEPTH) push.depth = graph_sampled(context, d->dais.depth);
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->dais.width, 8u), DIVIDE_UP(d->dais.height, 8u), d->dais.sample_count);
+}
+
+static void add_shade(struct graph *graph, const struct shade_input *input, const struct shade_data *data) {
+    struct graph_pass *pass = graph_add_pass(graph, "dais shade", GRAPH_QUEUE_GRAPHICS, execute_shade, data, sizeof *data);
+    use_references(pass, &data->dais, GRAPH_SAMPLE_COMPUTE, GRAPH_READ_COMPUTE);
+    if (data->dais.samples.id) graph_use_buffer(pass, data->dais.samples, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
+    geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
+    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    if (data->dais.params.probe == DAIS_SHOW_DEPTH) graph_use_image(pass, data->dais.depth, GRAPH_SAMPLE_COMPUTE);
+    if (data->results.id)
+        graph_use_buffer(pass, data->results, GRAPH_WRITE_COMPUTE);
+    else
+        graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
+    if (!input->counters.id) return;
+    graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_WRITE_COMPUTE);
+}
+
+static void execute_spread(const struct graph_context *context, const void *data) {
+    const struct shade_data *d = data;
+    struct gpu_graphics_params params = {.vertex = &shader_deferred_msaa_spread_vert,
+                                         .fragment = &shader_dais_spread_frag,
+                                         .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+                                         .color_count = 1,
+                                         .color_formats = {d->format},
+                                         .samples = d->dais.sample_count};
+    set_constants(d, &params.constant_count, params.constants);
+    struct gpu_dais_shade_push push = push_of(context, d);
+    gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_draw(context->commands, 3, d->dais.sample_count, 0, 0);
+}
+
+static void add_spread(struct graph *graph, const struct shade_data *data) {
+    struct graph_pass *pass =
+        graph_add_pass(graph, "dais spread", GRAPH_QUEUE_GRAPHICS, execute_spread, data, sizeof *data);
+    use_references(pass, &data->dais, GRAPH_SAMPLE_FRAGMENT, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, data->results, GRAPH_READ_FRAGMENT);
+    graph_color(pass, data->radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
+                (float[4]){data->background[0], data->background[1], data->background[2], 1});
+}
+
+/* ---- what had no room ---- */
+
+struct gate_data {
+    graph_buffer counts, from, to;
+    uint32_t words, stride, place;
+};
+
+static void execute_gate(const struct graph_context *context, const void *data) {
+    const struct gate_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_dais_gate_comp};
+    struct gpu_dais_gate_push push = {.counts = graph_address(context, d->counts),
+                                      .from = graph_address(context, d->from),
+                                      .to = graph_address(context, d->to),
+                                      .word_count = d->words,
+                                      .stride = d->stride,
+                                      .place = d->place};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->words, 64u));
+}
+
+/* A copy of draws, or of counts of draws, that is empty unless something had no room. */
+static graph_buffer add_gate(struct graph *graph, const char *name, struct gate_data gate) {
+    gate.words = (uint32_t)(graph_buffer_size(graph, gate.from) / 4);
+    gate.to = graph_create_buffer(graph, name, gate.words * 4ull);
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_gate, &gate, sizeof gate);
+    graph_use_buffer(pass, gate.counts, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, gate.from, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, gate.to, GRAPH_WRITE_COMPUTE);
+    return gate.to;
+}
+
+struct rest_data {
+    struct shade_data shade;
+    struct geometry_draws draws;
+    struct gpu_graphics_params state;
+};
+
+static void execute_rest(const struct graph_context *context, const void *data) {
+    const struct rest_data *d = data;
+    const struct dais *dais = &d->shade.dais;
+    struct gpu_dais_rest_push push = {
+        .geometry = {.view = d->shade.view,
+                     .lights = d->shade.lights,
+                     .counters = address_or_zero(context, d->shade.counters)},
+        .pool = graph_address(context, dais->pool),
+        .heads = address_or_zero(context, dais->heads),
+        .nodes = address_or_zero(context, dais->nodes),
+        .references = dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE};
+    geometry_draw_with(context, d->shade.scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
+}
+
+static void add_rest(struct graph *graph, const struct shade_input *input, const struct shade_data *shade) {
+    struct rest_data data = {.shade = *shade, .draws = *input->draws};
+    if (input->scene->group_count > 0) {
+        struct gate_data gate = {.counts = shade->dais.counts, .from = input->draws->draws, .stride = 5, .place = 1};
+        data.draws.draws = add_gate(graph, "dais gate", gate);
+        gate = (struct gate_data){.counts = shade->dais.counts, .from = input->draws->totals, .stride = 1};
+        if (input->draws->item_draws.id) data.draws.totals = add_gate(graph, "dais gate clusters", gate);
+    }
+    data.state = (struct gpu_graphics_params){.fragment = &shader_dais_rest_frag,
+                                              .color_count = 1,
+                                              .color_formats = {shade->format},
+                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
+                                              .depth_test = true,
+                                              .depth_compare = VK_COMPARE_OP_EQUAL,
+                                              .samples = shade->dais.sample_count};
+    set_constants(shade, &data.state.constant_count, data.state.constants);
+    struct graph_pass *pass = graph_add_pass(graph, "dais rest", GRAPH_QUEUE_GRAPHICS, execute_rest, &data, sizeof data);
+    geometry_use(pass, input->scene, &data.draws, GEOMETRY_OPAQUE);
+    struct dais references = shade->dais;
+    references.shared.id = 0;
+    use_references(pass, &references, GRAPH_SAMPLE_FRAGMENT, GRAPH_READ_FRAGMENT);
+    light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, shade->radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+    graph_depth_read_only(pass, shade->dais.depth);
+}
+
+void dais_shade_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, graph_image radiance) {
+    struct shade_data data = {.dais = *dais,
+                              .scene = input->scene,
+                              .radiance = radiance,
+                              .view = input->view,
+                              .lights = input->lights->header,
+                              .counters = input->counters,
+                              .format = graph_image_info(graph, radiance).format,
+                              .kind = input->lights->kind,
+                              .background = {input->background[0], input->background[1], input->background[2]}};
+    if (dais->samples.id) add_spawned(graph, &data);
+    if (dais->sample_count > 1) {
+        uint64_t size = data.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12 : 8;
+        data.results = graph_create_buffer(graph, "dais radiance",
+                                           (uint64_t)dais->width * dais->height * dais->sample_count * size);
+    }
+    add_shade(graph, input, &data);
+    if (dais->sample_count > 1) add_spread(graph, &data);
+    add_rest(graph, input, &data);
+}

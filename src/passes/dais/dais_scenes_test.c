@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Whole scenes by deferred attribute interpolation against forward shading. Textures are filtered without anisotropy, as drivers place its
+ * samples in their own ways. At edges of pixels with several samples a triangle is shaded in the middle of the samples that show it, forward
+ * where the driver chooses: only PSNR is asked for there.
+ */
+#include "passes/dais/dais_shared.h"
+#include "tests/render_harness.h"
+
+struct scene_case {
+    const char *source;
+    uint32_t scattered;
+    float ev;
+    double time; /* of the first animation; below 0: at rest */
+};
+
+static void open_case(const struct scene_case *c, struct stage *stage) {
+    *stage = stage_open(c->source, c->scattered);
+    assert_int_equal(fnl_scene_set_anisotropy(stage->scene, 1), FNL_OK);
+    if (c->time >= 0) assert_int_equal(fnl_scene_set_time(stage->scene, 0, c->time), FNL_OK);
+    stage->frame.ev = c->ev;
+    stage->frame.lists = FNL_LISTS_CLUSTERED;
+}
+
+static void test_scene(void **state) {
+    const struct scene_case *c = *state;
+    struct stage stage;
+    open_case(c, &stage);
+    fnl_frame frame = stage.frame;
+    frame.count_lights = true;
+    frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    struct shot forward = stage_shoot(&stage, &frame);
+    frame.shading = FNL_SHADING_DAIS;
+    struct shot dais = stage_shoot(&stage, &frame);
+    assert_int_equal(count_broken(&dais.radiance), 0);
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &forward.color, &dais.color, &difference), FNL_OK);
+    uint64_t beyond = count_beyond(&forward.color, &dais.color, 2);
+    print_message("%s: %.1f dB, %llu pixels beyond 2/255, %d/255 at most; %u triangles, %u different\n", c->source,
+                  difference.psnr, (unsigned long long)beyond, greatest_difference(&forward.color, &dais.color),
+                  dais.stats.dais.triangles, dais.stats.dais.unique);
+    assert_true(beyond * 500 <= frame.width * frame.height);
+    assert_true(difference.psnr >= 56);
+    /* DI-4: hardly a triangle twice. */
+    assert_true(dais.stats.dais.unique > 0 && dais.stats.dais.triangles <= dais.stats.dais.unique * 1.02 + 8);
+    assert_int_equal(dais.stats.dais.overflow, 0);
+    shot_free(&forward);
+    shot_free(&dais);
+    stage_close(&stage);
+}
+
+/* DI-3: against deferred shading and forward shading at all sample counts. */
+static void test_samples(void **state) {
+    UNUSED(state);
+    static const struct scene_case cases[] = {{"builtin:hall?lights=24", 0, 5, -1}, {"FlightHelmet/FlightHelmet.gltf", 12, 5, -1}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        struct stage stage;
+        open_case(&cases[i], &stage);
+        stage.frame.width = 128;
+        stage.frame.height = 72;
+        for (uint32_t samples = 1; samples <= 8; samples *= 2) {
+            fnl_device_info info;
+            fnl_device_query_info(harness_device(), &info);
+            if (!(info.msaa_counts & samples)) {
+                print_message("  %u samples: not on this device\n", samples);
+                continue;
+            }
+            fnl_frame frame = stage.frame;
+            frame.msaa = samples;
+            static const fnl_shading orders[] = {FNL_SHADING_DAIS, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DEFERRED};
+            struct shot shots[COUNT_OF(orders)];
+            double psnr[COUNT_OF(orders)];
+            for (uint32_t k = 0; k < COUNT_OF(orders); k++) {
+                frame.shading = orders[k];
+                shots[k] = stage_shoot(&stage, &frame);
+                fnl_image_difference difference;
+                assert_int_equal(fnl_image_compare(NULL, &shots[0].color, &shots[k].color, &difference), FNL_OK);
+                psnr[k] = difference.psnr;
+            }
+            print_message("  %s, %u samples: %.1f dB from forward, %.1f dB from deferred\n", cases[i].source, samples, psnr[1],
+                          psnr[2]);
+            assert_true(psnr[1] >= (samples == 1 ? 56 : 44));
+            assert_true(psnr[2] >= (samples == 1 ? 44 : 40));
+            for (uint32_t k = 0; k < COUNT_OF(orders); k++) shot_free(&shots[k]);
+        }
+        stage_close(&stage);
+    }
+}
+
+int main(void) {
+    static struct scene_case cases[] = {{"FlightHelmet/FlightHelmet.gltf", 40, 5, -1},
+                                        {"DamagedHelmet.glb", 40, 5, -1},
+                                        {"Fox.glb", 40, 5, 0.4},
+                                        {"CesiumMan.glb", 40, 5, 0.7},
+                                        {"builtin:hall?lights=64", 0, 5, -1},
+                                        {"builtin:interior?lights=40", 0, 5, -1},
+                                        {"builtin:city?lights=64&instances=20000", 0, 1, -1},
+                                        {"builtin:grass?lights=24", 0, 5, -1},
+                                        {"builtin:glass?lights=24", 0, 5, -1}};
+    struct CMUnitTest tests[COUNT_OF(cases) + 1];
+    char names[COUNT_OF(cases)][96];
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        bool cutouts = strstr(cases[i].source, "grass");
+        snprintf(names[i], sizeof names[i], "DI-2%s: %s as in forward shading", cutouts ? ", DI-8" : "", cases[i].source);
+        tests[i] = (struct CMUnitTest){names[i], test_scene, NULL, harness_check, &cases[i]};
+    }
+    tests[COUNT_OF(cases)] =
+        (struct CMUnitTest){"DI-3: close to deferred shading at all sample counts", test_samples, NULL, harness_check, NULL};
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}

@@ -1,0 +1,673 @@
+/* SPDX-License-Identifier: MIT */
+/** Deferred attribute interpolation: references, derivatives, cache, pools, lists and shared samples. Whole scenes: dais_scenes_test.c. */
+#include "passes/dais/dais_shared.h"
+#include "render/render_test.h"
+
+/* ---- scenes ---- */
+
+struct soup {
+    uint32_t meshes, triangles; /* of a mesh */
+    float largest;              /* metres; the first tenth is so large, others by and by smaller */
+    bool flat;                  /* a triangle has one colour, which tells it from others */
+    bool plain;                 /* a mesh has one colour, that of its material */
+    bool lines;                 /* every tenth mesh is lines, every tenth points */
+};
+
+/* Triangles that reach behind the viewer, lie on edge, cross each other and are small. */
+static fnl_scene *soup_scene(const struct soup *soup) {
+    fnl_scene *scene = test_scene();
+    struct random_state random = {3};
+    uint32_t material = 0, count = soup->triangles * 3;
+    for (uint32_t i = 0; i < soup->meshes; i++) {
+        if (i == 0 || soup->plain) {
+            struct scene_material unlit = test_unlit(1, soup->plain ? 0.1f + (float)(i % 7) * 0.1f : 1,
+                                                     soup->plain ? 0.9f - (float)(i % 5) * 0.1f : 1);
+            unlit.double_sided = true;
+            material = scene_add_material(scene, &unlit);
+        }
+        vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, count);
+        vec4 *colors = ARENA_ARRAY(&scene->arena, vec4, count);
+        uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, count);
+        float size = i * 10 < soup->meshes ? soup->largest : i * 2 < soup->meshes ? fminf(soup->largest, 2) : 0.1f;
+        for (uint32_t v = 0; v < count; v++) {
+            positions[v] = (vec3){random_range(&random, -size, size), random_range(&random, -size, size),
+                                  random_range(&random, -size, size)};
+            colors[v] = soup->flat && v % 3 ? colors[v - 1]
+                                            : (vec4){random_float(&random), random_float(&random), random_float(&random), 1};
+            indices[v] = count - 1 - v;
+        }
+        struct scene_primitive primitive = {.material = material,
+                                            .topology = soup->lines && i % 10 == 8   ? SCENE_TOPOLOGY_LINES
+                                                        : soup->lines && i % 10 == 9 ? SCENE_TOPOLOGY_POINTS
+                                                                                     : SCENE_TOPOLOGY_TRIANGLES,
+                                            .vertex_count = count,
+                                            .index_count = count,
+                                            .indices = indices,
+                                            .positions = positions,
+                                            .colors = soup->plain ? NULL : colors};
+        assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+        uint32_t mesh = scene_add_mesh(scene, "", &primitive, 1);
+        vec3 mirror = {i % 3 == 0 ? -1.0f : 1.0f, 1, 1};
+        test_place(scene, mesh,
+                   (vec3){random_range(&random, -3, 3), random_range(&random, -2, 2), random_range(&random, -3, 2)}, mirror);
+    }
+    return scene;
+}
+
+static const struct soup colorful = {60, 2, 30, .lines = true}, crossing = {60, 2, 30, .lines = false}, confetti = {60, 60, 0.5f, .flat = true},
+                         paper = {60, 60, 0.5f, .plain = true};
+
+static fnl_frame wide_frame(int view) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.width = 131;
+    frame.height = 77;
+    frame.shading = FNL_SHADING_DAIS;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){0.3f, 0.4f, 5};
+    frame.camera.target = (vec3){0, 0, 0};
+    if (view == 1) frame.camera.shift = (vec2){0.4f, -0.3f};
+    if (view == 2) {
+        frame.camera.orthographic = true;
+        frame.camera.vertical_extent = 6;
+        frame.camera.far_distance = 60;
+    }
+    return frame;
+}
+
+struct closeness {
+    uint32_t beyond, shown;
+    double worst;
+};
+
+/* Pixels of `a` that show something and differ in `b` by more than `allowed`. */
+static struct closeness compare(const fnl_image *a, const fnl_image *b, double allowed) {
+    struct closeness c = {0};
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++) {
+            const float *p = test_pixel(a, x, y), *q = test_pixel(b, x, y);
+            double error = 0;
+            for (int k = 0; k < 3; k++) error = fmax(error, fabs((double)p[k] - (double)q[k]));
+            c.shown += p[0] > 0 || p[1] > 0 || p[2] > 0;
+            c.beyond += !(error <= allowed);
+            c.worst = fmax(c.worst, error);
+        }
+    return c;
+}
+
+static fnl_image shoot(fnl_renderer *renderer, const fnl_frame *frame) {
+    test_render_frame(renderer, frame);
+    return test_read(renderer, FNL_OUTPUT_RADIANCE);
+}
+
+static fnl_frame_stats stats_of(fnl_renderer *renderer) {
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    return stats;
+}
+
+static uint32_t sample_counts(uint32_t i) {
+    static const uint32_t counts[] = {1, 4, 8, 2};
+    return counts[i];
+}
+
+static bool has_samples(uint32_t samples) {
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(test_device, &info), FNL_OK);
+    return info.msaa_counts & samples;
+}
+
+/* ---- DI-1 ---- */
+
+/* Each triangle has a colour of its own: means of samples tell which triangles were seen at them. A visibility buffer holds just their ids. */
+static void test_references(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t i = 0; i < 4; i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.msaa = sample_counts(i);
+        if (!has_samples(frame.msaa)) continue;
+        fnl_image dais = shoot(renderer, &frame);
+        /* With several samples drivers interpolate in ways of their own. */
+        frame.shading = frame.msaa == 1 ? FNL_SHADING_FORWARD : FNL_SHADING_VISIBILITY;
+        fnl_image forward = shoot(renderer, &frame);
+        struct closeness c = compare(&forward, &dais, 2e-3);
+        print_message("%u samples: %u of %u pixels beyond 2e-3, %.2g at most\n", frame.msaa, c.beyond, c.shown, c.worst);
+        assert_true(c.shown > 2000);
+        assert_int_equal(c.beyond, 0);
+        free_picture(&dais);
+        free_picture(&forward);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-2, DI-12, DI-13 ---- */
+
+static void test_interpolation(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&colorful);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (int view = 0; view < 3; view++) {
+        fnl_frame frame = wide_frame(view);
+        fnl_image dais = shoot(renderer, &frame);
+        frame.shading = FNL_SHADING_FORWARD;
+        fnl_image forward = shoot(renderer, &frame);
+        struct closeness c = compare(&forward, &dais, 1e-3);
+        print_message("view %d: %u of %u pixels beyond 1e-3, %.2g at most\n", view, c.beyond, c.shown, c.worst);
+        assert_true(c.shown > 3000);
+        /* Triangles on edge, a fraction of a pixel wide: the rasteriser's positions are rounded to 1/256 of a pixel. */
+        assert_true(c.beyond * 200 < c.shown);
+        free_picture(&dais);
+        free_picture(&forward);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Positions and depths from 1/w, interpolated normals, against what the surface outputs say. */
+static void test_positions(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&crossing);
+    struct scene_material white = test_unlit(1, 1, 1);
+    test_place(scene, test_sphere_mesh(scene, scene_add_material(scene, &white), 12), (vec3){0, 0, 2.5f}, (vec3){1, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    for (int view = 0; view < 3; view++) {
+        fnl_frame frame = wide_frame(view);
+        frame.outputs |= FNL_OUTPUT_POSITION | FNL_OUTPUT_NORMAL;
+        fnl_image shown[3];
+        static const uint32_t probes[3] = {DAIS_SHOW_POSITION, DAIS_SHOW_NORMAL, DAIS_SHOW_DEPTH};
+        for (int k = 0; k < 3; k++) {
+            renderer->dais_probe = probes[k];
+            shown[k] = shoot(renderer, &frame);
+        }
+        renderer->dais_probe = 0;
+        fnl_image position = test_read(renderer, FNL_OUTPUT_POSITION), normal = test_read(renderer, FNL_OUTPUT_NORMAL);
+        uint32_t surfaces = 0, far_off = 0, bent = 0, deep = 0;
+        for (uint32_t y = 0; y < frame.height; y++)
+            for (uint32_t x = 0; x < frame.width; x++) {
+                const float *p = test_pixel(&position, x, y), *n = test_pixel(&normal, x, y);
+                if (p[3] == 0) continue;
+                surfaces++;
+                const float *q = test_pixel(&shown[0], x, y), *m = test_pixel(&shown[1], x, y);
+                float away = vec3_distance((vec3){p[0], p[1], p[2]}, (vec3){q[0], q[1], q[2]});
+                vec3 unit = vec3_normalize((vec3){m[0], m[1], m[2]});
+                far_off += !(away <= 1e-3f * n[3]);
+                bent += !(fabsf(vec3_dot(unit, (vec3){n[0], n[1], n[2]})) >= 0.999f);
+                deep += !(test_pixel(&shown[2], x, y)[2] <= 1e-3f);
+            }
+        print_message("view %d: of %u pixels %u positions off, %u normals, %u depths\n", view, surfaces, far_off, bent, deep);
+        assert_true(surfaces > 3000);
+        assert_true(far_off * 200 < surfaces && bent * 200 < surfaces && deep * 200 < surfaces);
+        for (int k = 0; k < 3; k++) free_picture(&shown[k]);
+        free_picture(&position);
+        free_picture(&normal);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static fnl_image_id chequered(fnl_scene *scene) {
+    enum { SIDE = 128 };
+    static uint8_t texels[SIDE * SIDE * 4];
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
+        for (uint32_t c = 0; c < 4; c++)
+            texels[i * 4 + c] = c == 3 ? 255 : (uint8_t)(((i % SIDE / (c * 2 + 1)) ^ (i / SIDE / (c + 1))) & 1 ? 240 : 20);
+    fnl_image image = {SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
+    return id;
+}
+
+static uint32_t trilinear(fnl_scene *scene) {
+    return scene_add_sampler(scene, &(struct scene_sampler){.mag = SCENE_FILTER_LINEAR,
+                                                            .min = SCENE_FILTER_LINEAR,
+                                                            .mip = SCENE_FILTER_LINEAR,
+                                                            .mipmapped = true,
+                                                            .wrap_u = SCENE_WRAP_REPEAT,
+                                                            .wrap_v = SCENE_WRAP_MIRROR});
+}
+
+/* Textures are filtered with the levels that forward shading takes. */
+static void test_gradients(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    struct scene_material material = test_unlit(1, 1, 1);
+    material.textures[SCENE_TEXTURE_BASE_COLOR] = scene_texture_none();
+    material.textures[SCENE_TEXTURE_BASE_COLOR].image = chequered(scene).index;
+    material.textures[SCENE_TEXTURE_BASE_COLOR].sampler = trilinear(scene);
+    mat4 matrix = mat4_from_trs((vec3){0, -1, 0}, quat_axis_angle((vec3){1, 0, 0}, -PI / 2), (vec3){20, 20, 1});
+    scene_add_node(scene, "", SCENE_NONE, &matrix, test_quad_mesh(scene, scene_add_material(scene, &material)));
+    test_place(scene, test_sphere_mesh(scene, scene_add_material(scene, &material), 6), (vec3){0.5f, 0.3f, 1},
+               (vec3){1, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.outputs = FNL_OUTPUT_COLOR;
+    fnl_image colors[2];
+    for (int k = 0; k < 2; k++) {
+        frame.shading = k ? FNL_SHADING_DAIS : FNL_SHADING_FORWARD;
+        test_render_frame(renderer, &frame);
+        colors[k] = test_read(renderer, FNL_OUTPUT_COLOR);
+    }
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &colors[0], &colors[1], &difference), FNL_OK);
+    print_message("%.1f dB\n", difference.psnr);
+    assert_true(difference.psnr > 48);
+    for (int k = 0; k < 2; k++) free_picture(&colors[k]);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-4, DI-5: the cache ---- */
+
+static void test_cache(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t samples = 1; samples <= 4; samples *= 4) {
+        fnl_frame frame = wide_frame(0);
+        frame.count_lights = true;
+        frame.msaa = samples;
+        fnl_image first = {0};
+        static const uint32_t buckets[] = {1 << 16, 64, 2, 1};
+        for (uint32_t i = 0; i < COUNT_OF(buckets); i++) {
+            frame.dais.cache_buckets = buckets[i];
+            fnl_image radiance = shoot(renderer, &frame);
+            fnl_frame_stats stats = stats_of(renderer);
+            print_message("%u samples, %u buckets: %u triangles for %u, %u failures\n", samples, buckets[i],
+                          stats.dais.triangles, stats.dais.unique, stats.dais.cache_failures);
+            assert_true(stats.dais.unique > 400 && stats.dais.triangles >= stats.dais.unique);
+            assert_int_equal(stats.dais.overflow, 0);
+            if (i == 0) {
+                assert_true(stats.dais.triangles <= stats.dais.unique * 1.02 + 4);
+                first = radiance;
+                continue;
+            }
+            assert_true(test_equal(&first, &radiance));
+            free_picture(&radiance);
+        }
+        free_picture(&first);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-6: pools that are too small ---- */
+
+static void test_overflow(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&paper);
+    for (uint32_t i = 0; i < 6; i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.msaa = i & 1 ? 4 : 1;
+        frame.dais.mode = i < 2 ? FNL_DAIS_TARGET : FNL_DAIS_LIST;
+        if (i >= 4 && frame.msaa == 1) continue; /* no elements */
+        fnl_renderer *renderer = test_renderer(scene);
+        fnl_image whole = shoot(renderer, &frame);
+        assert_int_equal(stats_of(renderer).dais.overflow, 0);
+        uint32_t *pool = i < 4 ? &renderer->dais_capacity : &renderer->dais_node_capacity;
+        *pool = i < 4 ? 700 : 100;
+        fnl_image cut = shoot(renderer, &frame);
+        uint32_t overflow = stats_of(renderer).dais.overflow;
+        /* With several samples forward shading interpolates as the driver likes: no more pixels may be off than in a forward picture. */
+        fnl_frame other = frame;
+        other.shading = FNL_SHADING_FORWARD;
+        fnl_image forward = shoot(renderer, &other);
+        uint32_t allowed = compare(&whole, &forward, 2e-3).beyond;
+        struct closeness c = compare(&whole, &cut, 2e-3);
+        print_message("%u samples, %s: %u fragments without room, %u of %u pixels off, %.2g at most; forward %u\n", frame.msaa,
+                      fnl_dais_mode_name(frame.dais.mode), overflow, c.beyond, c.shown, c.worst, allowed);
+        assert_true(overflow > 100 && (frame.msaa > 1 || allowed == 0));
+        assert_true(c.beyond <= allowed + allowed / 5 && c.worst < 0.2);
+        free_picture(&cut);
+        free_picture(&forward);
+        uint32_t turns = 0;
+        do {
+            cut = shoot(renderer, &frame);
+            overflow = stats_of(renderer).dais.overflow;
+            c = compare(&whole, &cut, 2e-3);
+            assert_true(c.beyond <= allowed + allowed / 5 && c.worst < 0.2);
+            if (overflow == 0) assert_true(test_equal(&whole, &cut));
+            free_picture(&cut);
+        } while (overflow && ++turns < 12);
+        assert_int_equal(overflow, 0);
+        free_picture(&whole);
+        fnl_renderer_destroy(&renderer);
+    }
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-7: layouts ---- */
+
+/* Spheres whose materials ask for different parts: nothing, either set of coordinates, tangents, both; vertex colours are in some meshes. */
+static fnl_scene *layouts_scene(uint32_t kinds) {
+    fnl_scene *scene = test_scene();
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    uint32_t image = chequered(scene).index, sampler = trilinear(scene);
+    for (uint32_t k = 0; k < 8; k++) {
+        struct scene_material material = test_unlit(0.8f, 0.7f, 0.6f);
+        material.unlit = false;
+        material.metallic = 0;
+        material.roughness = 0.7f;
+        material.emissive = (vec3){0.1f, 0.1f, 0.1f};
+        if (k & 1 & kinds) {
+            material.textures[SCENE_TEXTURE_BASE_COLOR] = scene_texture_none();
+            material.textures[SCENE_TEXTURE_BASE_COLOR].image = image;
+            material.textures[SCENE_TEXTURE_BASE_COLOR].sampler = sampler;
+            material.textures[SCENE_TEXTURE_BASE_COLOR].uv_set = k & 4 ? 1 : 0;
+        }
+        if (k & 2 & kinds) {
+            material.textures[SCENE_TEXTURE_NORMAL] = scene_texture_none();
+            material.textures[SCENE_TEXTURE_NORMAL].image = image;
+            material.textures[SCENE_TEXTURE_NORMAL].sampler = sampler;
+            material.normal_scale = 0.3f;
+        }
+        uint32_t mesh = test_sphere_mesh(scene, scene_add_material(scene, &material), 10);
+        test_place(scene, mesh, (vec3){(float)(k % 4) * 1.6f - 2.4f, k < 4 ? 0.9f : -0.9f, 0}, (vec3){0.8f, 0.8f, 0.8f});
+    }
+    fnl_light_params light = test_point((vec3){0, 1, 4}, 60, 20);
+    fnl_light_id id;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    return scene;
+}
+
+static void test_layouts(void **state) {
+    UNUSED(state);
+    uint64_t bytes[2];
+    uint32_t triangles[2];
+    for (uint32_t k = 0; k < 2; k++) {
+        fnl_scene *scene = layouts_scene(k ? 7 : 0);
+        fnl_renderer *renderer = test_renderer(scene);
+        fnl_frame frame = wide_frame(0);
+        fnl_image dais = shoot(renderer, &frame);
+        fnl_frame_stats stats = stats_of(renderer);
+        bytes[k] = stats.dais.bytes;
+        triangles[k] = stats.dais.triangles;
+        frame.shading = FNL_SHADING_FORWARD;
+        fnl_image forward = shoot(renderer, &frame);
+        frame.shading = FNL_SHADING_VISIBILITY;
+        fnl_image visibility = shoot(renderer, &frame);
+        struct closeness c = compare(&forward, &dais, 0.02), d = compare(&visibility, &dais, 0.002);
+        print_message("%u triangles, %llu bytes: %u of %u pixels beyond 0.02, %.2g at most\n", triangles[k],
+                      (unsigned long long)bytes[k], c.beyond, c.shown, c.worst);
+        print_message("  %u beyond 0.002 of a visibility buffer's, %.2g at most\n", d.beyond, d.worst);
+        /* Normals are chequered: they tell levels of textures that a driver takes for four pixels from those of each pixel. */
+        assert_true(c.shown > 2000 && c.beyond * 25 < c.shown && d.beyond * 500 < d.shown);
+        free_picture(&visibility);
+        free_picture(&dais);
+        free_picture(&forward);
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
+    /* The same triangles; plain ones have records of 16 words, others of 22 and more. */
+    assert_true(bytes[1] > bytes[0] + triangles[0] * 6);
+}
+
+/* ---- DI-9: many triangles, ids that need no counter ---- */
+
+static void test_dense(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material white = test_unlit(0.7f, 0.6f, 0.5f);
+    uint32_t mesh = test_sphere_mesh(scene, scene_add_material(scene, &white), 96);
+    for (uint32_t i = 0; i < 24; i++)
+        test_place(scene, mesh, (vec3){(float)(i % 6) - 2.5f, (float)(i / 6) - 1.5f, 0}, (vec3){0.6f, 0.6f, 0.6f});
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.count_lights = true;
+    fnl_image dais = shoot(renderer, &frame);
+    fnl_frame_stats stats = stats_of(renderer);
+    frame.shading = FNL_SHADING_FORWARD;
+    fnl_image forward = shoot(renderer, &frame);
+    struct closeness c = compare(&forward, &dais, 1e-3);
+    print_message("%u triangles seen of %llu, %u shaded; %u of %u pixels off\n", stats.dais.unique,
+                  (unsigned long long)stats.triangles_visible, stats.dais.shaded, c.beyond, c.shown);
+    assert_true(stats.dais.unique * 2 > stats.dais.shaded); /* hardly a triangle shows at two pixels */
+    assert_int_equal(c.beyond, 0);
+    free_picture(&dais);
+    free_picture(&forward);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-10: lists ---- */
+
+static void test_lists(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t i = 0; i < 8; i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.msaa = sample_counts(i & 3);
+        if (!has_samples(frame.msaa)) continue;
+        frame.dais.mode = FNL_DAIS_TARGET;
+        fnl_image target = shoot(renderer, &frame);
+        frame.dais.mode = FNL_DAIS_LIST;
+        renderer->dais_plain = i >= 4; /* an element for each sample */
+        fnl_image list = shoot(renderer, &frame);
+        fnl_frame_stats stats = stats_of(renderer);
+        if (stats.dais.overflow) {
+            free_picture(&list);
+            list = shoot(renderer, &frame);
+        }
+        renderer->dais_plain = false;
+        print_message("%u samples: %u elements\n", frame.msaa, stats.dais.list_elements);
+        assert_true(frame.msaa == 1 || stats.dais.list_elements > 1000);
+        assert_true(test_equal(&target, &list));
+        free_picture(&target);
+        free_picture(&list);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* What covers pixels wholly takes no elements, what covers them partly one each; lists are smaller then. */
+static void test_full_cover(void **state) {
+    UNUSED(state);
+    fnl_device_info info;
+    assert_int_equal(fnl_device_query_info(test_device, &info), FNL_OK);
+    if (!info.post_depth_coverage) skip();
+    fnl_scene *scene = test_scene();
+    struct scene_material white = test_unlit(1, 1, 1);
+    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 3);
+    uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 3);
+    for (uint32_t i = 0; i < 3; i++) {
+        positions[i] = (vec3){i == 1 ? 4.0f : -3.5f, i == 2 ? 2.4f : -1.8f, 0}; /* all in view: what is clipped may be drawn in parts */
+        indices[i] = i;
+    }
+    struct scene_primitive primitive = {.material = scene_add_material(scene, &white),
+                                        .vertex_count = 3,
+                                        .index_count = 3,
+                                        .indices = indices,
+                                        .positions = positions};
+    assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+    test_place(scene, scene_add_mesh(scene, "", &primitive, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.msaa = 4;
+    fnl_image target = shoot(renderer, &frame);
+    uint64_t target_bytes = stats_of(renderer).dais.bytes;
+    frame.dais.mode = FNL_DAIS_LIST;
+    fnl_image list = shoot(renderer, &frame);
+    fnl_frame_stats stats = stats_of(renderer);
+    assert_true(test_equal(&target, &list));
+    assert_int_equal(stats.dais.triangles, 1);
+    uint32_t wholly = 0, partly = 0;
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) {
+            float level = test_pixel(&target, x, y)[0];
+            wholly += level > 0.999f;
+            partly += level > 0.001f && level <= 0.999f;
+        }
+    print_message("%u elements; %u pixels are covered wholly, %u partly\n", stats.dais.list_elements, wholly, partly);
+    assert_true(wholly > 3000);
+    assert_int_equal(stats.dais.list_elements, partly);
+    assert_int_equal(target_bytes - stats.dais.bytes, 3ull * 4 * frame.width * frame.height - partly * DAIS_NODE * 4ull);
+    free_picture(&target);
+    free_picture(&list);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-11: shared samples ---- */
+
+static void test_multirate(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = layouts_scene(7);
+    scene->ambient_sky = (vec3){0.5f, 0.7f, 1};
+    scene->ambient_ground = (vec3){0.3f, 0.2f, 0.1f};
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t i = 0; i < 6; i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.outputs |= FNL_OUTPUT_COLOR;
+        frame.exposure = FNL_EXPOSURE_NONE;
+        frame.count_lights = true;
+        frame.msaa = i % 2 ? 4 : 1;
+        frame.dais.mode = i % 4 < 2 ? FNL_DAIS_TARGET : FNL_DAIS_LIST;
+        fnl_image all = shoot(renderer, &frame), all_color = test_read(renderer, FNL_OUTPUT_COLOR);
+        uint32_t shaded = stats_of(renderer).dais.shaded;
+        frame.dais.multirate = true;
+        renderer->dais_plain = i >= 4; /* nobody shares */
+        fnl_image part = shoot(renderer, &frame), part_color = test_read(renderer, FNL_OUTPUT_COLOR);
+        renderer->dais_plain = false;
+        uint32_t samples = stats_of(renderer).dais.shading_samples;
+        fnl_image_difference difference;
+        assert_int_equal(fnl_image_compare(NULL, &all_color, &part_color, &difference), FNL_OK);
+        uint32_t holes = 0;
+        for (uint32_t y = 0; y < frame.height; y++)
+            for (uint32_t x = 0; x < frame.width; x++)
+                holes += test_pixel(&part, x, y)[0] < 0.5f * test_pixel(&all, x, y)[0];
+        print_message("%u samples, %s: %u shading samples for %u; %.1f dB, %u holes\n", frame.msaa,
+                      fnl_dais_mode_name(frame.dais.mode), samples, shaded, difference.psnr, holes);
+        fnl_device_info info;
+        assert_int_equal(fnl_device_query_info(test_device, &info), FNL_OK);
+        if (i < 4 && info.quad_operations) assert_true(samples * 10 < shaded * 9);
+        if (i >= 4) assert_true(samples >= shaded);
+        assert_int_equal(holes, 0);
+        assert_true(difference.psnr > 40);
+        free_picture(&all);
+        free_picture(&part);
+        free_picture(&all_color);
+        free_picture(&part_color);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- DI-14, DI-15 ---- */
+
+/* Bytes of what shading reads, with eight samples a pixel, against the G-buffer of deferred shading. */
+static void test_bytes(void **state) {
+    UNUSED(state);
+    fnl_gbuffer_info info;
+    assert_int_equal(fnl_gbuffer_query_info(FNL_GBUFFER_DEFAULT, &info), FNL_OK);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.msaa = 4;
+    test_render_frame(renderer, &frame);
+    fnl_frame_stats dais = stats_of(renderer);
+    uint64_t samples = (uint64_t)frame.width * frame.height * frame.msaa, cache = (uint64_t)frame.dais.cache_buckets * 16;
+    /* What is counted is what formats and records say: 4 bytes a sample, the cache, and for each triangle its record and its number. */
+    uint64_t records = dais.dais.bytes - samples * 4 - cache;
+    assert_true(records >= dais.dais.triangles * 4ull * (16 + 1) && records <= dais.dais.triangles * 4ull * (DAIS_RECORD_MAX + 1));
+    frame.shading = FNL_SHADING_DEFERRED;
+    test_render_frame(renderer, &frame);
+    assert_int_equal(stats_of(renderer).gbuffer_bytes, samples * info.bits / 8);
+    double each = (double)records / dais.dais.triangles;
+    static const uint32_t sizes[][2] = {{1920, 1080}, {3840, 2160}};
+    for (uint32_t i = 0; i < 2; i++) {
+        uint64_t many = 8ull * sizes[i][0] * sizes[i][1], deferred = many * info.bits / 8;
+        double triangles = 262267, bytes = (double)(many * 4 + cache) + triangles * each;
+        print_message("%ux%u, 8 samples: %.1f MiB, deferred %.1f MiB, ratio %.2f; even at %.1f million triangles\n",
+                      sizes[i][0], sizes[i][1], bytes / (1 << 20), (double)deferred / (1 << 20), bytes / (double)deferred,
+                      (double)(deferred - many * 4 - cache) / each * 1e-6);
+        assert_true(bytes < 0.6 * (double)deferred);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_timers(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.msaa = 4;
+    frame.timers = true;
+    frame.dais.multirate = true;
+    test_render_frame(renderer, &frame);
+    fnl_frame_stats stats = stats_of(renderer);
+    static const char *const passes[] = {"depth prepass", "dais visibility", "dais derivatives", "dais shared samples",
+                                         "dais shade"};
+    for (uint32_t k = 0; k < COUNT_OF(passes); k++) {
+        uint32_t found = 0;
+        for (uint32_t i = 0; i < stats.pass_count; i++) found += strcmp(stats.passes[i].name, passes[k]) == 0;
+        assert_int_equal(found, 1);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- the rest of the contract ---- */
+
+static void test_options(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const uint32_t buckets[] = {0, 3, (1u << 22) + 1, 1u << 23};
+    for (uint32_t i = 0; i < COUNT_OF(buckets); i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.dais.cache_buckets = buckets[i];
+        assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
+    }
+    fnl_frame frame = wide_frame(0);
+    frame.dais.mode = FNL_DAIS_MODE_COUNT;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
+    assert_null(fnl_dais_mode_name(FNL_DAIS_MODE_COUNT));
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* Nothing in view; one pixel; poison in what is not written. */
+static void test_little(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    fnl_renderer *renderer = test_renderer(scene);
+    renderer->poison = true;
+    for (uint32_t i = 0; i < 4; i++) {
+        fnl_frame frame = wide_frame(0);
+        frame.width = i & 1 ? 1 : 33;
+        frame.height = i & 1 ? 1 : 7;
+        frame.msaa = i & 1 ? 4 : 1;
+        frame.dais.mode = (fnl_dais_mode)(i >> 1);
+        frame.dais.multirate = i == 2;
+        fnl_image radiance = shoot(renderer, &frame);
+        for (int k = 0; k < 3; k++) assert_true(test_pixel(&radiance, 0, 0)[k] == (&scene->background.x)[k]);
+        assert_int_equal(stats_of(renderer).dais.triangles, 0);
+        free_picture(&radiance);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"DI-1: each sample refers to the triangle that is seen at it", test_references, NULL, NULL, NULL},
+        {"DI-2: attributes are the rasteriser's, across the near plane too", test_interpolation, NULL, NULL, NULL},
+        {"DI-2, DI-12: positions, normals and depths from derivatives", test_positions, NULL, NULL, NULL},
+        {"DI-13: textures are filtered as in forward shading", test_gradients, NULL, NULL, NULL},
+        {"DI-4, DI-5: caches of any size, a single bucket too", test_cache, NULL, NULL, NULL},
+        {"DI-6: what finds no room is shaded all the same", test_overflow, NULL, NULL, NULL},
+        {"DI-7: materials choose what a record holds", test_layouts, NULL, NULL, NULL},
+        {"DI-9: as many triangles as pixels, ids without a counter", test_dense, NULL, NULL, NULL},
+        {"DI-10: lists refer to the same triangles", test_lists, NULL, NULL, NULL},
+        {"DI-10: pixels covered by one triangle take no elements", test_full_cover, NULL, NULL, NULL},
+        {"DI-11: ambient light at a lower rate", test_multirate, NULL, NULL, NULL},
+        {"DI-14: bytes beside deferred shading", test_bytes, NULL, NULL, NULL},
+        {"DI-15: every pass has its time", test_timers, NULL, NULL, NULL},
+        {"options out of range", test_options, NULL, NULL, NULL},
+        {"nothing in view", test_little, NULL, NULL, NULL}};
+    return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/orders.h"
+#include "render/shading.h"
+
+#include "passes/dais/dais.h"
+
+static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_device_info *info = gpu_info(r->device);
+    return (struct dais_params){.lists = frame->dais.mode == FNL_DAIS_LIST,
+                                .shared_samples = frame->dais.multirate,
+                                .each_sample = frame->msaa > 1 && (!info->post_depth_coverage || r->dais_plain),
+                                .quads = info->quad_operations && !r->dais_plain,
+                                .buckets = frame->dais.cache_buckets,
+                                .capacity = MAX(r->dais_capacity, 64u),
+                                .node_capacity = MAX(r->dais_node_capacity, 2u),
+                                .probe = r->dais_probe};
+}
+
+fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_host *host = &r->host;
+    uint32_t buckets = frame->dais.cache_buckets;
+    REQUIRE(host, (uint32_t)frame->dais.mode < FNL_DAIS_MODE_COUNT);
+    REQUIRE(host, buckets >= 1 && buckets <= 1u << 22 && (buckets & (buckets - 1)) == 0);
+    if (frame->shading != FNL_SHADING_DAIS || frame->msaa == 1) return FNL_OK;
+    if (frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa)) {
+        log_error(host, "this device has no integer targets of %u samples for dais shading; lists (fnl_dais_options) need none",
+                  frame->msaa);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
+void order_dais(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass); /* always */
+    struct dais_params params = params_of(f->r, f->frame);
+    struct dais dais = dais_add(f->graph, input, &params, f->depth);
+    order_add_lists(f, f->depth, NULL);
+    dais_shade_add(f->graph, input, &dais, f->radiance);
+    f->dais_counts = dais.counts;
+    f->r->dais_bytes = dais.fixed_bytes;
+}
+
+void dais_query(const fnl_renderer *r, const uint32_t *counts, struct fnl_dais_stats *out) {
+    *out = (struct fnl_dais_stats){0};
+    if (r->frame.shading != FNL_SHADING_DAIS) return;
+    bool lists = r->frame.dais.mode == FNL_DAIS_LIST;
+    out->triangles = counts[DAIS_STORED];
+    out->unique = counts[DAIS_UNIQUE];
+    out->cache_failures = counts[DAIS_FAILED];
+    out->overflow = counts[DAIS_OVERFLOW];
+    out->list_elements = counts[DAIS_NODES];
+    out->shading_samples = counts[DAIS_SAMPLES];
+    out->shaded = counts[DAIS_SHADED];
+    out->bytes = r->dais_bytes + counts[DAIS_WORDS] * 4ull + counts[DAIS_STORED] * 4ull +
+                 (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
+}
