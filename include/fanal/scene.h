@@ -200,7 +200,7 @@ typedef enum fnl_decal_kind {
     FNL_DECAL_VOLUME,  /**< the box is a stack of slices: a surface shows the picture at its very place (marble, a cut) */
     FNL_DECAL_MESH,    /**< on one instance, in the space of its mesh before it deforms: stretches and moves with the skin */
     FNL_DECAL_REDRAW, /**< the triangles of one instance that the box touches are drawn again over it, with lighting of their own */
-    FNL_DECAL_BAKED, /**< painted into a copy of one instance's base colour textures when it is added: no cost in a frame */
+    FNL_DECAL_BAKED, /**< painted into copies of one instance's textures when it is added: no cost in a frame */
     FNL_DECAL_KIND_COUNT
 } fnl_decal_kind;
 
