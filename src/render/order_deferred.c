@@ -50,7 +50,8 @@ _Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_
                "volumes_shared.h has the values of fnl_volume_shape");
 
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
-    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list_options.frustum_cull, shape};
+    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list_options.frustum_cull, shape,
+                                  f->r->volume_hook};
     return volumes_prepare(f->graph, f->r->device, &input);
 }
 

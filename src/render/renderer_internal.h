@@ -72,6 +72,7 @@ struct fnl_renderer {
     uint64_t dais_bytes;                        /* of the last frame: what the pools do not hold */
     uint32_t dais_probe;                        /* tests: DAIS_SHOW_… */
     bool dais_plain; /* tests: as on devices without coverage after the depth test or values shared by four pixels */
+    const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
     bool poison;              /* tests: transient buffers begin each frame full of rubbish */
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 

@@ -54,7 +54,7 @@ struct cull_data {
     VkDeviceAddress view, list;
     graph_buffer sums, ids, draws;
     uint32_t shape, alone;
-    bool cull, fills;
+    bool cull, fills, by_light;
 };
 
 static void execute_cull(const struct graph_context *context, const void *data) {
@@ -68,7 +68,8 @@ static void execute_cull(const struct graph_context *context, const void *data) 
                                     .light_count = d->lights.local_count,
                                     .cull = d->cull,
                                     .shape = d->shape,
-                                    .alone = d->alone};
+                                    .alone = d->alone,
+                                    .by_light = d->by_light};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
@@ -129,13 +130,17 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
         .list = light_list_all_add(graph, device, lights), .shape = input->shape, .light_count = count};
-    if (input->shape == VOLUME_STENCIL) volumes.alone = MIN(count, VOLUME_STENCIL_LIGHTS);
+    if (input->shape == VOLUME_STENCIL) {
+        volumes.hook = input->hook;
+        volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);
+    }
     struct cull_data cull = {.lights = *lights,
                              .view = input->view,
                              .list = volumes.list.header,
                              .cull = input->cull,
                              .shape = input->shape,
-                             .alone = volumes.alone};
+                             .alone = volumes.alone,
+                             .by_light = volumes.hook != NULL};
     volumes.sums = cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
     volumes.ids = cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
     volumes.draws = cull.draws =
@@ -213,6 +218,9 @@ struct draw_data {
     uint32_t width, height;
     graph_buffer words; /* of struct surface_layers, as the next */
     uint32_t samples, layer;
+    uint32_t first, end; /* of those that are drawn alone */
+    bool begins, ends;   /* copies the depth; draws those that are not alone */
+    graph_image mask;    /* or id 0 */
 };
 
 /* The depth of what is lit here, once more beside a stencil; sky and what is lit forward lie behind everything. */
@@ -260,7 +268,7 @@ static void draw_alone(const struct graph_context *context, const struct draw_da
     push.ids = graph_address(context, d->volumes.ids);
     gpu_push(context->commands, &push, sizeof push);
     gpu_bind_indices(context->commands, d->volumes.indices.buffer, d->volumes.indices.offset);
-    for (uint32_t i = 0; i < d->volumes.alone; i++) {
+    for (uint32_t i = d->first; i < d->end; i++) {
         const uint64_t offset = (2ull + i) * sizeof(struct gpu_draw);
         if (i > 0 && i % 255 == 0) gpu_clear_stencil(context->commands, d->width, d->height, 0);
         gpu_bind(context->commands, mark);
@@ -291,16 +299,32 @@ static void execute_draw(const struct graph_context *context, const void *data) 
                                    .gbuffer = gbuffer_handles(context, &d->gbuffer),
                                    .layer = d->layer};
     if (d->volumes.shape == VOLUME_STENCIL) {
-        copy_depth(context, d);
+        if (d->begins) copy_depth(context, d);
         state.depth_format = STENCIL_FORMAT;
+        state.constants[14] = d->mask.id != 0;
         state.constant_count = 16;
+        if (d->mask.id) push.mask = graph_sampled(context, d->mask);
         draw_alone(context, d, &state, push);
     }
-    volumes_draw(context, &d->volumes, &state, (struct gpu_volume_head *)&push, sizeof push);
+    if (d->ends) volumes_draw(context, &d->volumes, &state, (struct gpu_volume_head *)&push, sizeof push);
 }
 
 bool volumes_stencil_supported(const gpu_device *device) {
     return gpu_format_supports(device, STENCIL_FORMAT, VK_FORMAT_FEATURE_2_DEPTH_STENCIL_ATTACHMENT_BIT);
+}
+
+static void add_draw(struct graph *graph, const char *name, const struct draw_data *draw, graph_image radiance,
+                     graph_image both) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_draw, draw, sizeof *draw);
+    volumes_use(pass, &draw->volumes);
+    gbuffer_use(pass, &draw->gbuffer, GRAPH_SAMPLE_FRAGMENT);
+    if (draw->mask.id) graph_use_image(pass, draw->mask, GRAPH_SAMPLE_FRAGMENT);
+    if (draw->counters.id) graph_use_buffer(pass, draw->counters, GRAPH_READ_WRITE_FRAGMENT);
+    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
+    if (both.id)
+        graph_depth(pass, both, draw->begins ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD, 0);
+    else
+        graph_depth_read_only(pass, draw->gbuffer.depth);
 }
 
 void volumes_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
@@ -311,20 +335,23 @@ void volumes_add(struct graph *graph, const struct shade_input *input, const str
                              .counters = input->counters,
                              .format = graph_image_info(graph, radiance).format,
                              .width = input->width,
-                             .height = input->height};
-    struct graph_pass *pass = graph_add_pass(graph, "volumes", GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
-    volumes_use(pass, volumes);
-    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
-    graph_color(pass, radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});
-    if (volumes->shape == VOLUME_STENCIL) {
-        graph_image both = graph_create_image(
+                             .height = input->height,
+                             .begins = true};
+    graph_image both = {0};
+    if (volumes->shape == VOLUME_STENCIL)
+        both = graph_create_image(
             graph, &(struct graph_image_params){
                        .name = "volume stencil", .format = STENCIL_FORMAT, .width = input->width, .height = input->height});
-        graph_depth(pass, both, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
-    } else {
-        graph_depth_read_only(pass, gbuffer->depth);
+    for (; volumes->hook && draw.first < volumes->alone; draw.first++) {
+        draw.end = draw.first + 1;
+        draw.mask = volumes->hook->add(graph, draw.first, volumes->hook->user);
+        add_draw(graph, volumes->hook->names[draw.first], &draw, radiance, both);
+        draw.begins = false;
     }
+    draw.mask = (graph_image){0};
+    draw.end = volumes->alone;
+    draw.ends = true;
+    add_draw(graph, "volumes", &draw, radiance, both);
 }
 
 void volumes_add_samples(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
@@ -350,7 +377,10 @@ void volumes_add_samples(struct graph *graph, const struct shade_input *input, c
                              .width = input->width,
                              .height = input->height,
                              .words = layers->surfaces,
-                             .samples = layers->count};
+                             .samples = layers->count,
+                             .end = volumes->alone,
+                             .begins = true,
+                             .ends = true};
     graph_image targets[SURFACE_LAYERS] = {{0}};
     static const float zero[4];
     for (; draw.layer < layers->count; draw.layer++) {

@@ -10,6 +10,8 @@
 
 layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
 
+layout(constant_id = 14) const uint MASKED = 0u; // 1: a mask says how much of the light is left
+
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_volume_push push; };
 
@@ -42,6 +44,7 @@ void main() {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
     vec3 to_light;
     vec3 illuminance = illuminate(push.list, push.list.list.directional_count + in_light, position, to_light);
+    if (MASKED == 1u) illuminance *= texelFetch(textures[push.mask], pixel, 0).r;
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
     surface s = gbuffer_surface_at(push.gbuffer, pixel, at, position, vec3(0.0));

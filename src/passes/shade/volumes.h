@@ -19,11 +19,24 @@ void volumes_indices(uint32_t out[VOLUME_INDEX_COUNT]);
     contributions would get lost in 16 bits. */
 VkFormat volumes_format(const gpu_device *device);
 
+/**
+ * One light at a time (ES-18): the first `count` local lights of the scene get a pass each, in their order, and `add` is called for each right
+ * before its pass is: it may declare passes of its own, a shadow map's, and returns a mask of the picture's size, 1 in red where the light
+ * is not kept off, or id 0. The graph lays the images of all lights over one another: one shadow map serves them all.
+ */
+struct volumes_hook {
+    graph_image (*add)(struct graph *graph, uint32_t light, void *user);
+    void *user;
+    const char *const *names; /* of the lights' passes, for the graph */
+    uint32_t count;
+};
+
 struct volumes_input {
     const struct light_input *lights;
     VkDeviceAddress view;
     bool cull;      /* only volumes in view; default true */
     uint32_t shape; /* VOLUME_… of volumes_shared.h; default VOLUME_SOLIDS */
+    const struct volumes_hook *hook; /* NULL (default): none. VOLUME_STENCIL */
 };
 /** The lights whose volumes are drawn, ready to be drawn by any number of passes. */
 struct volumes {
@@ -33,6 +46,7 @@ struct volumes {
     graph_buffer totals;           /* struct light_totals: volumes drawn, 0, 0 */
     struct gpu_slice indices;
     uint32_t shape, light_count;
+    const struct volumes_hook *hook;
     uint32_t
         alone; /* the first so many are drawn one by one: VOLUME_STENCIL; VOLUME_STENCIL_LIGHTS and all lights at most */
 };

@@ -29,12 +29,17 @@ void main() {
         uint slot = push.sums.at[index];
         if (push.sums.at[index + 1u] != slot) {
             push.ids.at[slot] = index < count ? index : index - count;
-            if (slot < push.alone) push.draws.at[2u + slot] = solid_draw(index < count, slot, 1u);
+            if (push.by_light == 0u && slot < push.alone) push.draws.at[2u + slot] = solid_draw(index < count, slot, 1u);
         }
-        if (index < push.alone && index >= push.sums.at[2u * count]) push.draws.at[2u + index] = solid_draw(true, 0u, 0u);
+        if (push.by_light == 1u && index < push.alone) {
+            uint sphere = push.sums.at[index], cone = push.sums.at[count + index];
+            bool is_sphere = push.sums.at[index + 1u] != sphere, is_cone = push.sums.at[count + index + 1u] != cone;
+            push.draws.at[2u + index] = solid_draw(!is_cone, is_cone ? cone : sphere, is_sphere || is_cone ? 1u : 0u);
+        } else if (index < push.alone && index >= push.sums.at[2u * count]) push.draws.at[2u + index] = solid_draw(true, 0u, 0u);
     }
     if (index < 2u) {
         uint end = push.sums.at[(index + 1u) * count], first = min(max(push.sums.at[index * count], push.alone), end);
+        if (push.by_light == 1u) first = push.sums.at[index * count + push.alone];
         gpu_draw draw = solid_draw(index == 0u, first, end - first);
         const uint quads = VOLUME_SPHERE_INDICES + VOLUME_CONE_INDICES;
         if (index == 0u && push.shape == VOLUME_QUADS) {

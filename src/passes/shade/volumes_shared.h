@@ -43,6 +43,7 @@ struct gpu_volumes_push {
     uint cull;                  /* 0: lights out of the view are drawn too */
     uint shape;                 /* VOLUME_…; flat ones are sorted as spheres are */
     uint alone;                 /* so many of the volumes have a draw each, after the two of the rest */
+    uint by_light;              /* 1: those are the first lights, in view or not, and not the first volumes */
 };
 
 /* What the vertex shader reads: push constants of all that draws volumes begin with it. */
@@ -62,6 +63,7 @@ struct gpu_volume_push {
     ADDRESS(uint_array) words;     /* with several samples a pixel, as the last: samples_shared.h */
     STRUCT(gpu_gbuffer) gbuffer;
     uint layer;                    /* which surface of each pixel is lit */
+    uint mask; /* bindless: what is left of the light at each pixel, in red */
 };
 
 #endif

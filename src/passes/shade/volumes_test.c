@@ -458,6 +458,93 @@ static void test_heat_map_TD_12(void **state) {
     stage_close(&stage);
 }
 
+/* ---- one light at a time ---- */
+
+enum { HOOKED = 24 };
+
+struct keeper {
+    uint32_t next;     /* the light that comes next */
+    uint32_t kept_off; /* a bit each */
+    uint32_t width, height;
+    const char *masks[HOOKED], *passes[HOOKED];
+};
+
+/* A light's shadow: nothing is left of it, or all. */
+static graph_image keep_off(struct graph *graph, uint32_t light, void *user) {
+    struct keeper *keeper = user;
+    assert_int_equal(light, keeper->next++);
+    graph_image mask = graph_create_image(graph, &(struct graph_image_params){.name = keeper->masks[light],
+                                                                              .format = VK_FORMAT_R32_SFLOAT,
+                                                                              .width = keeper->width,
+                                                                              .height = keeper->height});
+    struct graph_pass *pass = graph_add_pass(graph, keeper->masks[light], GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+    graph_color(pass, mask, VK_ATTACHMENT_LOAD_OP_CLEAR, (float[4]){keeper->kept_off >> light & 1 ? 0.0f : 1.0f});
+    return mask;
+}
+
+/* Each light's pass stands between its mask and the next light's; masks take one place in memory, however many there are; and the picture
+   is that of the scene without the lights that are kept off. Lights beyond the hook's are drawn as ever. */
+static void test_one_light_at_a_time_ES_18(void **state) {
+    UNUSED(state);
+    static char names[2][HOOKED][24], plan[1 << 17];
+    struct keeper keeper = {.kept_off = 0x5a5a5a, .width = 161, .height = 91};
+    for (uint32_t i = 0; i < HOOKED; i++) {
+        snprintf(names[0][i], sizeof names[0][i], "mask of light %u;", i);
+        snprintf(names[1][i], sizeof names[1][i], "light %u alone;", i);
+        keeper.masks[i] = names[0][i];
+        keeper.passes[i] = names[1][i];
+    }
+    struct shot shots[2];
+    uint64_t bytes[3] = {0};
+    for (int without = 0; without < 2; without++) {
+        struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+        struct random_state random = {31};
+        for (uint32_t i = 0; i < HOOKED + 10; i++) {
+            fnl_light_params light = fnl_light_params_default();
+            fnl_light_id id;
+            light.kind = i % 3 ? FNL_LIGHT_POINT : FNL_LIGHT_SPOT;
+            light.outer_cone_angle = 0.6f;
+            light.inner_cone_angle = 0.4f;
+            light.direction = (fnl_vec3){0, -1, 0};
+            light.position =
+                (fnl_vec3){random_range(&random, -4, 4), random_range(&random, 0.3f, 3), random_range(&random, -4, 4)};
+            light.range = random_range(&random, 1, 4);
+            light.intensity = without && i < HOOKED && keeper.kept_off >> i & 1 ? 0 : 3;
+            assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+        }
+        stage.frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+        stage.frame.list_options.volume_shape = FNL_VOLUME_STENCIL;
+        for (uint32_t count = 1; !without && count <= HOOKED; count += HOOKED - 1) {
+            struct volumes_hook hook = {keep_off, &keeper, keeper.passes, count};
+            keeper.next = 0;
+            stage.renderer->volume_hook = &hook;
+            struct shot shot = stage_shoot(&stage, &stage.frame);
+            assert_int_equal(keeper.next, count);
+            bytes[count > 1] = graph_query_stats(stage.renderer->graph).transient_bytes;
+            if (count == 1) {
+                shot_free(&shot);
+                continue;
+            }
+            shots[0] = shot;
+            fnl_renderer_print_plan(stage.renderer, plan, sizeof plan);
+            const char *at = plan;
+            for (uint32_t i = 0; i < count; i++) {
+                assert_non_null(at = strstr(at, keeper.masks[i]));
+                assert_non_null(at = strstr(at, keeper.passes[i]));
+            }
+            stage.renderer->volume_hook = NULL;
+        }
+        if (without) shots[1] = stage_shoot(&stage, &stage.frame);
+        stage_close(&stage);
+    }
+    print_message("  %llu bytes with a mask, %llu with %d; %d/255\n", (unsigned long long)bytes[0],
+                  (unsigned long long)bytes[1], HOOKED, greatest_difference(&shots[0].color, &shots[1].color));
+    assert_true(greatest_difference(&shots[0].color, &shots[1].color) <= 1);
+    assert_true(bytes[1] < bytes[0] + 161 * 91 * 4 / 2); /* not one mask more */
+    shot_free(&shots[0]);
+    shot_free(&shots[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_solids, harness_check),
@@ -470,6 +557,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_random_spheres_ES_15_ES_16, harness_check),
         cmocka_unit_test_teardown(test_tiles_against_rectangles_MP_23, harness_check),
         cmocka_unit_test_teardown(test_heat_map_TD_12, harness_check),
+        cmocka_unit_test_teardown(test_one_light_at_a_time_ES_18, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
