@@ -330,6 +330,43 @@ static void test_layers_keep_their_order_ES_34(void **state) {
 }
 
 /* Red, with a green that only coarse mips show. */
+/* Each channel by itself, emission too, comes out alike both ways. */
+static void test_both_ways_change_all_channels_ES_34(void **state) {
+    (void)state;
+    static const uint32_t channels[] = {FNL_DECAL_COLOR, FNL_DECAL_NORMAL, FNL_DECAL_ROUGHNESS, FNL_DECAL_METALLIC,
+                                        FNL_DECAL_EMISSION};
+    for (uint32_t i = 0; i < COUNT_OF(channels); i++) {
+        fnl_scene *scene = wall_scene();
+        fnl_light_params light = test_point((vec3){0.6f, 0.4f, 0.9f}, 4, 6);
+        scene_add_light(scene, &light, SCENE_NONE);
+        fnl_decal_params p = plain(0.9f, 0.3f, 0.2f, 0.75f, box_at((vec3){0, 0, 0}, quat_identity(), (vec3){1, 1, 0.2f}));
+        p.channels = channels[i];
+        p.roughness = 0.4f;
+        p.metallic = 0.8f;
+        p.emissive[1] = 0.7f;
+        p.normal_image = add_picture(scene, 32, 32, false, bump_texel);
+        add(scene, &p);
+        fnl_image seen[3];
+        for (int way = FNL_DECALS_LISTS; way < FNL_DECALS_COUNT; way++) {
+            fnl_frame frame = frame_with(FNL_SHADING_DEFERRED, (fnl_decals)way, FNL_OUTPUT_RADIANCE);
+            seen[way] = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);
+        }
+        double off = 0, changed = 0;
+        for (uint32_t k = 0; k < SIDE * SIDE; k++)
+            for (int c = 0; c < 3; c++) {
+                double lists = (double)test_pixel(&seen[FNL_DECALS_LISTS], k % SIDE, k / SIDE)[c];
+                double gbuffer = (double)test_pixel(&seen[FNL_DECALS_GBUFFER], k % SIDE, k / SIDE)[c];
+                off = fmax(off, fabs(lists - gbuffer) / (lists + 0.1));
+                changed = fmax(changed, fabs(lists - (double)test_pixel(&seen[FNL_DECALS_OFF], k % SIDE, k / SIDE)[c]) /
+                                            (lists + 0.1));
+            }
+        print_message("  channel %u: %.4f off, %.3f changed\n", channels[i], off, changed);
+        assert_true(off < 0.04 && changed > 0.05);
+        for (int k = 0; k < 3; k++) free_picture(&seen[k]);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 static void fine_texel(uint32_t x, uint32_t y, uint8_t out[4]) {
     bool green = (x + y) % 2;
     out[0] = green ? 0 : 255;
@@ -413,6 +450,16 @@ static void test_faults_have_their_cures_ES_35(void **state) {
     assert_true(between >= 2 && between <= 8 && full > 100 && none > 60);
     double radius = 0.5 * full / 256 * 2 / 1.9 * 2; /* of the cut, in half sides: 1 - 0.75 d = 0.55 */
     assert_true(fabs(radius - 0.6) < 0.03);
+    free_picture(&surface);
+    frame.width = frame.height =
+        SIDE; /* the cut is as soft as the distance changes from pixel to pixel: a pixel all round */
+    surface = test_render(scene, &frame, FNL_OUTPUT_SURFACE);
+    between = 0;
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        double red = ((double)test_pixel(&surface, i % SIDE, i / SIDE)[0] - 0.5) / 0.5;
+        between += red > 0.02 && red < 0.98;
+    }
+    assert_in_range(between, 60, 200);
     free_picture(&surface);
     fnl_scene_destroy(&scene);
 }
@@ -662,8 +709,8 @@ static void tilted_back_texel(uint32_t x, uint32_t y, uint8_t out[4]) {
     memcpy(out, tilted, 4);
 }
 
-/* Each channel, and all of them, upon materials with and without textures of their own, flattened or not: what is baked looks like the
-   decal on the mesh. Materials whose factors are less than what is painted keep what is beside it. */
+/* Each channel, and all of them, upon materials with and without textures of their own, flattened or not, mirrored, fading: what is
+   baked looks like the decal on the mesh. Materials whose factors are less than what is painted keep what is beside it. */
 static void test_baked_channels_ES_29(void **state) {
     (void)state;
     static const uint32_t channels[] = {FNL_DECAL_COLOR,    FNL_DECAL_NORMAL,   FNL_DECAL_ROUGHNESS,
@@ -690,6 +737,10 @@ static void test_baked_channels_ES_29(void **state) {
             fnl_decal_params p = plain(0.9f, 0.3f, 0.2f, 0.75f,
                                        box_at((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 0, 1}, 0.6f), (vec3){1, 1, 0.2f}));
             p.channels = channels[i / 2];
+            if (textured && i % 2) /* seen from the side, so that it fades */
+                p.transform = box_at((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 1, 0}, 1.25f), (vec3){0.6f, 1, 0.95f});
+            else if (textured) /* mirrored */
+                p.transform = box_at((vec3){0, 0, 0}, quat_axis_angle((vec3){0, 0, 1}, 0.6f), (vec3){-1, 1, 0.2f});
             p.flatten = i % 2 == 1;
             p.roughness = 0.9f;
             p.metallic = 0.8f;
@@ -863,6 +914,7 @@ int main(void) {
         cmocka_unit_test(test_characters_stay_clean_ES_32),
         cmocka_unit_test(test_steep_sides_fade_ES_33),
         cmocka_unit_test(test_layers_keep_their_order_ES_34),
+        cmocka_unit_test(test_both_ways_change_all_channels_ES_34),
         cmocka_unit_test(test_faults_have_their_cures_ES_35),
         cmocka_unit_test(test_glass_gets_decals_ES_36_and_ES_59),
         cmocka_unit_test(test_mesh_decals_do_not_slide_ES_27),

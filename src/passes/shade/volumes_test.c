@@ -142,7 +142,7 @@ static void test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22(void **state) {
 }
 
 /* Hard edges of cones and of the other shapes, wide cones, lights without end. */
-static void test_shapes_TD_3_MP_22(void **state) {
+static void test_shapes_TD_3_ES_16_MP_22(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=0", 0);
     struct random_state random = {4};
@@ -154,7 +154,7 @@ static void test_shapes_TD_3_MP_22(void **state) {
             (fnl_vec3){random_range(&random, -4, 4), random_range(&random, 0.2f, 4), random_range(&random, -4, 4)};
         light.direction = vec3_normalize(
             (vec3){random_range(&random, -1, 1), random_range(&random, -1, 0.2f), random_range(&random, -1, 1)});
-        light.range = i == 7 ? 1e6f : random_range(&random, 1, 7);
+        light.range = i == 7 ? 1e6f : i == 10 ? 1e9f : random_range(&random, 1, 7);
         light.intensity = light.kind == FNL_LIGHT_BOX ? 2 : random_range(&random, 1, 5);
         light.outer_cone_angle = random_range(&random, 0.05f, 1.5f);
         light.inner_cone_angle = light.outer_cone_angle * 0.999f;
@@ -164,6 +164,9 @@ static void test_shapes_TD_3_MP_22(void **state) {
     stage.frame.width = 77;
     stage.frame.height = 119;
     check(&stage, "all shapes, odd size");
+    stage.frame.camera.orthographic = true; /* the solid of what has no end reaches round the viewer, and has no front */
+    stage.frame.camera.vertical_extent = 8;
+    check(&stage, "all shapes, orthographic");
     stage_close(&stage);
 }
 
@@ -550,7 +553,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_solids, harness_check),
         cmocka_unit_test_teardown(test_scenes_ES_14_ES_15_ES_17_TD_3_MP_22, harness_check),
         cmocka_unit_test_teardown(test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22, harness_check),
-        cmocka_unit_test_teardown(test_shapes_TD_3_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_shapes_TD_3_ES_16_MP_22, harness_check),
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
         cmocka_unit_test_teardown(test_rectangles_MP_22, harness_check),
         cmocka_unit_test_teardown(test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22, harness_check),
