@@ -425,6 +425,9 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_HALOS, /**< metals blue; what is neither metal nor not, metalness from 0.1 to 0.9, red, the brighter the more its colour shines */
     FNL_DEBUG_COARSE, /**< FNL_SHADING_COARSE: green where a block is lit once */
     FNL_DEBUG_COARSE_REASON, /**< and why others are not: depth or triangle red, normal blue, material yellow */
+    FNL_DEBUG_DAIS_ADDRESSES, /**< FNL_SHADING_DAIS: a colour for each stored triangle; white: there was no room for it */
+    FNL_DEBUG_DAIS_TRIANGLES, /**< different triangles that a pixel shows: 1 grey, 2 green, 3 yellow, more red */
+    FNL_DEBUG_DAIS_FAILURES,  /**< red where a triangle was stored because its bucket of the cache stayed locked */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -73,8 +73,12 @@ static bool frame_shows_gbuffer(const fnl_frame *frame) {
     return frame->debug >= FNL_DEBUG_GBUFFER_0 && frame->debug <= FNL_DEBUG_LIT_FORWARD;
 }
 
+static bool frame_shows_dais(const fnl_frame *frame) {
+    return frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES;
+}
+
 static bool needs_aov(const fnl_frame *frame) {
-    return (frame->debug != FNL_DEBUG_NONE && !frame_shows_gbuffer(frame)) ||
+    return (frame->debug != FNL_DEBUG_NONE && !frame_shows_gbuffer(frame) && !frame_shows_dais(frame)) ||
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
@@ -128,6 +132,9 @@ static void add_picture(struct frame_state *f) {
             gbuffer_view_field_add(f->graph, &f->gbuffer,
                                    view == FNL_DEBUG_MATERIAL_ID ? GBUFFER_SEEN_MATERIAL : GBUFFER_SEEN_FORWARD, f->color,
                                    swap);
+    } else if (frame_shows_dais(f->frame)) {
+        const struct shade_input input = {.scene = &f->scene->geometry, .view = f->view_address};
+        dais_view_add(f->graph, &input, &f->dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
     } else if (f->frame->debug == FNL_DEBUG_MOTION) {
         motion_view_add(f->graph, f->temporal.motion, f->color, swap);
     } else {
@@ -266,9 +273,9 @@ static void add_counts(struct frame_state *f) {
     if (f->visible_fragments.id)
         data.copies[data.count++] =
             (struct count_copy){f->visible_fragments, counts, 0, offsetof(struct frame_counts, visible_fragments), 4};
-    if (f->dais_counts.id)
+    if (f->dais.counts.id)
         data.copies[data.count++] =
-            (struct count_copy){f->dais_counts, counts, 0, offsetof(struct frame_counts, dais), DAIS_COUNTS * 4};
+            (struct count_copy){f->dais.counts, counts, 0, offsetof(struct frame_counts, dais), DAIS_COUNTS * 4};
     if (f->lights.culled.id)
         data.copies[data.count++] =
             (struct count_copy){f->lights.culled, counts, 0, offsetof(struct frame_counts, lights_behind), 4};

@@ -5,6 +5,7 @@
 
 #include "decals_shared.h"
 #include "passes/aa/motion.h"
+#include "passes/dais/dais.h"
 #include "passes/post/post.h"
 #include "render/renderer_internal.h"
 
@@ -49,7 +50,7 @@ struct frame_state {
     graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
     graph_buffer coarse_counts, coarse_ao_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */
     uint32_t coarse_bytes;                                      /* of its G-buffer beside the layout, a pixel */
-    graph_buffer dais_counts;           /* DAIS_COUNTS words */
+    struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;
     struct aov_images aov;
     struct linked_lists linked; /* transparency */

@@ -4,6 +4,10 @@
 
 #include "passes/dais/dais.h"
 
+_Static_assert(FNL_DEBUG_DAIS_TRIANGLES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_TRIANGLES &&
+                   FNL_DEBUG_DAIS_FAILURES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_FAILURES,
+               "dais_shared.h has the order of fnl_debug_view");
+
 static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_device_info *info = gpu_info(r->device);
     return (struct dais_params){.lists = frame->dais.mode == FNL_DAIS_LIST,
@@ -21,6 +25,11 @@ fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {
     uint32_t buckets = frame->dais.cache_buckets;
     REQUIRE(host, (uint32_t)frame->dais.mode < FNL_DAIS_MODE_COUNT);
     REQUIRE(host, buckets >= 1 && buckets <= 1u << 22 && (buckets & (buckets - 1)) == 0);
+    if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES &&
+        frame->shading != FNL_SHADING_DAIS) {
+        log_error(host, "the view %s shows what dais shading stores", fnl_debug_view_name(frame->debug));
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (frame->shading != FNL_SHADING_DAIS || frame->msaa == 1) return FNL_OK;
     if (frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa)) {
         log_error(host, "this device has no integer targets of %u samples for dais shading; lists (fnl_dais_options) need none",
@@ -36,7 +45,7 @@ void order_dais(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct dais dais = dais_add(f->graph, input, &params, f->depth);
     order_add_lists(f, f->depth, NULL);
     dais_shade_add(f->graph, input, &dais, f->radiance);
-    f->dais_counts = dais.counts;
+    f->dais = dais;
     f->r->dais_bytes = dais.fixed_bytes;
 }
 

@@ -161,7 +161,7 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (order_draws_batches(f)) opaque = batches_draw_count(scene);
     if (order_draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
-    if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais_counts.id) opaque *= 2;
+    if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais.counts.id) opaque *= 2;
     if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

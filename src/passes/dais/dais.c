@@ -337,6 +337,34 @@ static void add_spread(struct graph *graph, const struct shade_data *data) {
                 (float[4]){data->background[0], data->background[1], data->background[2], 1});
 }
 
+struct view_data {
+    struct shade_data shade;
+    uint32_t which;
+    bool swap;
+};
+
+static void execute_view(const struct graph_context *context, const void *data) {
+    const struct view_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_dais_view_comp};
+    set_constants(&d->shade, &params.constant_count, params.constants);
+    params.constants[14] = d->which;
+    struct gpu_dais_shade_push push = push_of(context, &d->shade);
+    push.target = graph_storage(context, d->shade.radiance);
+    push.sample_capacity = d->swap;
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->shade.dais.width, 8u), DIVIDE_UP(d->shade.dais.height, 8u), 1);
+}
+
+void dais_view_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, uint32_t which,
+                   graph_image color, bool swap) {
+    struct view_data data = {
+        .shade = {.dais = *dais, .scene = input->scene, .radiance = color, .view = input->view}, .which = which, .swap = swap};
+    struct graph_pass *pass = graph_add_pass(graph, "debug dais", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
+    use_references(pass, dais, GRAPH_SAMPLE_COMPUTE, GRAPH_READ_COMPUTE);
+    graph_use_image(pass, color, GRAPH_WRITE_COMPUTE);
+}
+
 /* ---- what had no room ---- */
 
 struct gate_data {

@@ -44,8 +44,8 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
  */
 void dais_shade_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, graph_image radiance);
 
-/** A view for people: DAIS_VIEW_… of dais_shared.h into a colour target. */
-void dais_view_add(struct graph *graph, const struct dais *dais, VkDeviceAddress view, uint32_t which, graph_image color,
-                   bool swap);
+/** A view for people, DAIS_VIEW_… of dais_shared.h, into a colour target; `swap`: blue comes first in it. */
+void dais_view_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, uint32_t which,
+                   graph_image color, bool swap);
 
 #endif

@@ -52,6 +52,11 @@
 #define DAIS_SHOW_UV 3u       /* the first set, and the level of a texture of 1024 texels a side */
 #define DAIS_SHOW_DEPTH 4u    /* view depth from 1/w, from the depth buffer, and their relative difference */
 
+/* Views for people; in the order of the last values of fnl_debug_view. */
+#define DAIS_VIEW_ADDRESSES 0u /* a colour for each reference; white: no room */
+#define DAIS_VIEW_TRIANGLES 1u /* how many different triangles a pixel shows: 1 grey, 2 green, 3 yellow, more red */
+#define DAIS_VIEW_FAILURES 2u  /* red where a triangle was stored because its bucket stayed locked */
+
 struct gpu_dais_visibility_push {
     STRUCT(gpu_geometry_push) geometry;
     ADDRESS(const_uint_array) indices; /* of the scene */
@@ -95,7 +100,7 @@ struct gpu_dais_shade_push {
     uint target;                       /* storage: radiance with one sample, or the debug view */
     uint depth;                        /* sampled: for DAIS_SHOW_DEPTH */
     vec3 background;
-    uint sample_capacity;
+    uint sample_capacity;              /* of the shading samples; views: 1 where the target wants blue first */
 };
 
 struct gpu_dais_rest_push {

@@ -610,6 +610,45 @@ static void test_timers(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- views ---- */
+
+/* What the colours say of a pixel's triangles adds up to how many were shaded. */
+static void test_views(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&confetti);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.outputs |= FNL_OUTPUT_COLOR;
+    frame.msaa = 4;
+    frame.count_lights = true;
+    static const fnl_debug_view views[3] = {FNL_DEBUG_DAIS_ADDRESSES, FNL_DEBUG_DAIS_TRIANGLES, FNL_DEBUG_DAIS_FAILURES};
+    fnl_image shown[3];
+    for (int k = 0; k < 3; k++) {
+        frame.debug = views[k];
+        test_render_frame(renderer, &frame);
+        shown[k] = test_read(renderer, FNL_OUTPUT_COLOR);
+    }
+    fnl_frame_stats stats = stats_of(renderer);
+    uint32_t triangles = 0, red = 0;
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) {
+            const uint8_t *address = test_pixel8(&shown[0], x, y), *count = test_pixel8(&shown[1], x, y);
+            assert_int_equal(address[0] + address[1] + address[2] > 0, count[0] > 0);
+            /* Black 0, grey 1, green 2, yellow 3, red 4. */
+            uint32_t n = count[0] == 0 ? 0 : count[0] == count[1] ? 1 : count[1] > count[0] ? 2 : count[1] > 100 ? 3 : 4;
+            triangles += n;
+            red += test_pixel8(&shown[2], x, y)[0] > 100;
+        }
+    print_message("%u triangles of pixels shown, %u shaded; %u red\n", triangles, stats.dais.shaded, red);
+    assert_int_equal(triangles, stats.dais.shaded);
+    assert_true(stats.dais.cache_failures > 0 || red == 0);
+    for (int k = 0; k < 3; k++) free_picture(&shown[k]);
+    frame.shading = FNL_SHADING_FORWARD;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- the rest of the contract ---- */
 
 static void test_options(void **state) {
@@ -667,6 +706,7 @@ int main(void) {
         {"DI-11: ambient light at a lower rate", test_multirate, NULL, NULL, NULL},
         {"DI-14: bytes beside deferred shading", test_bytes, NULL, NULL, NULL},
         {"DI-15: every pass has its time", test_timers, NULL, NULL, NULL},
+        {"views of addresses, triangles and failures", test_views, NULL, NULL, NULL},
         {"options out of range", test_options, NULL, NULL, NULL},
         {"nothing in view", test_little, NULL, NULL, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
