@@ -129,7 +129,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     struct indexed_data ids = {.volumes = *volumes,
                                .view = input->view,
                                .depth = sample_count > 1 ? samples->bounds.ranges : depth,
-                               .attached = sample_count > 1 ? samples->bounds.farthest : depth,
+                               .attached = sample_count > 1 ? samples->bounds.nearest : depth,
                                .samples = sample_count,
                                .counts = clear.buffers[0],
                                .slots = clear.buffers[1],

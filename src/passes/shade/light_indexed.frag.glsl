@@ -12,6 +12,8 @@ layout(constant_id = 9) const uint SAMPLES = 1u;
 layout(constant_id = 13) const uint PACKING = INDEXED_IDS;
 layout(constant_id = 14) const uint STEP = 0u; // of max: 1 is the second
 
+// What the depth test drops is neither counted nor blended.
+layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_indexed_push push; };
 
 layout(location = 0) flat in uint in_light;

@@ -35,15 +35,15 @@ struct sample_bounds sample_bounds_add(struct graph *graph, const struct shade_i
     struct graph_image_params image = {
         .name = "sample bounds", .format = RANGES_FORMAT, .width = input->width, .height = input->height};
     struct sample_bounds bounds = {.ranges = graph_create_image(graph, &image)};
-    image.name = "farthest samples";
+    image.name = "nearest of samples";
     image.format = GEOMETRY_DEPTH_FORMAT;
-    bounds.farthest = graph_create_image(graph, &image);
+    bounds.nearest = graph_create_image(graph, &image);
     struct bounds_data data = {input->view, depth, graph_image_info(graph, depth).samples};
     struct graph_pass *pass =
         graph_add_pass(graph, "sample bounds", GRAPH_QUEUE_GRAPHICS, execute_bounds, &data, sizeof data);
     graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
     static const float zero[4];
     graph_color(pass, bounds.ranges, VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
-    graph_depth(pass, bounds.farthest, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_depth(pass, bounds.nearest, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     return bounds;
 }

@@ -20,18 +20,16 @@ vec2 widened(vec2 range) {
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float farthest = 2.0, depths[8];
+    float depths[8];
     vec2 all = vec2(3e38, -3e38);
     for (uint i = 0u; i < SAMPLES; i++) {
         float depth = texelFetch(textures_multisampled[push.depth], pixel, int(i)).r;
         depths[i] = -1.0;
         if (!(depth > 0.0)) continue;
         depths[i] = view_depth_of(push.view, depth);
-        farthest = min(farthest, depth);
         all = vec2(min(all.x, depths[i]), max(all.y, depths[i]));
     }
-    if (farthest > 1.0) discard; // sky
-    gl_FragDepth = farthest;
+    if (all.x > all.y) discard; // sky
     float middle = 0.5 * (all.x + all.y);
     vec2 near = vec2(all.x), far = vec2(all.y);
     for (uint i = 0u; i < SAMPLES; i++) {
@@ -44,4 +42,8 @@ void main() {
     near = widened(near);
     far = widened(far);
     out_ranges = near.y >= far.x ? vec4(widened(all), 3e38, -3e38) : vec4(near, far);
+    // Solids whose far side is before that reach nothing. The whole of depths where it lies behind the viewer.
+    float start = out_ranges.x;
+    vec4 clip = push.view.view.view_to_clip * vec4(0.0, 0.0, -start, 1.0);
+    gl_FragDepth = start > push.view.view.near_distance ? clamp(clip.z / clip.w * (1.0 + 1e-6) + 1e-6, 0.0, 1.0) : 1.0;
 }

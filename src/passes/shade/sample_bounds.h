@@ -12,7 +12,7 @@
 
 struct sample_bounds {
     graph_image ranges;   /* RGBA32F: near and far of the nearer, then of the farther range; nothing but sky: none has anything */
-    graph_image farthest; /* depth of one sample: the farthest that is not sky; a depth test against it keeps what any sample would */
+    graph_image nearest; /* one stored depth, of the near end of the ranges: solids are kept whose far sides are behind it */
 };
 /** Reads `depth`, which is multisampled and complete. Cost: the depth once, 20 bytes a pixel. */
 struct sample_bounds sample_bounds_add(struct graph *graph, const struct shade_input *input, graph_image depth);
