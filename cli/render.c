@@ -51,8 +51,8 @@ static void print_help(void) {
     puts(
         "Method\n"
         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-        "                             low-res inferred light-indexed zioma visibility texturing coarse dais\n"
-        "                             mobile auto\n"
+        "                             low-res inferred light-indexed zioma visibility texturing\n"
+        "                             virtual-texturing coarse dais mobile auto\n"
         "                             (deferred; with MSAA forward-prepass)\n"
         "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
         "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
@@ -67,6 +67,7 @@ static void print_help(void) {
         "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
         "                             best-fit float (layout: as the layout has them)\n"
         "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
+        "  --atlas-size N             virtual-texturing: texels along the side of its atlas at most (8192)\n"
         "  --gradients KIND           texturing: how coordinates change from pixel to pixel: stored derived (stored)\n"
         "  --gbuffer-prepass          deferred, texturing: depth first, so that hidden surfaces read no textures\n"
         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
@@ -210,6 +211,7 @@ enum {
     O_NORMALS,
     O_CHROMA,
     O_GRADIENTS,
+    O_ATLAS_SIZE,
     O_SUPERSAMPLE,
     O_FRAME_TIME,
     O_DECALS,
@@ -382,6 +384,11 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!argument_name("normals", value, normals_name, &index)) return false;
         o->frame.normals = (fnl_normal_encoding)index;
         return true;
+    case O_ATLAS_SIZE:
+        if (!argument_integer("atlas-size", value, 256, 8192, &integer)) return false;
+        if (integer % 256) return argument_bad("atlas-size", value, "a multiple of 256");
+        o->frame.atlas_size = (uint32_t)integer;
+        return true;
     case O_GRADIENTS:
         if (!argument_name("gradients", value, gradients_name, &index)) return false;
         o->frame.gradients = (fnl_gradients)index;
@@ -508,6 +515,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"gbuffer", required_argument, NULL, O_GBUFFER},
                                              {"normals", required_argument, NULL, O_NORMALS},
                                              {"chroma", no_argument, NULL, O_CHROMA},
+                                             {"atlas-size", required_argument, NULL, O_ATLAS_SIZE},
                                              {"gradients", required_argument, NULL, O_GRADIENTS},
                                              {"supersample", required_argument, NULL, O_SUPERSAMPLE},
                                              {"frame-time", required_argument, NULL, O_FRAME_TIME},

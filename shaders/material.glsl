@@ -44,12 +44,18 @@ vec2 texture_uv(gpu_texture t, vec4 uvs, float offset) {
                 t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5] * offset);
 }
 
+#ifdef MATERIAL_TEXEL
+vec4 material_texel(int slot); // with it the shader samples textures by itself
+#endif
+
 // The texel, or white where the material has no such texture.
 vec4 sample_slot(material_array materials, uint material, int slot) {
     if (HAS_TEXTURES == 0u) return vec4(1.0);
     gpu_texture t = materials.at[material].textures[slot];
     if (t.image == GPU_TEXTURE_NONE) return vec4(1.0);
-#ifdef MATERIAL_GRADIENTS
+#if defined MATERIAL_TEXEL
+    return material_texel(slot);
+#elif defined MATERIAL_GRADIENTS
     vec2 uv = texture_uv(t, in_uv, 1.0), along = texture_uv(t, in_uv_dx, 0.0), across = texture_uv(t, in_uv_dy, 0.0);
     float taps = 1.0;
     if (GRADIENT_TAPS > 1.0) {

@@ -42,6 +42,11 @@ typedef enum fnl_shading {
      * seen; transparent surfaces forward; no MSAA. Normals are rounded as in a G-buffer.
      */
     FNL_SHADING_TEXTURING,
+    /**
+     * The same with 8 bytes a pixel: a place in an atlas, which tells the material too, and the tangent frame. The atlas is filled with the pages
+     * that frames want; those that do not fit show less detail. Close, not equal; no MSAA. docs/techniques/deferred-texturing.md
+     */
+    FNL_SHADING_VIRTUAL_TEXTURING,
     /** Deferred, but blocks of pixels whose surfaces are alike are lit once: fnl_frame.coarse. Close, not equal; no MSAA. */
     FNL_SHADING_COARSE,
     /** References to triangles, and each triangle that is seen once; compute shading that interpolates by derivatives; transparent surfaces
@@ -581,6 +586,9 @@ typedef struct fnl_frame {
         chroma; /**< the same, default layout: base colour as luma, and one half of the chroma a pixel: 14 bytes; default false */
     fnl_mobile_options mobile; /**< of FNL_SHADING_MOBILE */
     fnl_visibility_options visibility; /**< of FNL_SHADING_VISIBILITY */
+    /** Of FNL_SHADING_VIRTUAL_TEXTURING: texels along the side of the atlas at most, a multiple of 256, 256 .. 8192; default 8192. It takes
+        no more than the scene needs, nor than a quarter of the device's memory. */
+    uint32_t atlas_size;
     fnl_gradients gradients;   /**< of FNL_SHADING_TEXTURING; default stored */
     fnl_coarse_options coarse; /**< of FNL_SHADING_COARSE */
     /**
@@ -641,6 +649,12 @@ typedef struct fnl_frame_stats {
         light_draws; /**< with deferred-volumes, draw calls of the volumes: 2, and 2 for each light that the shape stencil draws alone */
     uint64_t
         gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
+    /**
+     * With FNL_SHADING_VIRTUAL_TEXTURING: pages that the scene has, that the atlas has room for, that the frame before wanted, that are
+     * there, that were filled for this frame, and that were wanted and found no room; bytes of the atlas.
+     */
+    uint32_t atlas_pages, atlas_capacity, atlas_wanted, atlas_resident, atlas_filled, atlas_missing;
+    uint64_t atlas_bytes;
     uint64_t
         items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
     uint64_t triangles_visible; /**< of opaque surfaces and cutouts; known with count_lights */

@@ -50,6 +50,7 @@ uint32_t device_material_forward_layouts(const struct device_scene *d, const str
     struct gbuffer_material material = gbuffer_material(d, m, id);
     uint32_t bits = 0;
     for (uint32_t i = 0; i < FNL_GBUFFER_COUNT; i++) bits |= (uint32_t)!gbuffer_holds((fnl_gbuffer)i, &material) << i;
+    if (!device_virtual_holds(d, m)) bits |= 1u << VIRTUAL_FORWARD;
     return bits;
 }
 

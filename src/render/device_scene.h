@@ -8,6 +8,7 @@
 
 #include "passes/geometry/geometry.h"
 #include "passes/geometry/skin.h"
+#include "passes/texturing/virtual.h"
 #include "decals_shared.h"
 #include "passes/lights/light_list.h"
 #include "scene/scene.h"
@@ -143,7 +144,13 @@ fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
 
 /** After the images; the last material is glTF's default, for primitives without one (device_materials.c). */
 fnl_result device_materials_upload(struct device_scene *d);
-/** A bit for each G-buffer layout that cannot hold a material; `id` is its index. */
+/**
+ * Makes the atlas of virtual texturing, `side` texels at most, unless it is there (device_virtual.c). The atlas cannot hold materials whose
+ * textures differ in coordinates or wraps, or are not filtered smoothly.
+ */
+fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct virtual_atlas *atlas);
+bool device_virtual_holds(const struct device_scene *d, const struct scene_material *material);
+/** A bit for each G-buffer layout that cannot hold a material, and VIRTUAL_FORWARD; `id` is its index. */
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);
 
 /** Vertices, indices, primitives and what deforms, then everything below (device_geometry.c). */

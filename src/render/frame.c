@@ -294,6 +294,9 @@ static void add_counts(struct frame_state *f) {
     if (f->linked.totals.id)
         data.copies[data.count++] = (struct count_copy){f->linked.totals, counts, 0, offsetof(struct frame_counts, blend),
                                                         sizeof(struct linked_totals)};
+    if (f->page_commands.id)
+        data.copies[data.count++] = (struct count_copy){f->page_commands, counts, 16, offsetof(struct frame_counts, pages),
+                                                        sizeof(struct gpu_virtual_counts)};
     if (f->exposure.id)
         data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {
@@ -328,6 +331,11 @@ static void note_stats(struct frame_state *f) {
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = shading_draw_count(f);
     s->gbuffer_bytes = shading_gbuffer_bytes(f);
+    if (f->page_commands.id) {
+        s->atlas_bytes = r->atlas.bytes;
+        s->atlas_pages = r->atlas.page_count;
+        s->atlas_capacity = r->atlas.across * r->atlas.across;
+    }
     s->light_bytes = f->light_bytes;
     s->light_draws = f->light_draws;
     s->decals_total = f->decals.set ? f->r->device_scene.decals.order.count : 0;

@@ -45,6 +45,7 @@ struct frame_state {
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
     graph_buffer counters, exposure, class_counts;
+    graph_buffer page_commands;         /* of virtual texturing: its counts stand at 16 */
     graph_buffer surfaces, edge_counts; /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
     graph_buffer visible_fragments;     /* how often its id pass wrote */
     graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */

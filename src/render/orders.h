@@ -19,6 +19,7 @@ void order_light_indexed(struct frame_state *f, struct shade_input *input, bool 
 void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_low_res(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_visibility(struct frame_state *f, struct shade_input *input, bool prepass);
+void order_virtual_texturing(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_texturing(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass);
 void order_dais(struct frame_state *f, struct shade_input *input, bool prepass);

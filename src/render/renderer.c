@@ -15,8 +15,8 @@ enum { SIDE_MAX = 16384, POOL_START = 1 << 18, POOL_LIMIT = 1 << 28 };
 const char *fnl_shading_name(fnl_shading shading) {
     static const char *const names[] = {"forward",      "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
                                         "pre-lighting", "low-res",         "inferred", "light-indexed",    "zioma",
-                                        "visibility",   "texturing",       "coarse",   "dais",             "mobile",
-                                        "auto"};
+                                        "visibility",   "texturing",       "virtual-texturing",
+                                        "coarse",       "dais",            "mobile",   "auto"};
     _Static_assert(COUNT_OF(names) == FNL_SHADING_COUNT, "each has a name");
     return NAME_OF(names, shading);
 }
@@ -230,6 +230,7 @@ fnl_frame fnl_frame_default(void) {
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,
+                       .atlas_size = 8192,
                        .decals = FNL_DECALS_LISTS,
                        .decal_mip_fix = true,
                        .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
@@ -327,6 +328,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->dais_capacity = DAIS_POOL_START;
     r->dais_node_capacity = DAIS_NODE_START;
     device_scene_init(&r->device_scene, device, scene);
+    r->atlas.version = UINT64_MAX;
     lists_init(&r->lists, &r->host);
     load_choices(r);
     fnl_result result = graph_create(&r->host, device, &r->graph);
@@ -344,6 +346,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     graph_destroy(&r->graph);
     device_scene_finish(&r->device_scene);
     lists_finish(&r->lists, r->device);
+    virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
     gpu_buffer_destroy(r->device, &r->draws);
@@ -477,6 +480,7 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->mobile.lights < FNL_MOBILE_LIGHTS_COUNT);
     REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
     REQUIRE(host, (uint32_t)frame->visibility.sort < FNL_VISIBILITY_SORT_COUNT);
+    REQUIRE(host, frame->atlas_size >= 256 && frame->atlas_size <= 8192 && frame->atlas_size % 256 == 0);
     REQUIRE(host, (uint32_t)frame->gradients < FNL_GRADIENTS_COUNT);
     REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
     REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
@@ -596,6 +600,8 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     }
     choose(r, frame);
     TRY(prepare_buffers(r, frame));
+    if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
+        TRY(device_virtual_prepare(&r->device_scene, frame->atlas_size, &r->atlas));
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
     uint32_t slot = gpu_frame_slot(r->device);
@@ -619,6 +625,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                                            .poison = r->poison,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
+    if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING) r->atlas.fresh = false;
     r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
     if (r->chooses) chooser_note(&r->chooser, r->frame_number);
@@ -640,6 +647,7 @@ static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct f
         r->temporal.valid = false;
         device_scene_forget(&r->device_scene);
         lists_forget(&r->lists);
+        r->atlas.version = UINT64_MAX;
     }
     return result;
 }
@@ -717,6 +725,8 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
         bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
                        bucket->forward_layouts >> r->frame.gbuffer & 1;
+        if (r->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING)
+            forward = !bucket->blend && bucket->forward_layouts >> VIRTUAL_FORWARD & 1;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)
             s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
@@ -780,6 +790,10 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->coarse_pixels = counts->coarse[COARSE_COUNT_PIXELS];
     out->coarse_shaded = counts->coarse[COARSE_COUNT_SHADED];
     out->coarse_ao_shaded = counts->coarse_ao[COARSE_COUNT_SHADED];
+    out->atlas_wanted = counts->pages.wanted;
+    out->atlas_resident = counts->pages.resident;
+    out->atlas_filled = counts->pages.filled;
+    out->atlas_missing = counts->pages.missing;
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;

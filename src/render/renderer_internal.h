@@ -31,6 +31,7 @@ struct frame_counts {
     struct gpu_cluster_totals clusters;
     uint32_t hidden_items;
     uint32_t dais[DAIS_COUNTS];
+    struct gpu_virtual_counts pages;
 };
 
 enum { DECAL_POOL_START = 1 << 17 };
@@ -54,6 +55,7 @@ struct fnl_renderer {
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool chooses;                          /* the chooser wants the time of the frame being made */
     struct temporal_state temporal;
+    struct virtual_atlas atlas; /* of virtual texturing */
     struct lists_state lists; /* what builders keep from frame to frame */
     uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
@@ -73,6 +75,7 @@ struct fnl_renderer {
     uint32_t dais_probe;                        /* tests: DAIS_SHOW_… */
     bool dais_plain; /* tests: as on devices without coverage after the depth test or values shared by four pixels */
     const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
+    bool show_levels;         /* tests: virtual texturing gives levels of detail in place of radiance */
     bool poison;              /* tests: transient buffers begin each frame full of rubbish */
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 

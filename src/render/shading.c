@@ -88,6 +88,7 @@ static const struct order {
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
+    [FNL_SHADING_VIRTUAL_TEXTURING] = {order_virtual_texturing, SHADING_APPROXIMATE},
     [FNL_SHADING_COARSE] = {order_coarse, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_APPROXIMATE},
     [FNL_SHADING_DAIS] = {order_dais, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES | SHADING_APPROXIMATE},
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE},
@@ -102,7 +103,7 @@ bool fnl_msaa_supported(fnl_shading shading) {
 bool shading_has_prepass(const fnl_frame *frame) {
     return shading_is(frame->shading, SHADING_PREPASS) ||
            ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_TEXTURING ||
-             frame->shading == FNL_SHADING_MOBILE) &&
+             frame->shading == FNL_SHADING_VIRTUAL_TEXTURING || frame->shading == FNL_SHADING_MOBILE) &&
             frame->gbuffer_prepass);
 }
 
@@ -162,6 +163,8 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (order_draws_per_light(f))
         opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
     if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais.counts.id) opaque *= 2;
+    if (f->frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
+        opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD)) + (f->r->atlas.fresh ? opaque : 0);
     if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
     return prepass + opaque + blend_draw_count(f);
 }

@@ -11,7 +11,7 @@ layout(constant_id = 4) const uint FORM = 0u; // TEXTURING_…
 #define TARGET_FRAME 0u
 #define TARGET_UV 1u
 #define TARGET_ID 2u
-const uint TARGET_GRADIENTS = 3u;
+const uint TARGET_GRADIENTS = (FORM & (TEXTURING_VIRTUAL | TEXTURING_ITEMS)) == TEXTURING_VIRTUAL ? 2u : 3u;
 const uint TARGET_SLOPES = TARGET_GRADIENTS + ((FORM & TEXTURING_GRADIENTS) != 0u ? 1u : 0u);
 const uint TARGET_COLORS = TARGET_SLOPES + ((FORM & TEXTURING_SLOPES) != 0u ? 1u : 0u);
 const uint TARGET_BIND = TARGET_COLORS + ((FORM & TEXTURING_COLORS) != 0u ? 1u : 0u);
@@ -53,6 +53,47 @@ void frame_unpack(uvec2 bits, out vec3 normal, out vec4 tangent, out bool front)
     tangent.xyz = (a * cos(angle) + b * sin(angle)) * (float(bits.y >> 23 & 127u) / 127.0);
     tangent.w = (bits.y & 0x40000000u) != 0u ? -1.0 : 1.0;
     front = (bits.y & 0x80000000u) == 0u;
+}
+
+// In 32 bits: a quaternion that turns the axes into tangent, bitangent and normal. From the lowest bit: which of its parts is largest and
+// left out (2 bits), handedness is -1 (1), the next three parts round the circle (10, 10 and 9). Lengths are lost, and what lies along the
+// normal of the tangent.
+uint quaternion_pack(vec3 normal, vec4 tangent) {
+    float length2 = dot(normal, normal);
+    vec3 n = length2 > 1e-30 && length2 < 1e30 ? normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0), t, b;
+    basis_of(n, t, b);
+    vec3 across = tangent.xyz - n * dot(n, tangent.xyz);
+    float across2 = dot(across, across);
+    if (across2 > 1e-20 && across2 < 1e30) t = across * inversesqrt(across2);
+    b = cross(n, t);
+    // Four times the squares of the parts (Shepperd 1978).
+    vec4 squares = vec4(1.0 + t.x - b.y - n.z, 1.0 - t.x + b.y - n.z, 1.0 - t.x - b.y + n.z, 1.0 + t.x + b.y + n.z);
+    vec4 q = vec4(0.0);
+    uint largest = 0u;
+    for (uint i = 1u; i < 4u; i++)
+        if (squares[i] > squares[largest]) largest = i;
+    if (largest == 0u) q = vec4(squares.x, t.y + b.x, n.x + t.z, b.z - n.y);
+    if (largest == 1u) q = vec4(t.y + b.x, squares.y, b.z + n.y, n.x - t.z);
+    if (largest == 2u) q = vec4(n.x + t.z, b.z + n.y, squares.z, t.y - b.x);
+    if (largest == 3u) q = vec4(b.z - n.y, n.x - t.z, t.y - b.x, squares.w);
+    q = normalize(q) * (q[largest] < 0.0 ? -1.0 : 1.0);
+    vec3 rest = vec3(q[(largest + 1u) & 3u], q[(largest + 2u) & 3u], q[(largest + 3u) & 3u]) * 1.41421356;
+    uvec3 bits = uvec3(round((clamp(rest, -1.0, 1.0) * 0.5 + 0.5) * vec3(1022.0, 1022.0, 510.0)));
+    return largest | (tangent.w < 0.0 ? 4u : 0u) | bits.x << 3 | bits.y << 13 | bits.z << 23;
+}
+
+void quaternion_unpack(uint bits, out vec3 normal, out vec4 tangent) {
+    uint largest = bits & 3u;
+    vec3 rest = (vec3(bits >> 3 & 1023u, bits >> 13 & 1023u, bits >> 23) / vec3(1022.0, 1022.0, 510.0) * 2.0 - 1.0) * 0.70710678;
+    vec4 q;
+    q[largest] = sqrt(max(1.0 - dot(rest, rest), 0.0));
+    q[(largest + 1u) & 3u] = rest.x;
+    q[(largest + 2u) & 3u] = rest.y;
+    q[(largest + 3u) & 3u] = rest.z;
+    q = normalize(q);
+    tangent.xyz = vec3(1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y + q.z * q.w), 2.0 * (q.x * q.z - q.y * q.w));
+    normal = vec3(2.0 * (q.x * q.z + q.y * q.w), 2.0 * (q.y * q.z - q.x * q.w), 1.0 - 2.0 * (q.x * q.x + q.y * q.y));
+    tangent.w = (bits & 4u) != 0u ? -1.0 : 1.0;
 }
 
 uint pack_halves(vec2 v) { return packHalf2x16(clamp(v, -HALF_MAX, HALF_MAX)); }

@@ -8,12 +8,15 @@
 #define FNL_PASSES_TEXTURING_H
 
 #include "passes/shade/shade.h"
+#include "passes/texturing/virtual.h"
 #include "passes/texturing/texturing_shared.h"
 
 struct texturing {
     graph_image depth;
     graph_image targets[TEXTURING_TARGETS]; /* texturing_shared.h */
     uint32_t target_count, form, bytes;     /* of a pixel, depth left out */
+    struct virtual_frame pages; /* of virtual texturing */
+    bool shows_levels;          /* virtual texturing: levels of detail instead of radiance */
 };
 
 /**
@@ -24,8 +27,18 @@ struct texturing {
 struct texturing texturing_add(struct graph *graph, const struct shade_input *input, bool derived, bool prepass,
                                graph_image depth);
 
+/**
+ * The same for virtual texturing: 8 bytes a pixel (vertex colours and decals as above). Marks the pages that it wants, drawn or hidden by what is
+ * drawn later. `name` is the pass's.
+ */
+struct texturing texturing_virtual_add(struct graph *graph, const struct shade_input *input,
+                                       const struct virtual_frame *pages, const char *name, bool prepass, graph_image depth);
+
 /** Reads textures and shades each pixel once into `radiance`; those that show nothing get the background. */
 void texturing_shade_add(struct graph *graph, const struct shade_input *input, const struct texturing *texturing,
                          graph_image radiance);
+
+/** Virtual texturing: lights forward what the atlas cannot hold, where it is nearest. Adds nothing where it holds all. */
+void texturing_forward_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth);
 
 #endif

@@ -6,7 +6,7 @@
 
 void main() {
     changes c = find_changes();
-    material_array materials = push.scene.scene.materials;
+    material_array materials = push.geometry.scene.scene.materials;
     if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     write_targets(c);
 }

@@ -3,6 +3,8 @@
 #ifndef FNL_PASSES_TEXTURING_SHARED_H
 #define FNL_PASSES_TEXTURING_SHARED_H
 
+#include "passes/geometry/geometry_shared.h"
+#include "passes/texturing/virtual_shared.h"
 #include "shared.h"
 
 #define TEXTURING_TARGETS 8u
@@ -14,14 +16,22 @@
 #define TEXTURING_SLOPES 4u    /* how depth changes to the right and down, as parts of itself: 2 halves */
 #define TEXTURING_COLORS 8u    /* the vertex colour: 4 x 16 bits */
 #define TEXTURING_ITEMS 16u    /* surfaces have decals, which ask for the item */
-#define TEXTURING_BIND                                                                                                      \
-    32u /* of decals of meshes: the position before deforming (3 floats) and its changes (6 halves), in two targets */
+#define TEXTURING_BIND 32u     /* of decals of meshes: position before deforming (3 floats), its changes (6 halves); two targets */
+/* Virtual texturing: the tangent frame has 32 bits, coordinates are a place in the atlas, 2 x 16 bits; no gradients; a number only with
+   ITEMS. */
+#define TEXTURING_VIRTUAL 64u
+
+struct gpu_texturing_geometry_push {
+    STRUCT(gpu_geometry_push) geometry;
+    ADDRESS(virtual_block) pages; /* of virtual texturing */
+};
 
 struct gpu_texturing_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
     ADDRESS(light_list_block) lights;
     ADDRESS(uint_array) counters;
+    ADDRESS(virtual_block) pages;    /* of virtual texturing */
     uint targets[TEXTURING_TARGETS]; /* sampled */
     uint depth;                      /* sampled */
     uint radiance;                   /* storage */

@@ -17,12 +17,12 @@ static fnl_frame wide_frame(void) {
 }
 
 /* Of texturing against forward; `out_bytes`: of a pixel of the G-buffer. */
-static double psnr_against_forward(fnl_scene *scene, fnl_frame frame, uint32_t *out_bytes) {
+static double psnr_against_forward(fnl_scene *scene, fnl_frame frame, fnl_shading shading, uint32_t *out_bytes) {
     fnl_renderer *renderer = test_renderer(scene);
     fnl_image colors[2];
     fnl_frame_stats stats;
     for (int k = 0; k < 2; k++) {
-        frame.shading = k ? FNL_SHADING_TEXTURING : FNL_SHADING_FORWARD;
+        frame.shading = k ? shading : FNL_SHADING_FORWARD;
         test_render_frame(renderer, &frame);
         colors[k] = test_read(renderer, FNL_OUTPUT_COLOR);
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
@@ -64,7 +64,7 @@ static fnl_image_id pattern(fnl_scene *scene, uint32_t side, uint32_t seed, bool
     return id;
 }
 
-enum { WITH_UV1 = 1, WITH_COLORS = 2, WITH_DECALS = 4, WITH_MESH_DECALS = 8 };
+enum { WITH_UV1 = 1, WITH_COLORS = 2, WITH_DECALS = 4, WITH_MESH_DECALS = 8, WITH_LIKE_NORMALS = 16 };
 
 static uint32_t sphere(fnl_scene *scene, const struct scene_material *material, uint32_t kinds) {
     uint32_t mesh = test_sphere_mesh(scene, scene_add_material(scene, material), 8);
@@ -106,6 +106,10 @@ static fnl_scene *variety(uint32_t kinds) {
                                    i == 1 && kinds & WITH_UV1,
                                    {i == 0 ? 1 : 2.37f, 0.3f, i == 3 ? 1000.5f : -0.7f, i == 4 ? 0.1f : -0.3f, 1.7f, 0.1f}};
         if (i != 2) m.textures[SCENE_TEXTURE_NORMAL] = (struct scene_texture){normal, repeated, 0, {4, 0, 0, 0, 4, 0}};
+        if (i != 2 && kinds & WITH_LIKE_NORMALS) {
+            m.textures[SCENE_TEXTURE_NORMAL] = m.textures[SCENE_TEXTURE_BASE_COLOR];
+            m.textures[SCENE_TEXTURE_NORMAL].image = normal;
+        }
         m.double_sided = i == 3;
         m.unlit = i == 4;
         m.alpha_mode = i == 3 ? FNL_ALPHA_MASK : FNL_ALPHA_OPAQUE;
@@ -145,25 +149,41 @@ static void test_every_kind_of_surface(void **state) {
     UNUSED(state);
     static const struct {
         uint32_t kinds, stored, derived; /* bytes of a pixel; 0: not tried */
-    } cases[] = {{0, 26, 22},
-                 {WITH_UV1, 42, 0},
-                 {WITH_COLORS, 34, 0},
-                 {WITH_DECALS, 30, 0},
-                 {WITH_MESH_DECALS, 54, 0},
-                 {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 78, 62}};
+    } cases[] = {
+        {0, 26, 22},          {WITH_UV1, 42, 0},         {WITH_COLORS, 34, 0},
+        {WITH_DECALS, 30, 0}, {WITH_MESH_DECALS, 54, 0}, {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 78, 62}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++)
         for (int derived = 0; derived < (cases[i].derived ? 2 : 1); derived++) {
             fnl_scene *scene = variety(cases[i].kinds);
             fnl_frame frame = wide_frame();
             frame.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
             uint32_t bytes;
-            double psnr = psnr_against_forward(scene, frame, &bytes);
+            double psnr = psnr_against_forward(scene, frame, FNL_SHADING_TEXTURING, &bytes);
             print_message("kinds %u, %s: %.1f dB, %u bytes a pixel\n", cases[i].kinds, fnl_gradients_name(frame.gradients),
                           psnr, bytes);
             assert_int_equal(bytes, derived ? cases[i].derived : cases[i].stored);
             assert_true(psnr > (derived ? 38 : 58));
             fnl_scene_destroy(&scene);
         }
+}
+
+/* With an atlas: the textures of each material have the same coordinates, as it demands. */
+static void test_every_kind_by_the_atlas(void **state) {
+    UNUSED(state);
+    static const uint32_t cases[][2] = {{0, 8},
+                                        {WITH_UV1, 8},
+                                        {WITH_COLORS, 16},
+                                        {WITH_DECALS, 14},
+                                        {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 46}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_scene *scene = variety(cases[i][0] | WITH_LIKE_NORMALS);
+        uint32_t bytes;
+        double psnr = psnr_against_forward(scene, wide_frame(), FNL_SHADING_VIRTUAL_TEXTURING, &bytes);
+        print_message("kinds %u: %.1f dB, %u bytes a pixel\n", cases[i][0], psnr, bytes);
+        assert_int_equal(bytes, cases[i][1]);
+        assert_true(psnr > 38);
+        fnl_scene_destroy(&scene);
+    }
 }
 
 static void test_thousand_textures(void **state) {
@@ -183,9 +203,12 @@ static void test_thousand_textures(void **state) {
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR);
     frame.width = frame.height = 200;
     uint32_t bytes;
-    double psnr = psnr_against_forward(scene, frame, &bytes);
+    double psnr = psnr_against_forward(scene, frame, FNL_SHADING_TEXTURING, &bytes);
     print_message("1000 textures: %.1f dB\n", psnr);
     assert_true(psnr > 48); /* what drivers make of explicit gradients: the visibility buffer gives as much */
+    psnr = psnr_against_forward(scene, frame, FNL_SHADING_VIRTUAL_TEXTURING, &bytes);
+    print_message("by the atlas: %.1f dB\n", psnr);
+    assert_true(psnr > 34);
     fnl_scene_destroy(&scene);
 }
 
@@ -212,6 +235,7 @@ static void test_first_pass_reads_alpha_alone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-76: surfaces of every kind as in forward shading", test_every_kind_of_surface, NULL, NULL, NULL},
+        {"ES-70: surfaces of every kind by the atlas", test_every_kind_by_the_atlas, NULL, NULL, NULL},
         {"ES-76: 1000 textures", test_thousand_textures, NULL, NULL, NULL},
         {"ES-76, ES-79: the first pass reads no texture but the alpha of cutouts", test_first_pass_reads_alpha_alone, NULL,
          NULL, NULL}};

@@ -6,8 +6,9 @@
 #include "material.glsl"
 #include "passes/geometry/geometry_shared.h"
 #include "passes/texturing/texturing.glsl"
+#include "passes/texturing/virtual_locate.glsl"
 
-layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
+layout(push_constant, scalar) uniform push_block { gpu_texturing_geometry_push push; };
 
 layout(location = 7) centroid in vec3 in_bind;
 
@@ -40,9 +41,17 @@ changes find_changes() {
 void write_targets(changes c) {
     uvec4 targets[TEXTURING_TARGETS];
     for (uint i = 0u; i < TEXTURING_TARGETS; i++) targets[i] = uvec4(0u);
-    targets[TARGET_FRAME].xy = frame_pack(in_normal, in_tangent, material_front_facing());
-    targets[TARGET_UV] = floatBitsToUint(in_uv);
-    targets[TARGET_ID].x = (FORM & TEXTURING_ITEMS) != 0u ? in_ids.y : in_ids.x;
+    if ((FORM & TEXTURING_VIRTUAL) != 0u) {
+        // The back of a double-sided surface is its front turned round: what a normal map shows is turned round with it.
+        float side = material_front_facing() ? 1.0 : -1.0;
+        targets[TARGET_FRAME].x = quaternion_pack(in_normal * side, in_tangent * side);
+        targets[TARGET_UV].x = virtual_locate(push.pages, in_ids.x, in_uv, c.uv_dx, c.uv_dy);
+        if ((FORM & TEXTURING_ITEMS) != 0u) targets[TARGET_ID].x = in_ids.y;
+    } else {
+        targets[TARGET_FRAME].xy = frame_pack(in_normal, in_tangent, material_front_facing());
+        targets[TARGET_UV] = floatBitsToUint(in_uv);
+        targets[TARGET_ID].x = (FORM & TEXTURING_ITEMS) != 0u ? in_ids.y : in_ids.x;
+    }
     if ((FORM & TEXTURING_GRADIENTS) != 0u)
         targets[TARGET_GRADIENTS] =
             uvec4(pack_halves(c.uv_dx.xy), pack_halves(c.uv_dy.xy), pack_halves(c.uv_dx.zw), pack_halves(c.uv_dy.zw));

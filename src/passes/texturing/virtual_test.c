@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: MIT */
+/** Virtual texturing: places and frames there and back, levels of detail, residency, an atlas that is too small. */
+#include "passes/texturing/virtual.h"
+#include "passes/texturing/virtual_test_shared.h"
+#include "shaders.h"
+#include "tests/render_harness.h"
+
+/* ---- places in the atlas, and tangent frames ---- */
+
+enum { SIDE = 64, CASES = 4096 };
+
+static struct gpu_virtual_case cases[CASES];
+static struct gpu_virtual_result results[CASES];
+static struct gpu_virtual_page pages[SIDE * SIDE];
+
+struct ask {
+    struct gpu_virtual_test_push push;
+};
+
+static void execute_ask(const struct graph_context *context, const void *data) {
+    const struct ask *ask = data;
+    struct gpu_compute_params params = {.shader = &shader_virtual_test_comp};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &ask->push, sizeof ask->push);
+    gpu_dispatch_linear(context->commands, CASES / 64);
+}
+
+static void execute_nothing(const struct graph_context *context, const void *data) {
+    UNUSED(context);
+    UNUSED(data);
+}
+
+static void ask_device(struct virtual_atlas *atlas) {
+    gpu_device *device = harness_device();
+    struct graph *graph;
+    struct gpu_buffer buffers[2];
+    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "cases", sizeof cases, GPU_MEMORY_UPLOAD, &buffers[0]), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "results", sizeof results, GPU_MEMORY_READBACK, &buffers[1]), FNL_OK);
+    memcpy(buffers[0].mapped, cases, sizeof cases);
+    graph_begin(graph);
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct virtual_frame frame = virtual_begin(graph, device, atlas, 0);
+    struct ask ask = {{.pages = frame.address, .cases = buffers[0].address, .results = buffers[1].address, .count = CASES}};
+    graph_buffer in = graph_import_buffer(graph, "cases", &buffers[0]),
+                 out = graph_import_buffer(graph, "results", &buffers[1]);
+    struct graph_pass *pass = graph_add_pass(graph, "ask", GRAPH_QUEUE_GRAPHICS, execute_ask, &ask, sizeof ask);
+    graph_use_buffer(pass, in, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, frame.table, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, frame.wanted, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, out, GRAPH_WRITE_COMPUTE);
+    struct graph_pass *host = graph_add_pass(graph, "to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    graph_keep(host);
+    graph_use_buffer(host, out, GRAPH_READ_HOST);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(device), FNL_OK);
+    memcpy(results, buffers[1].mapped, sizeof results);
+    graph_destroy(&graph);
+    for (int i = 0; i < 2; i++) gpu_buffer_destroy(device, &buffers[i]);
+}
+
+static vec3 random_direction(struct random_state *random) {
+    for (;;) {
+        vec3 v = {random_range(random, -1, 1), random_range(random, -1, 1), random_range(random, -1, 1)};
+        float length = vec3_length(v);
+        if (length > 0.1f && length < 1) return vec3_scale(v, 1 / length);
+    }
+}
+
+/* One material fills all 64 x 64 pages of the atlas. */
+static void test_round_trip(void **state) {
+    UNUSED(state);
+    gpu_device *device = harness_device();
+    struct gpu_virtual_material material = {
+        .tiers = 1, .width = SIDE * VIRTUAL_INNER, .height = SIDE * VIRTUAL_INNER, .transform = {1, 0, 0, 0, 1, 0}};
+    uint32_t table[SIDE * SIDE];
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        pages[i] = (struct gpu_virtual_page){0, i % SIDE | i / SIDE << 14};
+        table[i] = SIDE * SIDE - i; /* the atlas is filled from its end */
+    }
+    struct virtual_contents contents = {
+        .materials = &material, .pages = pages, .material_count = 1, .page_count = SIDE * SIDE, .always = 1, .side = 8192};
+    struct virtual_atlas atlas;
+    assert_int_equal(virtual_create(device, &contents, &atlas), FNL_OK);
+    assert_int_equal(atlas.across, SIDE);
+    assert_int_equal(gpu_upload_buffer(device, &atlas.table, 0, table, sizeof table), FNL_OK);
+    assert_int_equal(gpu_upload_flush(device), FNL_OK);
+    struct random_state random = {5};
+    for (uint32_t i = 0; i < CASES; i++) {
+        struct gpu_virtual_case *c = &cases[i];
+        c->uv = (vec2){random_range(&random, -2, 3), random_range(&random, -2, 3)};
+        if (i < 16) c->uv = (vec2){(float)(i & 3) * (1.0f / SIDE), (float)(i >> 2) * (1.0f / 3)}; /* seams */
+        c->change = 1e-5f;
+        vec3 n = random_direction(&random), t = vec3_normalize(vec3_cross(n, random_direction(&random)));
+        c->normal = (vec4){n.x, n.y, n.z, 0};
+        c->tangent = (vec4){t.x, t.y, t.z, i & 1 ? -1 : 1};
+    }
+    ask_device(&atlas);
+    double worst = 0, worst_normal = 0, worst_tangent = 0;
+    for (uint32_t i = 0; i < CASES; i++) {
+        const struct gpu_virtual_result *r = &results[i];
+        double x = (r->packed & 0xffff) / 8.0, y = (r->packed >> 16) / 8.0;
+        uint32_t place = (uint32_t)x / VIRTUAL_PAGE + (uint32_t)y / VIRTUAL_PAGE * SIDE, page = SIDE * SIDE - 1 - place;
+        const double at[2] = {
+            x - (uint32_t)x / VIRTUAL_PAGE * (double)VIRTUAL_PAGE - VIRTUAL_BORDER + page % SIDE * (double)VIRTUAL_INNER,
+            y - (uint32_t)y / VIRTUAL_PAGE * (double)VIRTUAL_PAGE - VIRTUAL_BORDER + page / SIDE * (double)VIRTUAL_INNER};
+        const double uv[2] = {(double)cases[i].uv.x, (double)cases[i].uv.y};
+        for (int k = 0; k < 2; k++) {
+            double expected = (uv[k] - floor(uv[k])) * SIDE * VIRTUAL_INNER, error = fabs(at[k] - expected);
+            worst = fmax(worst, fmin(error, SIDE * VIRTUAL_INNER - error));
+        }
+        vec3 n = {cases[i].normal.x, cases[i].normal.y, cases[i].normal.z}, m = {r->normal.x, r->normal.y, r->normal.z};
+        vec3 t = {cases[i].tangent.x, cases[i].tangent.y, cases[i].tangent.z},
+             s = {r->tangent.x, r->tangent.y, r->tangent.z};
+        worst_normal = fmax(worst_normal, (double)vec3_distance(n, m));
+        worst_tangent = fmax(worst_tangent, (double)vec3_distance(t, s));
+        assert_true(r->tangent.w == cases[i].tangent.w);
+    }
+    print_message("64 x 64 pages: %.3f texels off; normals by %.2f, tangents by %.2f degrees at most\n", worst,
+                  worst_normal * 180 / M_PI, worst_tangent * 180 / M_PI);
+    assert_true(worst <= 0.125);
+    assert_true(worst_normal < 0.006 && worst_tangent < 0.006);
+    virtual_destroy(device, &atlas);
+    gpu_wait_idle(device);
+}
+
+/* ---- scenes ---- */
+
+static fnl_image_id add_image(fnl_scene *scene, uint32_t side, uint32_t seed, bool plain) {
+    uint8_t *texels = malloc((size_t)side * side * 4);
+    assert_non_null(texels);
+    for (uint32_t i = 0; i < side * side; i++) {
+        bool dark = !plain && ((i % side / 16) ^ (i / side / 16)) & 1;
+        const uint8_t tint[4] = {(uint8_t)(40 + seed * 37 % 200), (uint8_t)(40 + seed * 91 % 200),
+                                 (uint8_t)(40 + seed * 53 % 200), 255};
+        for (uint32_t k = 0; k < 4; k++) texels[i * 4 + k] = (uint8_t)(dark && k < 3 ? tint[k] / 4 : tint[k]);
+    }
+    fnl_image image = {side, side, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
+    free(texels);
+    return id;
+}
+
+/* Unit squares side by side at z = 0, `count` of them in rows of `across`, each with a texture of its own. */
+static fnl_scene *squares(uint32_t count, uint32_t across, uint32_t side, bool plain) {
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    static const vec3 corners[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    static const uint32_t order[6] = {0, 1, 2, 0, 2, 3};
+    for (uint32_t i = 0; i < count; i++) {
+        vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 4);
+        vec2 *uv = ARENA_ARRAY(&scene->arena, vec2, 4);
+        uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 6);
+        memcpy(indices, order, sizeof order);
+        for (uint32_t v = 0; v < 4; v++) {
+            positions[v] = (vec3){corners[v].x + (float)(i % across), corners[v].y + (float)(i / across), 0};
+            uv[v] = (vec2){corners[v].x, 1 - corners[v].y};
+        }
+        struct scene_material m = scene_material_default();
+        m.unlit = true;
+        m.textures[SCENE_TEXTURE_BASE_COLOR].image = add_image(scene, side, i + 1, plain).index;
+        struct scene_primitive p = {.material = scene_add_material(scene, &m),
+                                    .topology = SCENE_TOPOLOGY_TRIANGLES,
+                                    .vertex_count = 4,
+                                    .index_count = 6,
+                                    .indices = indices,
+                                    .positions = positions};
+        p.uv[0] = uv;
+        assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+        mat4 identity = mat4_identity();
+        scene_add_node(scene, "", SCENE_NONE, &identity, scene_add_mesh(scene, "", &p, 1));
+    }
+    scene_update_transforms(scene);
+    return scene;
+}
+
+static struct stage open_squares(uint32_t count, uint32_t across, uint32_t side, bool plain) {
+    struct stage stage = stage_open_scene(squares(count, across, side, plain));
+    fnl_frame *frame = &stage.frame;
+    frame->camera = fnl_camera_default();
+    frame->camera.target = (vec3){(float)across * 0.5f, (float)(count / across) * 0.5f, 0};
+    frame->camera.position = vec3_add(frame->camera.target, (vec3){0, 0, (float)across});
+    frame->exposure = FNL_EXPOSURE_NONE;
+    frame->tonemap = FNL_TONEMAP_NONE;
+    frame->shading = FNL_SHADING_VIRTUAL_TEXTURING;
+    frame->lists = FNL_LISTS_ALL;
+    return stage;
+}
+
+/* ---- levels of detail ---- */
+
+/* Squares seen at a slant: what the hardware would take follows from positions, as u and v are x and -y in metres. */
+static void test_levels(void **state) {
+    UNUSED(state);
+    enum { TEXELS = 1024 };
+    struct stage stage = open_squares(4, 2, TEXELS, false);
+    fnl_frame frame = stage.frame;
+    frame.camera.position = (vec3){0.2f, -0.9f, 1.1f};
+    frame.camera.target = (vec3){1.1f, 1.2f, 0};
+    frame.outputs |= FNL_OUTPUT_POSITION;
+    stage.renderer->show_levels = true;
+    struct shot shot = stage_shoot(&stage, &frame);
+    const float *levels = shot.radiance.pixels, *positions = shot.position.pixels;
+    uint32_t seen = 0, inside[2] = {0}, seams = 0;
+    double worst = 0;
+    for (uint32_t y = 0; y + 1 < frame.height; y++)
+        for (uint32_t x = 0; x + 1 < frame.width; x++) {
+            uint32_t cx = x & ~1u, cy = y & ~1u;
+            const float *p = &positions[(cy * frame.width + cx) * 4], *right = p + 4, *down = p + frame.width * 4;
+            if (cx + 1 >= frame.width || cy + 1 >= frame.height) continue;
+            if (positions[(y * frame.width + x) * 4 + 3] < 1 || p[3] < 1 || right[3] < 1 || down[3] < 1) continue;
+            double along = hypot((double)(right[0] - p[0]), (double)(right[1] - p[1])) * TEXELS,
+                   across = hypot((double)(down[0] - p[0]), (double)(down[1] - p[1])) * TEXELS;
+            double hardware = fmax(log2(fmax(along, across)), 0), level = (double)levels[(y * frame.width + x) * 4];
+            bool seam = right[3] != p[3] || down[3] != p[3];
+            seen++;
+            seams += seam;
+            double error = fabs(level - hardware);
+            inside[0] += error <= 0.25;
+            inside[1] += error <= 1;
+            worst = fmax(worst, error);
+        }
+    print_message("levels of %u pixels, %u at seams: %u within 1/4, %u within 1, %.2f at most\n", seen, seams, inside[0],
+                  inside[1], worst);
+    assert_true(seen > 3000 && seams > 50);
+    assert_int_equal(inside[1], seen);
+    assert_true(inside[0] * 20 > seen * 19);
+    shot_free(&shot);
+    stage_close(&stage);
+}
+
+/* ---- residency ---- */
+
+/* The camera goes near: one frame shows less detail, the next what a new renderer shows; nothing is filled twice. */
+static void test_pages_follow_the_view(void **state) {
+    UNUSED(state);
+    struct stage stage = open_squares(4, 2, 2048, false), fresh = open_squares(4, 2, 2048, false);
+    fnl_frame far = stage.frame, near = stage.frame;
+    far.camera.position.z = 30;
+    near.camera.position = (vec3){0.8f, 0.7f, 0.3f};
+    near.camera.target = (vec3){0.8f, 0.7f, 0};
+    struct shot first = stage_shoot(&stage, &far), again = stage_shoot(&stage, &far);
+    assert_int_equal(count_differing(&first.radiance, &again.radiance), 0);
+    assert_true(first.stats.atlas_filled == first.stats.atlas_wanted && first.stats.atlas_wanted >= 4);
+    assert_int_equal(again.stats.atlas_filled, 0);
+    assert_int_equal(first.stats.atlas_pages, 4 * (18 * 18 + 5 * 5 + 2 * 2 + 1) + 1); /* and one that nothing has */
+    struct shot blurred = stage_shoot(&stage, &near), sharp = stage_shoot(&stage, &near), truth = stage_shoot(&fresh, &near);
+    assert_int_equal(blurred.stats.atlas_filled, 0);
+    assert_true(sharp.stats.atlas_filled > 0 && sharp.stats.atlas_missing == 0);
+    assert_int_equal(count_differing(&sharp.radiance, &truth.radiance), 0);
+    assert_true(count_differing(&sharp.radiance, &blurred.radiance) > 100);
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &sharp.color, &blurred.color, &difference), FNL_OK);
+    print_message("far: %u pages; near: %u, %u new; the frame between %.1f dB\n", first.stats.atlas_resident,
+                  sharp.stats.atlas_resident, sharp.stats.atlas_filled, difference.psnr);
+    struct shot *shots[] = {&first, &again, &blurred, &sharp, &truth};
+    for (uint32_t i = 0; i < COUNT_OF(shots); i++) shot_free(shots[i]);
+    stage_close(&stage);
+    stage_close(&fresh);
+}
+
+/* More than fits: of textures of one colour each nothing is seen of that, so any wrong material is; of others the detail goes. */
+static void test_overflow(void **state) {
+    UNUSED(state);
+    for (int plain = 0; plain < 2; plain++) {
+        struct stage stage = open_squares(12, 4, 1024, plain);
+        fnl_frame frame = stage.frame;
+        frame.camera.position.z = 1;
+        frame.shading = FNL_SHADING_FORWARD;
+        struct shot forward = stage_shoot(&stage, &frame);
+        frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+        struct shot whole = stage_shoot(&stage, &frame);
+        assert_int_equal(whole.stats.atlas_missing, 0);
+        frame.atlas_size = 512;
+        struct shot first = stage_shoot(&stage, &frame), later = stage_shoot(&stage, &frame);
+        assert_true(first.stats.atlas_missing > 0);
+        assert_int_equal(first.stats.atlas_resident, 16);
+        assert_int_equal(later.stats.atlas_filled, 0);
+        assert_int_equal(count_differing(&first.radiance, &later.radiance), 0);
+        fnl_image_difference difference;
+        assert_int_equal(fnl_image_compare(NULL, &forward.color, &first.color, &difference), FNL_OK);
+        print_message("%s: %u pages wanted, room for %u: %.1f dB\n", plain ? "plain" : "checkered", first.stats.atlas_wanted,
+                      first.stats.atlas_capacity, difference.psnr);
+        if (plain)
+            assert_true(greatest_difference(&forward.color, &first.color) <= 1);
+        else
+            assert_true(difference.psnr > 15);
+        shot_free(&forward);
+        shot_free(&whole);
+        shot_free(&first);
+        shot_free(&later);
+        stage_close(&stage);
+    }
+    struct stage stage = open_squares(12, 4, 64, true); /* not even a page for each material */
+    stage.frame.atlas_size = 256;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_ERROR_UNSUPPORTED);
+    stage_close(&stage);
+}
+
+/* A material whose textures have coordinates of their own, and one that is not filtered, are lit forward. */
+static void test_what_the_atlas_cannot_hold(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = squares(4, 2, 128, false);
+    scene->materials.data[1].textures[SCENE_TEXTURE_EMISSIVE] = scene->materials.data[0].textures[SCENE_TEXTURE_BASE_COLOR];
+    scene->materials.data[1].textures[SCENE_TEXTURE_EMISSIVE].transform[0] = 3.3f;
+    scene->materials.data[1].emissive = (vec3){0.5f, 0.5f, 0.5f};
+    scene->materials.data[1].unlit = false;
+    struct scene_sampler nearest = {SCENE_FILTER_NEAREST, SCENE_FILTER_NEAREST, SCENE_FILTER_NEAREST, false,
+                                    SCENE_WRAP_CLAMP,     SCENE_WRAP_CLAMP};
+    scene->materials.data[2].textures[SCENE_TEXTURE_BASE_COLOR].sampler = scene_add_sampler(scene, &nearest);
+    struct stage stage = stage_open_scene(scene);
+    fnl_frame frame = stage.frame;
+    frame.camera = fnl_camera_default();
+    frame.camera.target = (vec3){1, 1, 0};
+    frame.camera.position = (vec3){1.1f, 0.9f, 3};
+    frame.count_lights = true;
+    struct shot forward = stage_shoot(&stage, &frame);
+    frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+    struct shot shot = stage_shoot(&stage, &frame);
+    assert_int_equal(shot.stats.items_forward, 2);
+    assert_int_equal(shot.stats.gbuffer_bytes, 8ull * frame.width * frame.height);
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &forward.color, &shot.color, &difference), FNL_OK);
+    print_message("two of four materials forward: %.1f dB\n", difference.psnr);
+    assert_true(difference.psnr > 40);
+    shot_free(&forward);
+    shot_free(&shot);
+    stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
+        {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
+        {"ES-70: pages follow the view", test_pages_follow_the_view, NULL, harness_check, NULL},
+        {"ES-70: more pages than fit cost detail, never the material", test_overflow, NULL, harness_check, NULL},
+        {"ES-70: what the atlas cannot hold is lit forward", test_what_the_atlas_cannot_hold, NULL, harness_check, NULL}};
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
