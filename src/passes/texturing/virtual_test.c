@@ -157,7 +157,7 @@ static fnl_scene *squares(uint32_t count, uint32_t across, uint32_t side, bool p
         memcpy(indices, order, sizeof order);
         for (uint32_t v = 0; v < 4; v++) {
             positions[v] = (vec3){corners[v].x + (float)(i % across), corners[v].y + (float)(i / across), 0};
-            uv[v] = (vec2){corners[v].x, 1 - corners[v].y};
+            uv[v] = (vec2){corners[v].x + 0.37f * (float)i, 1 - corners[v].y}; /* jumps from square to square */
         }
         struct scene_material m = scene_material_default();
         m.unlit = true;
@@ -290,6 +290,24 @@ static void test_overflow(void **state) {
             assert_true(difference.psnr > 15);
         shot_free(&forward);
         shot_free(&whole);
+        shot_free(&first);
+        shot_free(&later);
+        /* Elsewhere: pages give way to others. */
+        frame.camera.position.x += 1.3f;
+        frame.camera.target.x += 1.3f;
+        frame.shading = FNL_SHADING_FORWARD;
+        forward = stage_shoot(&stage, &frame);
+        frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+        first = stage_shoot(&stage, &frame);
+        later = stage_shoot(&stage, &frame);
+        assert_int_equal(first.stats.atlas_filled, 0);
+        assert_int_equal(later.stats.atlas_resident, 16);
+        if (plain) {
+            assert_true(greatest_difference(&forward.color, &first.color) <= 1);
+            assert_true(greatest_difference(&forward.color, &later.color) <= 1);
+        }
+        assert_true(later.stats.atlas_filled > 0);
+        shot_free(&forward);
         shot_free(&first);
         shot_free(&later);
         stage_close(&stage);
