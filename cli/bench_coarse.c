@@ -72,7 +72,8 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
         for (int i = 0; i < SUBJECT_COUNT; i++) {
             struct coarse_subject *s = &subjects[i];
             s->frame.shade_cost = cost;
-            if (fnl_renderer_render(renderer, &s->frame) != FNL_OK || fnl_renderer_query_stats(renderer, &s->stats) != FNL_OK)
+            if (fnl_renderer_render(renderer, &s->frame) != FNL_OK ||
+                fnl_renderer_query_stats(renderer, &s->stats) != FNL_OK)
                 return false;
             if (!s->picture.pixels && fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &s->picture) != FNL_OK) return false;
             if (k < settings->warm_up) continue;
@@ -91,12 +92,12 @@ static bool add_rows(json_t *rows, const struct coarse_scene *scene, int cost,
         fnl_image_difference difference;
         if (fnl_image_compare(NULL, &s->picture, &subjects[0].picture, &difference) != FNL_OK) return false;
         double coarse = bench_median_of(s->shading, s->count), more = bench_median_of(s->gbuffer, s->count) - gbuffer;
-        json_t *row = json_pack(
-            "{s:s,s:s,s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", scene->source, "way", ways[i - 1].name, "cost",
-            (int)costs[cost], "pixel_ms", pixel, "coarse_ms", coarse, "saving", 100 * (1 - coarse / pixel), "source_saving",
-            scene->savings[cost], "shared", 100.0 * s->stats.coarse_shared / fmax(s->stats.coarse_blocks, 1),
-            "evaluations_saved", 100 * (1 - s->stats.coarse_shaded / fmax(s->stats.coarse_pixels, 1)), "gbuffer_ms", more,
-            "net", 100 * (1 - (coarse + more) / pixel), "psnr", fmin(difference.psnr, 999));
+        json_t *row = json_pack("{s:s,s:s,s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", scene->source, "way",
+                                ways[i - 1].name, "cost", (int)costs[cost], "pixel_ms", pixel, "coarse_ms", coarse, "saving",
+                                100 * (1 - coarse / pixel), "source_saving", scene->savings[cost], "shared",
+                                100.0 * s->stats.coarse_shared / fmax(s->stats.coarse_blocks, 1), "evaluations_saved",
+                                100 * (1 - s->stats.coarse_shaded / fmax(s->stats.coarse_pixels, 1)), "gbuffer_ms", more,
+                                "net", 100 * (1 - (coarse + more) / pixel), "psnr", fmin(difference.psnr, 999));
         if (!row || json_array_append_new(rows, row)) return false;
     }
     return true;
@@ -155,9 +156,10 @@ void bench_coarse_print(const struct bench_data *data) {
                    "coarse, ms", "saving, %", "source", "blocks, %", "lit less, %", "G-buffer, ms", "net, %", "PSNR, dB");
         scene = name;
         printf("  %-24s %5.0f %9.2f %10.2f %9.1f %8.1f %9.1f %11.1f %+12.2f %7.1f %9.2f\n",
-               json_string_value(json_object_get(row, "way")), bench_number(row, "cost", 0), bench_number(row, "pixel_ms", 0),
-               bench_number(row, "coarse_ms", 0), bench_number(row, "saving", 0), bench_number(row, "source_saving", 0),
-               bench_number(row, "shared", 0), bench_number(row, "evaluations_saved", 0), bench_number(row, "gbuffer_ms", 0),
-               bench_number(row, "net", 0), bench_number(row, "psnr", 0));
+               json_string_value(json_object_get(row, "way")), bench_number(row, "cost", 0),
+               bench_number(row, "pixel_ms", 0), bench_number(row, "coarse_ms", 0), bench_number(row, "saving", 0),
+               bench_number(row, "source_saving", 0), bench_number(row, "shared", 0),
+               bench_number(row, "evaluations_saved", 0), bench_number(row, "gbuffer_ms", 0), bench_number(row, "net", 0),
+               bench_number(row, "psnr", 0));
     }
 }

@@ -18,9 +18,7 @@ bool coarse_has_samplers(const gpu_device *device) {
 /* ---- the G-buffer ---- */
 
 /* Blocks with a base colour of their own read it from a target; split by the base colour, each pixel has its own. */
-static bool has_color(const fnl_coarse_options *o) {
-    return o->bias && o->size > 1 && o->split != FNL_COARSE_SPLIT_ALBEDO;
-}
+static bool has_color(const fnl_coarse_options *o) { return o->bias && o->size > 1 && o->split != FNL_COARSE_SPLIT_ALBEDO; }
 
 static struct gbuffer_extras extras_of(const fnl_coarse_options *o) {
     struct gbuffer_extras e = {.count = 1, .targets = {{"coarse gradient", VK_FORMAT_R16G16_SFLOAT}}};
@@ -95,10 +93,10 @@ static void execute_blocks(const struct graph_context *context, const void *data
     bool minmax = o->criterion == FNL_COARSE_CRITERION_MINMAX, samplers = minmax && d->params.samplers && o->size > 1;
     uint32_t flags = (has_color(o) ? COARSE_COLOR : 0) | (o->gather ? COARSE_GATHER : 0) | (d->words.id ? COARSE_WORDS : 0) |
                      (samplers ? COARSE_SAMPLERS : 0) | (d->ao.id ? COARSE_AO : 0);
-    struct gpu_compute_params params = {.shader = d->shader,
-                                        .constant_count = 10,
-                                        .constants = {d->kind, d->counters.id != 0, 1, 1, o->size, (uint32_t)o->criterion, 0,
-                                                      (uint32_t)o->split, 0, flags}};
+    struct gpu_compute_params params = {
+        .shader = d->shader,
+        .constant_count = 10,
+        .constants = {d->kind, d->counters.id != 0, 1, 1, o->size, (uint32_t)o->criterion, 0, (uint32_t)o->split, 0, flags}};
     gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
     const graph_image *extras = d->gbuffer.extras;
     struct gpu_coarse_push push = {

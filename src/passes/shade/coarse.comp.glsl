@@ -150,7 +150,8 @@ void main() {
             surface s = surface_at(pixel, is_shared);
             coarse_light light;
             if (SPLIT == COARSE_SPLIT_NONE)
-                light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM));
+                light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth,
+                                                              LIGHT_NO_ITEM));
             else
                 light = light_parts(s, uvec2(pixel), view_depth, is_shared ? PART_SLOW : PART_SLOW | PART_PIXEL);
             if (is_shared)

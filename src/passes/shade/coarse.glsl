@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Blocks of pixels that are alike, and the pixels of those that are not: what passes at a coarse rate share. A group has 64 threads and 8 x 8
-// blocks of SIZE x SIZE pixels; first a thread has a block, then a pixel of those blocks that are not alike:
+// Blocks of pixels that are alike, and the pixels of those that are not: what passes at a coarse rate share. A group has 64 threads and
+// 8 x 8 blocks of SIZE x SIZE pixels; first a thread has a block, then a pixel of those blocks that are not alike:
 //
 //     coarse_block block = coarse_find();
 //     for (uint turn = 0u; turn < coarse_turns(); turn++) {
 //         ivec2 pixel;
-//         if (coarse_work(block, turn, pixel)) { shaded++; … }   // the first turn: the block's own pixel, which stands for all where block.kind is COARSE_SHARED
+//         if (coarse_work(block, turn, pixel)) { shaded++; … }
 //     }
 //     coarse_end(shaded);
+//
+// In the first turn that is the block's own pixel, which stands for all of them where block.kind is COARSE_SHARED.
 //
 // Sathe and Janczak, "Deferred Coarse Pixel Shading", GPU Pro 7 (2016), III.2.
 #ifndef COARSE_GLSL

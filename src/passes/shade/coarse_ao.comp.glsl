@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Ambient occlusion from depth at a coarse rate: once for blocks that are alike. The estimator is that of McGuire, Mara and Luebke, "Scalable
-// Ambient Obscurance" (2012); samples lie on one spiral for all pixels, so that blocks differ by nothing but their place.
+// Ambient occlusion from depth at a coarse rate: once for blocks that are alike. The estimator is that of McGuire, Mara and Luebke,
+// "Scalable Ambient Obscurance" (2012); samples lie on one spiral for all pixels, so that blocks differ by nothing but their place.
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"

@@ -53,7 +53,8 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     gpu_material_entry entry;
     vec3 position = gbuffer_position(v, pixel, view_depth_of(v, gl_FragCoord.z));
-    gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL), s, gbuffer_place_at(v, position), 0u, entry, vec3(0.0), pixel);
+    uint form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL);
+    gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(v, position), 0u, entry, vec3(0.0), pixel);
     out_radiance = vec4(min(s.emissive, vec3(v.view.hdr_max)), 1.0);
     out_color = g.targets[0];
     out_normal = g.targets[1];

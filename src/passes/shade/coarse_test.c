@@ -271,8 +271,7 @@ static void check_column(struct stage *stage, fnl_frame frame, uint32_t x, uint3
         frame.coarse.size = size;
         struct shot view = shoot_view(stage, frame, FNL_DEBUG_COARSE_REASON);
         for (uint32_t v = 0; v < 64; v++)
-            for (uint32_t u = 0; u < 64; u++)
-                assert_int_equal(kind_at(&view.color, u, v), u / size == x / size ? kind : 1);
+            for (uint32_t u = 0; u < 64; u++) assert_int_equal(kind_at(&view.color, u, v), u / size == x / size ? kind : 1);
         shot_free(&view);
     }
 }
@@ -460,8 +459,8 @@ static fnl_image_id add_noise(fnl_scene *scene) {
         memcpy(&texels[4 * i], (uint8_t[4]){grey, grey, grey, 255}, 4);
     }
     fnl_image_id id;
-    assert_int_equal(
-        fnl_scene_add_image(scene, &(fnl_image){SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, texels}, true, &id), FNL_OK);
+    assert_int_equal(fnl_scene_add_image(scene, &(fnl_image){SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, texels}, true, &id),
+                     FNL_OK);
     return id;
 }
 
@@ -548,13 +547,31 @@ static void test_bias_calms_motion_CP_12(void **state) {
         double with = flicker(&stage, frame);
         frame.coarse.bias = false;
         double without = flicker(&stage, frame);
-        print_message("size %u: a pixel changes by %.4f with the filtered base colour, by %.4f without\n", size, with, without);
+        print_message("size %u: a pixel changes by %.4f with the filtered base colour, by %.4f without\n", size, with,
+                      without);
         assert_true(with < 0.8 * without);
     }
     stage_close(&stage);
 }
 
 /* ---- the other criteria ---- */
+
+/* A plane of two triangles: but for the blocks on the edge between them, z and id find the same. */
+static void test_triangles_of_a_plane_CP_13(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = empty_scene();
+    add_plane(scene, plain(scene), -3, 3, 0, 0, 0); /* they meet along the diagonal of the view */
+    struct stage stage = stage_open_scene(scene);
+    for (uint32_t size = 2; size <= 4; size += 2) {
+        fnl_frame frame = front_frame(&stage);
+        frame.coarse.size = size;
+        frame.coarse.criterion = FNL_COARSE_CRITERION_ID;
+        fnl_frame_stats s = shoot_stats(&stage, &frame);
+        assert_int_equal(s.coarse_by_depth, 64 / size);
+        assert_int_equal(s.coarse_shared, s.coarse_blocks - s.coarse_by_depth);
+    }
+    stage_close(&stage);
+}
 
 static void test_ids_CP_13(void **state) {
     UNUSED(state);
@@ -600,8 +617,8 @@ static void test_minmax_CP_14(void **state) {
                 z_alone += a == 1 && b != 1;
                 beyond += a != 1 && b == 1;
             }
-        print_message("size %u, blocks lit once: both %u, z alone %u, minmax alone %u; the device's samplers: %s\n", size, both,
-                      z_alone, beyond, gpu_info(harness_device())->minmax_samplers ? "yes" : "no");
+        print_message("size %u, blocks lit once: both %u, z alone %u, minmax alone %u; the device's samplers: %s\n", size,
+                      both, z_alone, beyond, gpu_info(harness_device())->minmax_samplers ? "yes" : "no");
         assert_true(both > 20);
         assert_int_equal(beyond, 0);
         assert_int_equal(count_differing(&samplers.color, &loads.color), 0);
@@ -652,7 +669,8 @@ static void test_views_CP_16(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:hall?lights=8", 0);
     fnl_frame frame = hall_frame(&stage, 80, 44);
-    struct shot green = shoot_view(&stage, frame, FNL_DEBUG_COARSE), reason = shoot_view(&stage, frame, FNL_DEBUG_COARSE_REASON);
+    struct shot green = shoot_view(&stage, frame, FNL_DEBUG_COARSE),
+                reason = shoot_view(&stage, frame, FNL_DEBUG_COARSE_REASON);
     uint32_t shared = 0, colors[5] = {0};
     for (uint32_t y = 0; y < 44; y++)
         for (uint32_t x = 0; x < 80; x++) {
@@ -700,7 +718,8 @@ static void test_occlusion_at_coarse_rate_CP_17(void **state) {
         assert_int_equal(shot.stats.coarse_ao_shaded, shot.stats.coarse_shaded);
         assert_true(shot.stats.coarse_ao_shaded < 64 * 64 / 3);
         double near = psnr(&shot.color, &full.color);
-        print_message("size %u: occlusion found %u times for 4096 pixels, %.1f dB\n", size, shot.stats.coarse_ao_shaded, near);
+        print_message("size %u: occlusion found %u times for 4096 pixels, %.1f dB\n", size, shot.stats.coarse_ao_shaded,
+                      near);
         assert_true(near > 28);
         shot_free(&shot);
     }
@@ -756,6 +775,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_split_pixel_rate_CP_10, harness_check),
         cmocka_unit_test_teardown(test_splat_and_gather_CP_11, harness_check),
         cmocka_unit_test_teardown(test_bias_calms_motion_CP_12, harness_check),
+        cmocka_unit_test_teardown(test_triangles_of_a_plane_CP_13, harness_check),
         cmocka_unit_test_teardown(test_ids_CP_13, harness_check),
         cmocka_unit_test_teardown(test_minmax_CP_14, harness_check),
         cmocka_unit_test_teardown(test_cost_changes_time_alone_CP_15, harness_check),
