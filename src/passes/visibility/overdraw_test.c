@@ -139,13 +139,16 @@ static void test_overdraw(void **state) {
         frame.shading = FNL_SHADING_VISIBILITY;
         ids = fmin(ids, pass_time(&stage, &frame, "visibility"));
     }
-    print_message("%.2f fragments a pixel pass the depth test; ids in %.2f of the G-buffer's time\n", overdraw, ids / gbuffer);
+    print_message("%.2f fragments a pixel pass the depth test; ids in %.2f of the G-buffer's time\n", overdraw,
+                  ids / gbuffer);
     assert_true(overdraw > 3.6 && overdraw < 4.4);
     assert_true(ids <= 0.6 * gbuffer);
     stage_close(&stage);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {{"ES-73: ids take at most 0.6 of the time of a G-buffer, the hall drawn back to front", test_overdraw, NULL, harness_check, NULL}};
+    const struct CMUnitTest tests[] = {
+        {"ES-73: ids take at most 0.6 of the time of a G-buffer, the hall drawn back to front", test_overdraw, NULL,
+         harness_check, NULL}};
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

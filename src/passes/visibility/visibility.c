@@ -39,19 +39,18 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     const struct gpu_shader *mask = d->state.geometry      ? &shader_weights_mask_frag
                                     : d->state.samples > 1 ? &shader_visibility_samples_mask_frag
                                                            : &shader_visibility_mask_frag;
-    geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask,
-                  (struct gpu_geometry_push){
-                      .view = d->view, .counters = d->fragments.id ? graph_address(context, d->fragments) : 0});
+    geometry_draw(
+        context, d->scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask,
+        (struct gpu_geometry_push){.view = d->view, .counters = d->fragments.id ? graph_address(context, d->fragments) : 0});
 }
 
 static graph_image add_target(struct graph *graph, const char *name, VkFormat format, const struct shade_input *input,
                               struct gpu_graphics_params *state) {
     state->color_formats[state->color_count++] = format;
-    return graph_create_image(graph, &(struct graph_image_params){.name = name,
-                                                                  .format = format,
-                                                                  .width = input->width,
-                                                                  .height = input->height,
-                                                                  .samples = state->samples});
+    return graph_create_image(
+        graph,
+        &(struct graph_image_params){
+            .name = name, .format = format, .width = input->width, .height = input->height, .samples = state->samples});
 }
 
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
@@ -83,12 +82,13 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     VkFormat word = samples > 1 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32_UINT;
     v.ids = add_target(graph, "visibility", word, input, &data.state);
     if (bits > 32)
-        v.ids_high = add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input,
-                                &data.state);
+        v.ids_high =
+            add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input, &data.state);
     struct graph_pass *pass;
     if (input->counters.id) {
         data.fragments = v.fragments = graph_create_buffer(graph, "visibility fragments", 4);
-        pass = graph_add_pass(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &v.fragments, sizeof v.fragments);
+        pass =
+            graph_add_pass(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &v.fragments, sizeof v.fragments);
         graph_use_buffer(pass, v.fragments, GRAPH_COPY_TO);
     }
     pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
@@ -207,8 +207,8 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
     bool lists = data.samples > 1 || sort != VISIBILITY_SORT_OFF;
     if (lists) data.list = visible_list_add(graph, input, visibility, sort, radiance);
     if (data.samples > 1)
-        data.results = graph_create_buffer(graph, "visible results",
-                                           data.list.capacity * (target.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12ull : 8ull));
+        data.results = graph_create_buffer(
+            graph, "visible results", data.list.capacity * (target.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12ull : 8ull));
     struct graph_pass *pass =
         graph_add_pass(graph, "visibility shade", GRAPH_QUEUE_GRAPHICS, execute_shade, &data, sizeof data);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);

@@ -186,7 +186,8 @@ static void check_stored(fnl_scene *scene, fnl_frame frame, double allowed, uint
         for (uint32_t x = 0; x < frame.width; x++) {
             double error = 0;
             for (int c = 0; c < 3; c++)
-                error = fmax(error, fabs((double)test_pixel(&pictures[0], x, y)[c] - (double)test_pixel(&pictures[1], x, y)[c]));
+                error =
+                    fmax(error, fabs((double)test_pixel(&pictures[0], x, y)[c] - (double)test_pixel(&pictures[1], x, y)[c]));
             beyond += error > allowed;
             shown += test_pixel(&pictures[0], x, y)[0] > 0;
             worst = fmax(worst, error);

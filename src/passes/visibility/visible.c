@@ -146,14 +146,13 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     if (data.list.words.id) graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.list.entries, GRAPH_WRITE_COMPUTE);
     if (sorts)
-        data.list.entries =
-            radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
-                                                              .queue = GRAPH_QUEUE_GRAPHICS,
-                                                              .pairs = data.list.entries,
-                                                              .capacity = data.list.capacity,
-                                                              .bits = 4 + data.material_bits,
-                                                              .count = data.list.sums,
-                                                              .count_offset = push_of(&data).places * 4ull});
+        data.list.entries = radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
+                                                                              .queue = GRAPH_QUEUE_GRAPHICS,
+                                                                              .pairs = data.list.entries,
+                                                                              .capacity = data.list.capacity,
+                                                                              .bits = 4 + data.material_bits,
+                                                                              .count = data.list.sums,
+                                                                              .count_offset = push_of(&data).places * 4ull});
     data.list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
     data.list.dispatches = graph_create_buffer(graph, "visible dispatches", GPU_CLASSES * 12ull);
     pass = graph_add_pass(graph, "visible ranges", GRAPH_QUEUE_GRAPHICS, execute_ranges, &data, sizeof data);

@@ -17,7 +17,7 @@ struct visible_list {
     graph_buffer words, counts; /* with several samples: samples_shared.h */
     uint32_t capacity;          /* entries */
     uint32_t listed;            /* VISIBLE_… */
-    uint32_t classes;           /* bit 1 << c: class c may occur; the entries of lists that are not sorted are all of class 0 */
+    uint32_t classes; /* bit 1 << c: class c may occur; the entries of lists that are not sorted are all of class 0 */
 };
 
 /** `radiance` gets the background at pixels that show nothing, if it has one sample. */

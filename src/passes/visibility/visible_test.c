@@ -45,7 +45,8 @@ static fnl_scene *patches(uint32_t count, uint32_t lights) {
         struct scene_material material = varied(scene, i, id.index, sampler_index);
         float x = ((float)(i % side) + 0.5f) * 2 / (float)side - 1, y = ((float)(i / side) + 0.5f) * 2 / (float)side - 1;
         vec3 scale = {0.8f / (float)side, 0.7f / (float)side, 1};
-        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &material)), (vec3){x, y, 0.2f * sinf(x * 9)}, scale);
+        test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &material)), (vec3){x, y, 0.2f * sinf(x * 9)},
+                   scale);
     }
     for (uint32_t i = 0; i < lights; i++) {
         fnl_light_params light = test_point((vec3){(float)i - 1, 0.5f, 1.5f}, 3, 20);
@@ -96,8 +97,9 @@ static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height
             plain = radiance;
             continue;
         }
-        if (!test_equal(&plain, &radiance)) fail_msg("%u materials, %ux%u: %s differs", material_count, width, height,
-                                                     fnl_visibility_sort_name((fnl_visibility_sort)sort));
+        if (!test_equal(&plain, &radiance))
+            fail_msg("%u materials, %ux%u: %s differs", material_count, width, height,
+                     fnl_visibility_sort_name((fnl_visibility_sort)sort));
         free_picture(&radiance);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
@@ -273,7 +275,8 @@ static fnl_scene *turned(void) {
         params.base_color[0] = 0.2f + 0.15f * (float)i;
         params.base_color[1] = 0.9f - 0.15f * (float)i;
         uint32_t mesh = test_sphere_mesh(scene, test_material(scene, &params).index, 7);
-        test_place(scene, mesh, (vec3){0.7f * (float)(i - 2), 0.3f * (float)(i % 2), 0.3f * (float)i}, (vec3){0.5f, 0.7f, 0.4f});
+        test_place(scene, mesh, (vec3){0.7f * (float)(i - 2), 0.3f * (float)(i % 2), 0.3f * (float)i},
+                   (vec3){0.5f, 0.7f, 0.4f});
     }
     for (int i = 0; i < 3; i++) {
         fnl_light_params light = test_point((vec3){2 * (float)(i - 1), 2, 3}, 12, 30);
@@ -317,7 +320,10 @@ static void test_edges(void **state) {
     static const struct {
         fnl_shading shading;
         uint32_t msaa;
-    } cases[] = {{FNL_SHADING_VISIBILITY, 1}, {FNL_SHADING_VISIBILITY, 4}, {FNL_SHADING_FORWARD_PREPASS, 4}, {FNL_SHADING_DEFERRED, 4}};
+    } cases[] = {{FNL_SHADING_VISIBILITY, 1},
+                 {FNL_SHADING_VISIBILITY, 4},
+                 {FNL_SHADING_FORWARD_PREPASS, 4},
+                 {FNL_SHADING_DEFERRED, 4}};
     double errors[COUNT_OF(cases)];
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         frame.shading = cases[i].shading;
@@ -376,8 +382,8 @@ static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double 
             wrong += error > 1e-3;
             unlike_centers += other > 1e-3;
         }
-    print_message("%ux%u: %u pixels differ (from the opposite places %u), %u fragments of %u\n", frame.width, frame.height, wrong,
-                  unlike_centers, stats.visibility_fragments, fragments);
+    print_message("%ux%u: %u pixels differ (from the opposite places %u), %u fragments of %u\n", frame.width, frame.height,
+                  wrong, unlike_centers, stats.visibility_fragments, fragments);
     assert_true(wrong * 1000 <= frame.width * frame.height);
     if (fragments > 100) assert_true(unlike_centers > 20 * wrong + 20);
     assert_true(stats.visibility_fragments <= most_fragments * fragments);
@@ -425,7 +431,8 @@ int main(void) {
         {"ES-78: sorted by class or material, each pixel is shaded once, to the same bits", test_sorts, NULL, NULL, NULL},
         {"ES-78: keys have as many bits as there are materials", test_plan, NULL, NULL, NULL},
         {"ES-75: each triangle of a pixel is shaded once and weighs its samples", test_samples, NULL, NULL, NULL},
-        {"ES-72: a grid of samples has the edges of all pixels, and a quarter of the fragments", test_grid, NULL, NULL, NULL},
+        {"ES-72: a grid of samples has the edges of all pixels, and a quarter of the fragments", test_grid, NULL, NULL,
+         NULL},
         {"ES-75: edges are as smooth as forward shading makes them", test_edges, NULL, NULL, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
 }
