@@ -66,7 +66,8 @@ bool interpolate_stored(inout triangle t, uint number, ivec2 pixel) {
     vec2 w = vec2(abs(stored.x), stored.y);
     triangle_fetch_vertices(t, push.scene, push.indices, number);
     if (FEATURES != 0u) triangle_fetch_positions(t, push.scene, push.view);
-    interpolate(t, vec3(1.0 - w.x - w.y, w), vec3(-gradients.x - gradients.y, gradients.xy), vec3(-gradients.z - gradients.w, gradients.zw));
+    vec3 wx = vec3(-gradients.x - gradients.y, gradients.xy), wy = vec3(-gradients.z - gradients.w, gradients.zw);
+    interpolate(t, vec3(1.0 - w.x - w.y, w), wx, wy);
     float view_depth = view_depth_of(push.view, texelFetch(textures[push.depth], pixel, 0).r);
     vec3 seen = view_position_of(push.view, ndc_of_pixel(push.view, vec2(pixel) + 0.5), view_depth);
     in_position = (push.view.view.view_to_world * vec4(seen, 1.0)).xyz;
@@ -128,6 +129,7 @@ void main() {
     }
     uvec2 id = visible_id(push.ids, push.ids_high, pixel, 0);
     vec3 radiance = push.background;
-    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5, id);
+    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u)
+        radiance = shade(pixel, GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5, id);
     imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
 }

@@ -18,11 +18,14 @@ uvec2 visible_id(uint ids, uint ids_high, ivec2 pixel, int at) {
         uint low = packUnorm4x8(texelFetch(textures_multisampled[ids], pixel, at));
         return uvec2(low, ids_high == GPU_TEXTURE_NONE ? 0u : packUnorm4x8(texelFetch(textures_multisampled[ids_high], pixel, at)));
     }
-    return uvec2(texelFetch(textures_uint[ids], pixel, 0).r, ids_high == GPU_TEXTURE_NONE ? 0u : texelFetch(textures_uint[ids_high], pixel, 0).r);
+    uint high = ids_high == GPU_TEXTURE_NONE ? 0u : texelFetch(textures_uint[ids_high], pixel, 0).r;
+    return uvec2(texelFetch(textures_uint[ids], pixel, 0).r, high);
 }
 
 // Item + 1, or 0 where nothing is seen.
-uint visible_item(uvec2 id, uint triangle_bits) { return id.x >> triangle_bits | (triangle_bits == 0u ? 0u : id.y << (32u - triangle_bits)); }
+uint visible_item(uvec2 id, uint triangle_bits) {
+    return id.x >> triangle_bits | (triangle_bits == 0u ? 0u : id.y << (32u - triangle_bits));
+}
 
 uint visible_triangle(uvec2 id, uint triangle_bits) { return id.x & ((1u << triangle_bits) - 1u); }
 

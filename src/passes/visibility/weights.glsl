@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes the id of what a pixel shows, the weights of the second and third corner there, and how they change over the square of four pixels.
+// Writes the id of what a pixel shows, the weights of the second and third corner there, and how they change over the square of four
+// pixels.
 #define ID_TARGETS 2
 #include "passes/visibility/visibility.glsl"
 
