@@ -100,6 +100,28 @@ static void fill(struct environment *e) {
             }
 }
 
+/* What a surface of this roughness mirrors, seen along its normal: half vectors by GGX over the cube, in steps of angles. */
+static double mirrored(vec3 axis, double roughness) {
+    enum { RINGS = 400, TURNS = 200 };
+    vec3 side = fabsf(axis.y) < 0.9f ? (vec3){0, 1, 0} : (vec3){1, 0, 0};
+    vec3 t = vec3_normalize(vec3_cross(side, axis)), b = vec3_cross(axis, t);
+    double sum = 0, weight = 0, alpha2 = pow(roughness, 4);
+    for (int r = 0; r < RINGS; r++) {
+        double theta = (r + 0.5) * (double)PI / 2 / RINGS,
+               half = cos(theta / 2); /* of the light; the half vector is at theta / 2 */
+        double d = alpha2 / pow(half * half * (alpha2 - 1) + 1, 2), w = d * cos(theta) * sin(theta);
+        for (int k = 0; k < TURNS; k++) {
+            double phi = 2 * (double)PI * k / TURNS;
+            vec3 l = vec3_add(
+                vec3_add(vec3_scale(t, (float)(sin(theta) * cos(phi))), vec3_scale(b, (float)(sin(theta) * sin(phi)))),
+                vec3_scale(axis, (float)cos(theta)));
+            sum += w * (double)light_from(l);
+            weight += w;
+        }
+    }
+    return sum / weight;
+}
+
 static void test_mips_by_roughness_MB_10(void **state) {
     UNUSED(state);
     fnl_host host = host_resolve(NULL);
@@ -130,6 +152,12 @@ static void test_mips_by_roughness_MB_10(void **state) {
                 }
         print_message("mip %u: from %.3f to %.3f, samples off by %.4f\n", mip, low, high, worst);
         assert_true(worst < 0.03);
+        if (mip > 0) { /* mip i of n is for roughness i / (n - 1), 1 at the end */
+            vec3 d = environment_direction(&exact, mip, 2, side / 2, side / 2);
+            double expected = mirrored(d, mip / (exact.mips - 1.0)), found = (double)environment_texel(&exact, mip, d)[0];
+            print_message("mip %u: %.4f where the lobe of its roughness finds %.4f\n", mip, found, expected);
+            assert_true(fabs(found - expected) < 0.02 * expected);
+        }
         assert_true(high - low < before); /* rougher, smoother */
         before = high - low;
     }
@@ -149,6 +177,11 @@ static void test_lobes_MB_8(void **state) {
             projected += ggx_distribution(roughness, cosine) * cosine * 2 * (double)PI / STEPS;
         }
         assert_true(fabs(projected - 1) < 0.01);
+        /* Walter et al. 2007, eq. 33, with alpha = roughness^2: along the normal, and at half an octant. */
+        double alpha2 = pow(roughness, 4), tangent2 = pow(tan((double)PI / 8), 2), cosine4 = pow(cos((double)PI / 8), 4);
+        assert_true(fabs(ggx_distribution(roughness, 1) * (double)PI * alpha2 - 1) < 1e-9);
+        double tilted = alpha2 / ((double)PI * cosine4 * pow(alpha2 + tangent2, 2));
+        assert_true(fabs(ggx_distribution(roughness, cos((double)PI / 8)) / tilted - 1) < 1e-9);
         for (int k = 0; k <= 10; k++) {
             double n_v = 0.1 * k, f0 = 0.04;
             double fresnel = schlick_roughness(f0, roughness, n_v);
@@ -157,6 +190,8 @@ static void test_lobes_MB_8(void **state) {
         assert_true(schlick_roughness(0.04, roughness, 1) == 0.04); /* from the front: F0 */
         assert_true(fabs(schlick_roughness(0.04, roughness, 0) - fmax(1 - roughness, 0.04)) <
                     1e-12); /* along it: 1 - roughness */
+        assert_true(fabs(schlick_roughness(0.04, roughness, 0.5) - (0.04 + (fmax(1 - roughness, 0.04) - 0.04) / 32)) <
+                    1e-12);
         assert_true(schlick_roughness(1, roughness, 0.3) == 1);
     }
     assert_true(schlick_roughness(0.04, 1, 0) == 0.04); /* the roughest: F0 from everywhere */
