@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The order mobile: merged or not the same pixels, what it stores, its layouts, glass and tone mapping inside the scope. */
+#include "passes/mobile/mobile.h"
 #include "passes/mobile/mobile_cases.h"
 
 /* ---- the same picture in all modes ---- */
@@ -214,9 +215,30 @@ static void test_time_and_bytes_of_a_frame_MB_17(void **state) {
         }
         print_message("%s: %.2f ms, %llu bytes read, %llu written\n", separate ? "separate" : "merged", milliseconds,
                       (unsigned long long)stats.image_bytes_read, (unsigned long long)stats.image_bytes_written);
-        assert_true(stats.image_bytes_written > 0 && (stats.image_bytes_read > 0) == separate);
+        /* Separate: four targets, light again, light and depth for glass, the picture; back come the targets, light for the picture,
+           light and depth for glass. */
+        const uint64_t pixels = (uint64_t)frame.width * frame.height;
+        assert_int_equal(stats.image_bytes_written, (separate ? 32 : 4) * pixels);
+        assert_int_equal(stats.image_bytes_read, (separate ? 28 : 0) * pixels);
     }
     stage_close(&stage);
+}
+
+/* Bits of a format that hold something: its alpha is padding where the layout has none. */
+static uint32_t used_bits(VkFormat format, bool alpha) {
+    switch (format) {
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+        return 30 + (alpha ? 2 : 0);
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SRGB:
+        return 24 + (alpha ? 8 : 0);
+    case VK_FORMAT_R32_SFLOAT:
+    case VK_FORMAT_R16G16_SFLOAT:
+    case VK_FORMAT_B10G11R11_UFLOAT_PACK32:
+        return 32;
+    default:
+        return 0;
+    }
 }
 
 static void test_bits_of_the_layouts_MB_4(void **state) {
@@ -233,6 +255,15 @@ static void test_bits_of_the_layouts_MB_4(void **state) {
         }
         assert_int_equal(sum, bits[layout]);
         assert_int_equal(sum_used, used[layout]);
+        /* What is drawn to is what was said of it. */
+        struct mobile_layout drawn = mobile_layout((fnl_mobile_layout)layout, FNL_MOBILE_GAMMA_SRGB, false);
+        assert_int_equal(drawn.target_count, count);
+        for (uint32_t i = 0; i < count; i++) {
+            bool alpha = strcmp(targets[i].name, "mobile normal") == 0 || strcmp(targets[i].name, "mobile color") == 0;
+            assert_string_equal(drawn.targets[i].name, targets[i].name);
+            assert_int_equal(gpu_texel_bytes(drawn.targets[i].format) * 8, targets[i].bits);
+            assert_int_equal(used_bits(drawn.targets[i].format, alpha), targets[i].used_bits);
+        }
     }
     assert_int_equal(fnl_mobile_layout_targets(FNL_MOBILE_LAYOUT_COUNT, NULL, 0), 0);
 }
