@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static int compare_doubles(const void *a, const void *b) {
@@ -292,6 +293,13 @@ bool report_save(const struct render_report *r, const char *path) {
     add_dais(json, r);
     add_traffic(json, r);
     char temporary[4096] = "";
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device or a pipe, which no file may take the place of */
+        bool written = json && json_dump_file(json, path, JSON_INDENT(2)) == 0;
+        json_decref(json);
+        if (!written) fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
+        return written;
+    }
     bool good = json && snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary &&
                 json_dump_file(json, temporary, JSON_INDENT(2)) == 0 && rename(temporary, path) == 0;
     json_decref(json);

@@ -74,6 +74,12 @@ expect 0 '' render builtin:spheres $small -o "$work/b.png" -o "$work/b.exr" --ao
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
 cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the stats are not as documented'
+# A pipe or a device stays one.
+mkfifo "$work/pipe"
+timeout 60 cat "$work/pipe" >"$work/piped.json" &
+expect 0 '' render builtin:spheres $small --lists all -o "$work/a.png" --stats "$work/pipe"
+wait $!
+[ -p "$work/pipe" ] && grep -q '"shading"' "$work/piped.json" || fail 'stats do not go through a pipe'
 expect 0 'auto: (fastest of|likely the best)' render builtin:spheres $small --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"
 cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other bytes'
 expect 0 'auto: (remembered|likely)' render builtin:spheres $small -o "$work/b.png"
