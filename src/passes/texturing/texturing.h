@@ -15,8 +15,8 @@ struct texturing {
     graph_image depth;
     graph_image targets[TEXTURING_TARGETS]; /* texturing_shared.h */
     uint32_t target_count, form, bytes;     /* of a pixel, depth left out */
-    struct virtual_frame pages; /* of virtual texturing */
-    bool shows_levels;          /* virtual texturing: levels of detail instead of radiance */
+    struct virtual_frame pages;             /* of virtual texturing */
+    bool shows_levels;                      /* virtual texturing: levels of detail instead of radiance */
 };
 
 /**

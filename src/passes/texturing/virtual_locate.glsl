@@ -12,8 +12,8 @@ float virtual_wrap(float t, uint wrap) {
     return t > 0.0 ? min(t, 1.0) : 0.0; // NaN: 0
 }
 
-// Place and remainder in eighths of texels: x | y << 16. Of the page that shows the level of detail which the hardware would take, or, where
-// that is not resident, of the next that is; all those are wanted in the next frame.
+// Place and remainder in eighths of texels: x | y << 16. Of the page that shows the level of detail which the hardware would take, or,
+// where that is not resident, of the next that is; all those are wanted in the next frame.
 uint virtual_locate(virtual_block block, uint material, vec4 uvs, vec4 dx, vec4 dy) {
     virtual_materials materials = block.v.materials;
     uint tiers = materials.at[material].tiers, wrap = materials.at[material].wrap;

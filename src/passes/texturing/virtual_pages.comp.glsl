@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Decides which pages are resident, in one work group: of those that the last frame wanted, coarse ones first, as many as there is room for.
-// Pages that nobody wants stay until their place is needed.
+// Decides which pages are resident, in one work group: of those that the last frame wanted, coarse ones first, as many as there is room
+// for. Pages that nobody wants stay until their place is needed.
 #include "common.glsl"
 #include "scene.glsl"
 #include "passes/texturing/virtual_shared.h"

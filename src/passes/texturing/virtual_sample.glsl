@@ -23,8 +23,8 @@ virtual_point virtual_point_of(uint packed) {
     return virtual_point(pages.at[owner].material, where >> 28, page + inside);
 }
 
-// Of the neighbours on either side of the same material the one with the nearest coordinates; whether one is near enough. A page's tier holds
-// what changes by less than 4 texels a pixel, but for the coarsest.
+// Of the neighbours on either side of the same material the one with the nearest coordinates; whether one is near enough. A page's tier
+// holds what changes by less than 4 texels a pixel, but for the coarsest.
 bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, vec2 period, bool is_coarsest, out float distance) {
     distance = 1e30;
     for (int way = -1; way <= 1; way += 2) {
