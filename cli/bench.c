@@ -37,10 +37,13 @@ static const char *grid_name(int i) { return bench_way_name(BENCH_WAY_GRID, i); 
 static const char *mobile_layout_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LAYOUT, i); }
 static const char *mobile_lights_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LIGHTS, i); }
 static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_GAMMA, i); }
+static const char *culling_name(int i) { return bench_way_name(BENCH_WAY_CULL, i); }
+static const char *occlusion_name(int i) { return bench_way_name(BENCH_WAY_OCCLUSION, i); }
 static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
                                                                msaa_method_name,   visibility_sort_name, barycentrics_name,
                                                                grid_name,
-                                                               mobile_layout_name, mobile_lights_name,   mobile_gamma_name};
+                                                               mobile_layout_name, mobile_lights_name,   mobile_gamma_name,
+                                                               culling_name,       occlusion_name};
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -69,6 +72,8 @@ static void print_help(void) {
          "  --visibility-sort KINDS|all    of visibility: off, class, material (off)\n"
          "  --visibility-barycentrics KINDS|all    of visibility with 1 sample: off, on (off)\n"
          "  --visibility-grid KINDS|all    of visibility with 1 sample: off, on (off)\n"
+         "  --cull KINDS|all           what is left out before it is drawn: instances clusters triangles (instances)\n"
+         "  --occlusion KINDS|all      and whether what others hide is: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours\n"
          "\n"
@@ -194,6 +199,8 @@ enum {
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
     O_MOBILE_GAMMA,
+    O_CULL,
+    O_OCCLUSION,
     O_LIST_OPTION,
     O_SUITE,
     O_CAMERA,
@@ -225,6 +232,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
                                              {"mobile-gamma", required_argument, NULL, O_MOBILE_GAMMA},
+                                             {"cull", required_argument, NULL, O_CULL},
+                                             {"occlusion", required_argument, NULL, O_OCCLUSION},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
                                              {"camera", required_argument, NULL, O_CAMERA},
@@ -280,6 +289,10 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_MOBILE_LIGHTS, value);
     case O_MOBILE_GAMMA:
         return parse_way(o, BENCH_WAY_MOBILE_GAMMA, value);
+    case O_CULL:
+        return parse_way(o, BENCH_WAY_CULL, value);
+    case O_OCCLUSION:
+        return parse_way(o, BENCH_WAY_OCCLUSION, value);
     case O_LIST_OPTION:
         return add_list_option(o, value);
     case O_SUITE:

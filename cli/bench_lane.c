@@ -184,6 +184,11 @@ static void add_counts(const struct lane *lane, json_t *result) {
     set_integer(result, "cells", s->cells);
     set_integer(result, "overflow_cells", s->overflow_cells);
     set_integer(result, "dropped", s->lights_dropped);
+    /* Of opaque surfaces and cutouts of all instances: those drawn, and how fast the scene went by. */
+    uint64_t drawn = lane->frame.culling == FNL_CULLING_INSTANCES ? s->triangles_visible : s->triangles_drawn;
+    double total = fmax((double)s->triangles_total, 1);
+    set_integer(result, "triangles_drawn", drawn);
+    json_object_set_new(result, "triangles_culled", json_real(1 - (double)drawn / total));
     set_integer(result, "image_bytes_read", lane->image_bytes_read);
     set_integer(result, "image_bytes_written", lane->image_bytes_written);
 }
@@ -213,6 +218,9 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
     json_object_set_new(result, "shared_renderer", json_boolean(shared));
     for (int m = 0; m < LANE_METRIC_COUNT; m++)
         json_object_set_new(result, metric_names[m], summarise(lane->times[m], lane->measured));
+    double median = json_real_value(json_object_get(json_object_get(result, metric_names[LANE_FRAME]), "median"));
+    if (median > 0)
+        json_object_set_new(result, "triangles_per_second", json_real(1000 / median * (double)lane->stats.triangles_total));
     json_t *passes = json_array();
     for (uint32_t i = 0; i < lane->pass_count; i++) {
         json_t *pass = summarise(lane->passes[i].times, lane->measured);

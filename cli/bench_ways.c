@@ -18,6 +18,8 @@ static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fn
 static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
 static const char *mobile_gamma_name(int i) { return fnl_mobile_gamma_name((fnl_mobile_gamma)i); }
 
+static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
+
 static const struct {
     const char *key, *column;
     const char *(*name_of)(int);
@@ -32,6 +34,8 @@ static const struct {
     [BENCH_WAY_MOBILE_LAYOUT] = {"mobile-layout", "mobile_layout", mobile_layout_name},
     [BENCH_WAY_MOBILE_LIGHTS] = {"mobile-lights", "mobile_lights", mobile_lights_name},
     [BENCH_WAY_MOBILE_GAMMA] = {"mobile-gamma", "mobile_gamma", mobile_gamma_name},
+    [BENCH_WAY_CULL] = {"cull", "cull", culling_name},
+    [BENCH_WAY_OCCLUSION] = {"occlusion", "occlusion", switch_name},
 };
 
 const char *bench_way_key(enum bench_way way) { return ways[way].key; }
@@ -48,7 +52,9 @@ struct bench_ways bench_ways_default(void) {
                                           [BENCH_WAY_GRID] = frame.visibility.grid,
                                           [BENCH_WAY_MOBILE_LAYOUT] = (int)frame.mobile.layout,
                                           [BENCH_WAY_MOBILE_LIGHTS] = (int)frame.mobile.lights,
-                                          [BENCH_WAY_MOBILE_GAMMA] = (int)frame.mobile.gamma}};
+                                          [BENCH_WAY_MOBILE_GAMMA] = (int)frame.mobile.gamma,
+                                          [BENCH_WAY_CULL] = (int)frame.culling,
+                                          [BENCH_WAY_OCCLUSION] = frame.occlusion}};
 }
 
 bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32_t msaa) {
@@ -71,6 +77,10 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
     case BENCH_WAY_MOBILE_LIGHTS:
     case BENCH_WAY_MOBILE_GAMMA:
         return shading == FNL_SHADING_MOBILE;
+    case BENCH_WAY_CULL:
+        return true;
+    case BENCH_WAY_OCCLUSION:
+        return shading != FNL_SHADING_LOW_RES && shading != FNL_SHADING_INFERRED && shading != FNL_SHADING_TEXTURING;
     default:
         return false;
     }
@@ -124,6 +134,8 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->mobile.layout = (fnl_mobile_layout)chosen.values[BENCH_WAY_MOBILE_LAYOUT];
     frame->mobile.lights = (fnl_mobile_lights)chosen.values[BENCH_WAY_MOBILE_LIGHTS];
     frame->mobile.gamma = (fnl_mobile_gamma)chosen.values[BENCH_WAY_MOBILE_GAMMA];
+    frame->culling = (fnl_culling)chosen.values[BENCH_WAY_CULL];
+    frame->occlusion = chosen.values[BENCH_WAY_OCCLUSION];
     return argument_list_options("list-option", list_options, &frame->list_options);
 }
 

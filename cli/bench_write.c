@@ -157,13 +157,13 @@ static void append_field(struct text *t, const json_t *value) {
 /* clang-format off */
 static const char *const columns[] = {
     "scene", "width", "height", "msaa", "shading", "lists", "options", "gbuffer", "transparency", "decals", "msaa_method",
-    "visibility_sort", "visibility_barycentrics", "visibility_grid", "mobile_layout", "mobile_lights", "mobile_gamma", "lights", "lights_in_view", "frames",
+    "visibility_sort", "visibility_barycentrics", "visibility_grid", "mobile_layout", "mobile_lights", "mobile_gamma", "cull", "occlusion", "lights", "lights_in_view", "frames",
     "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
     "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
     "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",
     "wall_ms.median", "lists_ms.median", "lists_ms.mad", "shading_ms.median", "shading_ms.mad", "geometry_ms.median", "rest_ms.median",
     "evaluations", "evaluations_useful", "per_pixel", "useful_per_pixel", "max_per_pixel",
-    "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles",
+    "list_bytes", "list_used_bytes", "list_entries", "cells", "overflow_cells", "dropped", "triangles", "triangles_drawn", "triangles_culled", "triangles_per_second",
     "image_bytes_read", "image_bytes_written",
     "equal", "differing_pixels", "max_difference"};
 /* clang-format on */

@@ -433,6 +433,7 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_DAIS_ADDRESSES, /**< FNL_SHADING_DAIS: a colour for each stored triangle; white: there was no room for it */
     FNL_DEBUG_DAIS_TRIANGLES, /**< different triangles that a pixel shows: 1 grey, 2 green, 3 yellow, more red */
     FNL_DEBUG_DAIS_FAILURES,  /**< red where a triangle was stored because its bucket of the cache stayed locked */
+    FNL_DEBUG_CLUSTERS, /**< colours for the clusters of triangles that culling knows; needs fnl_device_info.primitive_ids */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 

@@ -147,6 +147,10 @@ static void add_picture(struct frame_state *f) {
             counts = (struct debug_counts){overshading_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
                                                            f->frame->width, f->frame->height),
                                            1};
+        if (f->frame->debug == FNL_DEBUG_CLUSTERS)
+            counts = (struct debug_counts){cluster_view_add(f->graph, &f->scene->geometry, &f->draws, f->view_address,
+                                                            f->frame->width, f->frame->height),
+                                           1};
         if (f->frame->debug == FNL_DEBUG_LAYERS)
             counts = (struct debug_counts){
                 layers_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height), 1};

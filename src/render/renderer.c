@@ -173,7 +173,7 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
         "none",         "albedo",    "normal",      "depth",       "roughness", "lights",    "cells",     "overdraw",
         "tile-normals", "backfaces", "overshading", "layers",      "decals",    "gbuffer-0", "gbuffer-1", "gbuffer-2",
         "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion",    "halos",     "coarse",
-        "coarse-reason", "dais-addresses", "dais-triangles", "dais-failures"};
+        "coarse-reason", "dais-addresses", "dais-triangles", "dais-failures", "clusters"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }
@@ -519,6 +519,10 @@ static fnl_result check_frame(fnl_renderer *r, const fnl_frame *frame) {
         return FNL_ERROR_UNSUPPORTED;
     }
     TRY(dais_check(r, frame));
+    if (frame->debug == FNL_DEBUG_CLUSTERS && !gpu_info(r->device)->primitive_ids) {
+        log_error(host, "this device cannot number triangles, which the view of clusters needs");
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (temporal_needs_motion(frame) && frame->msaa > 1) {
         log_error(host, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;

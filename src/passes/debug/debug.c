@@ -11,6 +11,8 @@ _Static_assert((uint32_t)FNL_DEBUG_EDGES == GPU_DEBUG_EDGES && (uint32_t)FNL_DEB
 _Static_assert((uint32_t)FNL_DEBUG_COARSE_REASON == GPU_DEBUG_COARSE_REASON && FNL_DEBUG_COARSE + 1 == FNL_DEBUG_COARSE_REASON,
                "and those of coarse shading");
 
+_Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS, "and that of the view of clusters");
+
 struct draw_data {
     const struct geometry_scene *scene;
     struct geometry_draws draws;
@@ -92,8 +94,9 @@ graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scen
     return counters;
 }
 
-graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
-                             VkDeviceAddress view, uint32_t width, uint32_t height) {
+/* What `fragment` counts of the surfaces that are seen in the end. */
+static graph_buffer count_seen(struct graph *graph, const struct gpu_shader *fragment, const struct geometry_scene *scene,
+                               const struct geometry_draws *draws, VkDeviceAddress view, uint32_t width, uint32_t height) {
     graph_buffer counters = create_counters(graph, width, height);
     graph_image depth = create_depth(graph, "overshading depth", width, height);
     struct draw_data data = {.scene = scene, .draws = *draws, .view = view, .mask_fragment = &shader_depth_frag};
@@ -107,7 +110,7 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
     geometry_use(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
     /* Only what is seen in the end, so the order of the draws does not matter. */
-    data.state.fragment = &shader_overshading_frag;
+    data.state.fragment = fragment;
     data.mask_fragment = NULL;
     data.counters = counters;
     data.state.depth_write = false;
@@ -117,6 +120,16 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
     graph_use_buffer(pass, counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_depth_read_only(pass, depth);
     return counters;
+}
+
+graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                             VkDeviceAddress view, uint32_t width, uint32_t height) {
+    return count_seen(graph, &shader_overshading_frag, scene, draws, view, width, height);
+}
+
+graph_buffer cluster_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                              VkDeviceAddress view, uint32_t width, uint32_t height) {
+    return count_seen(graph, &shader_cluster_view_frag, scene, draws, view, width, height);
 }
 
 graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,

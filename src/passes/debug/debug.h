@@ -30,6 +30,10 @@ graph_buffer overshading_add(struct graph *graph, const struct geometry_scene *s
 graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                       VkDeviceAddress view, uint32_t width, uint32_t height);
 
+/** A number for the cluster of triangles that each pixel shows; 0 nothing, 1 what has none. Needs fnl_device_info.primitive_ids. */
+graph_buffer cluster_view_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                              VkDeviceAddress view, uint32_t width, uint32_t height);
+
 /** Numbers per pixel: the first of each `stride`; of fragments for GPU_DEBUG_OVERDRAW, of parts of invocations for
  *  GPU_DEBUG_OVERSHADING, of blended fragments for GPU_DEBUG_LAYERS, of lights where shading does not go by the list. */
 struct debug_counts {

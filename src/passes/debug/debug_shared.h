@@ -23,6 +23,7 @@
 #define GPU_DEBUG_HALOS 22u /* after that of motion, which aa/motion.c draws */
 #define GPU_DEBUG_COARSE 23u
 #define GPU_DEBUG_COARSE_REASON 24u
+#define GPU_DEBUG_CLUSTERS 28u
 
 /* Overshading is counted in parts of an invocation: four spread over one to four pixels without a rest. */
 #define GPU_OVERSHADING_UNIT 3u

@@ -123,9 +123,9 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
 
 void clusters_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene, const struct gpu_view *camera,
                   VkDeviceAddress view, const struct clusters_params *params, struct geometry_draws *draws) {
-    static const struct prefix_sum_names item_names = PREFIX_SUM_NAMES("item clusters"),
-                                         triangle_names = PREFIX_SUM_NAMES("cluster triangles"),
-                                         draw_names = PREFIX_SUM_NAMES("item draws");
+    static const struct prefix_sum_names item_names = PREFIX_SUM_NAMES("cull item clusters"),
+                                         triangle_names = PREFIX_SUM_NAMES("cull triangles"),
+                                         draw_names = PREFIX_SUM_NAMES("cull item draws");
     uint32_t items = scene->item_count, buckets = scene->bucket_count, capacity = params->cluster_capacity;
     if (items == 0 || scene->cluster_count == 0) return;
     uint64_t params_size = sizeof(struct gpu_cluster_params);
@@ -160,25 +160,27 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     if (params->by_triangle)
         d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
     graph_buffer vertices = scene->vertices;
-    struct graph_pass *pass = graph_add_pass(graph, "clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "cull clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
     graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
-    ADD_STEP("clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
+    ADD_STEP("cull clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
              CHANGES(totals), READS(hidden));
     prefix_sum_add(graph, &item_names, GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
-    ADD_STEP("clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
-    ADD_STEP("clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
+    ADD_STEP("cull clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
+    ADD_STEP("cull clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
              WRITES(counts), CHANGES(totals), READS(hierarchy), {vertices, GRAPH_READ_COMPUTE});
     if (params->by_triangle)
-        ADD_STEP("clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots), CHANGES(counts),
-                 WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE}, {d.totals, GRAPH_INDIRECT});
+        ADD_STEP("cull clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots),
+                 CHANGES(counts), WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE},
+                 {d.totals, GRAPH_INDIRECT});
     prefix_sum_add(graph, &triangle_names, GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
-    ADD_STEP("clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts), WRITES(draw_sums),
-             CHANGES(totals));
+    ADD_STEP("cull clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts),
+             WRITES(draw_sums), CHANGES(totals));
     prefix_sum_add(graph, &draw_names, GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
-    ADD_STEP("clusters draws", shader_clusters_draws_comp, MAX(items, buckets), READS(visible_sums), READS(cluster_sums),
-             READS(counts), READS(draw_sums), WRITES(draws), WRITES(triangles), CHANGES(totals));
-    ADD_STEP("clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts), READS(masks),
-             CHANGES(indices), WRITES(triangles), CHANGES(totals), {d.totals, GRAPH_INDIRECT});
+    ADD_STEP("cull clusters draws", shader_clusters_draws_comp, MAX(items, buckets), READS(visible_sums),
+             READS(cluster_sums), READS(counts), READS(draw_sums), WRITES(draws), WRITES(triangles), CHANGES(totals));
+    ADD_STEP("cull clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts),
+             READS(masks), CHANGES(indices), WRITES(triangles), CHANGES(totals), {d.totals, GRAPH_INDIRECT});
     draws->item_draws = d.draws;
     draws->totals = d.totals;
     draws->triangles = d.triangles;

@@ -447,6 +447,37 @@ static void test_occlusion_orders(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* The view of clusters: the same whatever is left out, and of many colours. */
+static void test_view(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = crowd(60);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = crowd_frame(VIEW_PLAIN);
+    frame.outputs = FNL_OUTPUT_COLOR;
+    frame.debug = FNL_DEBUG_CLUSTERS;
+    test_render_frame(renderer, &frame);
+    fnl_image whole = test_read(renderer, FNL_OUTPUT_COLOR);
+    frame.culling = FNL_CULLING_TRIANGLES;
+    frame.occlusion = true;
+    test_render_frame(renderer, &frame);
+    fnl_image culled = test_read(renderer, FNL_OUTPUT_COLOR);
+    assert_true(test_equal(&whole, &culled));
+    bool hues[512] = {false};
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < frame.height; y++)
+        for (uint32_t x = 0; x < frame.width; x++) {
+            const uint8_t *c = test_pixel8(&whole, x, y);
+            bool *hue = &hues[c[0] >> 5 << 6 | c[1] >> 5 << 3 | c[2] >> 5];
+            count += !*hue;
+            *hue = true;
+        }
+    assert_true(count > 40);
+    free_picture(&whole);
+    free_picture(&culled);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- cutting ---- */
 
 /* Clusters hold each triangle once, corners in order, and their bounds hold. */
@@ -492,6 +523,7 @@ int main(void) {
         {"ES-77: overflowing pools draw items whole", test_overflow, NULL, NULL, NULL},
         {"ES-79: pans, jumps and moving walls drop nothing", test_occlusion_moves, NULL, NULL, NULL},
         {"ES-79: every shading order draws the same picture", test_occlusion_orders, NULL, NULL, NULL},
+        {"the view of clusters", test_view, NULL, NULL, NULL},
         {"ES-77: two runs, and nothing to cull", test_repeats, NULL, NULL, NULL},
     };
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);

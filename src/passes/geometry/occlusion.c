@@ -61,16 +61,16 @@ static struct hierarchy add_reprojection(struct graph *graph, struct occlusion_d
                                          graph_image tiles) {
     data.hierarchy = create_hierarchy(graph, "reprojected depth", camera);
     data.depth = tiles;
-    struct graph_pass *pass = graph_add_pass(graph, "occlusion holes", GRAPH_QUEUE_GRAPHICS, execute_holes, &data.hierarchy,
-                                             sizeof data.hierarchy);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "cull holes", GRAPH_QUEUE_GRAPHICS, execute_holes, &data.hierarchy, sizeof data.hierarchy);
     graph_use_buffer(pass, data.hierarchy.levels, GRAPH_COPY_TO);
     data.shader = &shader_occlusion_reproject_comp;
     data.groups[0] = DIVIDE_UP(data.hierarchy.width, 8u);
     data.groups[1] = DIVIDE_UP(data.hierarchy.height, 8u);
-    pass = graph_add_pass(graph, "occlusion reproject", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
+    pass = graph_add_pass(graph, "cull reproject", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
     graph_use_image(pass, tiles, GRAPH_SAMPLE_COMPUTE);
     graph_use_buffer(pass, data.hierarchy.levels, GRAPH_READ_WRITE_COMPUTE);
-    add_levels(graph, "occlusion reprojected levels", data);
+    add_levels(graph, "cull reprojected levels", data);
     return data.hierarchy;
 }
 
@@ -83,18 +83,18 @@ static struct hierarchy add_depth(struct graph *graph, struct occlusion_data dat
     data.groups[0] = data.hierarchy.width;
     data.groups[1] = data.hierarchy.height;
     struct graph_pass *pass =
-        graph_add_pass(graph, "occlusion tiles", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
+        graph_add_pass(graph, "cull tiles", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
     graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, tiles, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.hierarchy.levels, GRAPH_WRITE_COMPUTE);
-    add_levels(graph, "occlusion levels", data);
+    add_levels(graph, "cull levels", data);
     return data.hierarchy;
 }
 
 struct geometry_draws occlusion_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene,
                                     const struct gpu_view *camera, const struct gpu_view *previous, VkDeviceAddress view,
                                     uint32_t samples, struct hierarchy *out) {
-    static const struct cull_names names = CULL_NAMES("occluders");
+    static const struct cull_names names = CULL_NAMES("cull occluders");
     struct occlusion_data data = {.view = view, .samples = samples};
     struct graph_history tiles =
         graph_history(graph, &(struct graph_image_params){.name = "depth tiles",
@@ -115,7 +115,7 @@ struct geometry_draws occlusion_add(struct graph *graph, gpu_device *device, con
                                                                                .width = camera->size.x,
                                                                                .height = camera->size.y,
                                                                                .samples = samples});
-    geometry_depth_add(graph, "occluder depth", scene, &occluders, view, depth);
+    geometry_depth_add(graph, "cull occluder depth", scene, &occluders, view, depth);
     *out = add_depth(graph, data, camera, depth, tiles.current);
     return cull_add_hidden(graph, scene, view, out);
 }

@@ -26,13 +26,7 @@ layout(location = ID_TARGETS + 1) out uint out_high;
 #define ID_STORED(word) (word)
 #endif
 
-// Of the item, whatever culling has left out of it.
-uint triangle_number() {
-    uint number = uint(gl_PrimitiveID);
-    if ((FEATURES & GPU_FEATURE_COMPACTED) == 0u) return number;
-    uint first = push.triangles.at[in_ids.y];
-    return first == 0xffffffffu ? number : push.triangles.at[first + number];
-}
+#include "passes/geometry/triangle_number.glsl"
 
 void write_id() {
     uint item = in_ids.y + 1u;
