@@ -155,7 +155,7 @@ static void test_files_round_trip(void **state) {
         json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */

@@ -542,7 +542,8 @@ typedef struct fnl_frame {
      * is then shaded as the first of them. 0 (default): what is stored must be equal. FNL_SHADING_DEFERRED, but for FNL_MSAA_ALL.
      */
     float msaa_tolerance;
-    fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances */
+    fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances, which adds no passes: on the CPU driver it is as fast
+                                        as any in scenes such as builtin:hall; larger ones gain by triangles, and most with occlusion */
     /**
      * Opaque surfaces and cutouts that others hide are left out too, by depths of this very frame; the picture is the same, the debug view
      * overdraw shows less. Default false. Without effect with low-res, inferred and texturing, and with MSAA where a debug view or an output of
