@@ -80,7 +80,7 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
     case BENCH_WAY_CULL:
         return true;
     case BENCH_WAY_OCCLUSION:
-        return shading != FNL_SHADING_LOW_RES && shading != FNL_SHADING_INFERRED && shading != FNL_SHADING_TEXTURING;
+        return shading != FNL_SHADING_LOW_RES && shading != FNL_SHADING_INFERRED;
     default:
         return false;
     }

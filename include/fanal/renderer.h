@@ -546,7 +546,7 @@ typedef struct fnl_frame {
                                         as any in scenes such as builtin:hall; larger ones gain by triangles, and most with occlusion */
     /**
      * Opaque surfaces and cutouts that others hide are left out too, by depths of this very frame; the picture is the same, the debug view
-     * overdraw shows less. Default false. Without effect with low-res, inferred and texturing, and with MSAA where a debug view or an output of
+     * overdraw shows less. Default false. Without effect with low-res, inferred and the grid of visibility, and with MSAA where a debug view or an output of
      * surfaces looks at the centres of pixels.
      */
     bool occlusion;
