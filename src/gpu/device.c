@@ -344,6 +344,8 @@ void fnl_device_destroy(fnl_device **address) {
     if (device->handle && device->vk.DestroyDevice) {
         device->in_frame = false;
         gpu_wait_idle(device);
+        /* Mesa's CPU driver still tidies up after the last semaphore is signalled. What is imported is for its owner to wait for. */
+        if (!device->imported) device->vk.DeviceWaitIdle(device->handle);
         gpu_uploads_finish(device);
         gpu_frames_finish(device);
         gpu_pipelines_finish(device);

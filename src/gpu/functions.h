@@ -28,6 +28,7 @@
 
 #define GPU_DEVICE_FUNCTIONS(X)                                                                                             \
     X(DestroyDevice)                                                                                                        \
+    X(DeviceWaitIdle)                                                                                                       \
     X(GetDeviceQueue)                                                                                                       \
     X(QueueSubmit2)                                                                                                         \
     X(AllocateMemory)                                                                                                       \

@@ -74,13 +74,12 @@ static void test_bindless_images_are_stored_fetched_and_sampled(void **state) {
                                       1,          1,
                                       1,          false,
                                       false,      VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    struct gpu_sampler_params nearest = {VK_FILTER_NEAREST,
-                                         VK_FILTER_NEAREST,
-                                         VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                                         false,
-                                         VK_SAMPLER_ADDRESS_MODE_REPEAT,
-                                         VK_SAMPLER_ADDRESS_MODE_REPEAT,
-                                         1};
+    struct gpu_sampler_params nearest = {.mag = VK_FILTER_NEAREST,
+                                         .min = VK_FILTER_NEAREST,
+                                         .mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                                         .wrap_u = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                         .wrap_v = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                         .anisotropy = 1};
     struct gpu_sampler_params linear = nearest;
     linear.mag = linear.min = VK_FILTER_LINEAR;
     linear.anisotropy = 1000; /* clamped */

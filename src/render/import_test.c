@@ -484,7 +484,7 @@ static void test_misuse_is_refused_and_does_no_harm(void **state) {
     wrong.width = 16385;
     expect_refusal(&wrong, &good, FNL_ERROR_INVALID, "width");
     wrong = frame;
-    wrong.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    wrong.shading = FNL_SHADING_MOBILE;
     wrong.msaa = 4;
     expect_refusal(&wrong, &good, FNL_ERROR_UNSUPPORTED, "MSAA");
     assert_int_equal(timeline_value(), w.ticks); /* a frame that was refused signals nothing */

@@ -171,6 +171,12 @@ static void test_recording_does_not_grow_with_instances(void **state) {
     fnl_device_destroy(&device);
 }
 
+/* Pairs that go together; orders after the first three, which use lists as those do, with every fifth list. */
+static bool is_tried(fnl_shading shading, fnl_light_lists lists) {
+    if (!fnl_lists_supported(shading, lists)) return false;
+    return shading <= FNL_SHADING_DEFERRED || ((uint32_t)lists + (uint32_t)shading) % 5 == 0;
+}
+
 static void test_steady_state_allocates_nothing(void **state) {
     UNUSED(state);
     struct stage_set s = stage_set_open();
@@ -180,7 +186,7 @@ static void test_steady_state_allocates_nothing(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE | FNL_OUTPUT_NORMAL);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!is_tried(frame.shading, frame.lists)) continue;
             frame.exposure = FNL_EXPOSURE_AUTO;
             frame.timers = frame.count_lights = true;
             frame.record_threads = lists % 2 ? 0 : 1;
@@ -454,7 +460,7 @@ static void test_empty_scene(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!is_tried(frame.shading, frame.lists)) continue;
             fnl_scene *scene = test_scene();
             assert_int_equal(fnl_scene_set_background(scene, (vec3){0.5f, 1, 2}), FNL_OK);
             fnl_image radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);

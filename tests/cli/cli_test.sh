@@ -77,7 +77,7 @@ cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the
 # A pipe or a device stays one.
 mkfifo "$work/pipe"
 timeout 60 cat "$work/pipe" >"$work/piped.json" &
-expect 0 '' render builtin:spheres $small --lists all -o "$work/a.png" --stats "$work/pipe"
+expect 0 '' render builtin:spheres $small --lists all -o "$work/piped.png" --stats "$work/pipe"
 wait $!
 [ -p "$work/pipe" ] && grep -q '"shading"' "$work/piped.json" || fail 'stats do not go through a pipe'
 expect 0 'auto: (fastest of|likely the best)' render builtin:spheres $small --lists auto --frames 2 -o "$work/b.png" -o "$work/b.exr"

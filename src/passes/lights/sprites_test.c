@@ -72,10 +72,11 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
             if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
-            if (shading > FNL_SHADING_DEFERRED && lists > FNL_LISTS_TILED)
+            if (shading > FNL_SHADING_DEFERRED && lists != FNL_LISTS_TILED)
                 continue; /* they read lists as the first three do */
-            /* Some light fewer points than there are pixels. */
-            uint64_t least = shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED ? 4 : 20;
+            bool fewer_points =
+                shading == FNL_SHADING_LOW_RES || shading == FNL_SHADING_INFERRED || shading == FNL_SHADING_COARSE;
+            uint64_t least = fewer_points ? 4 : 20;
             struct shot near = stage_shoot(&stage, &frame);
             if (near.stats.evaluations == 0 || near.stats.evaluations_useful <= least)
                 fail_msg("%s + %s: %llu evaluations, %llu useful", fnl_shading_name(frame.shading),
