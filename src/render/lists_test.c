@@ -60,7 +60,7 @@ static struct shot check_lists(struct stage *stage, fnl_frame frame) {
                               (unsigned long long)differing, greatest_difference(&all.color, &shot.color),
                               (unsigned long long)beyond, ALLOWED);
             uint64_t part =
-                l >= FNL_LISTS_MESH && l <= FNL_LISTS_MULTIPASS ? 1000 : 5000; /* blades of grass are thinner than pixels */
+                l >= FNL_LISTS_MESH && l <= FNL_LISTS_MULTIPASS ? 1000 : 2500; /* blades of grass are thinner than pixels */
             if (beyond * part > frame.width * frame.height)
                 fail_msg("%s is off at %llu pixels", pair_name(&frame), (unsigned long long)beyond);
         } else if (differing) {
