@@ -179,10 +179,10 @@ decal_place decal_place_at(decal_array decals, uint index, vec3 q, decal_point p
 }
 
 // In the space of a mesh before it deforms, with directions from how the picture lies on the surface. `bind_dx` and `bind_dy`: how the
-// position there changes from pixel to pixel.
-decal_place decal_place_on_mesh(decal_array decals, uint index, vec3 q, decal_point p, vec3 bind_dx, vec3 bind_dy) {
+// position there changes from pixel to pixel; `mirror` is -1 where the instance is mirrored.
+decal_place decal_place_on_mesh(decal_array decals, uint index, vec3 q, decal_point p, vec3 bind_dx, vec3 bind_dy, float mirror) {
     decal_place place;
-    vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(cross(p.dx, p.dy), p.facing) < 0.0 ? -1.0 : 1.0);
+    vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(cross(p.dx, p.dy), p.facing) < 0.0 ? -mirror : mirror);
     float length2 = dot(bind_normal, bind_normal);
     place.q = q;
     place.dx = decal_cube_direction(decals, index, bind_dx);

@@ -53,7 +53,7 @@ float light_shape_strength(light_list_block l, uint light, uint kind, precise ve
 }
 
 // Whether the light's hull holds a point; `ray` leads from the point to the light's position.
-bool light_hull_holds(light_list_block l, uint light, uint count, precise vec3 ray) {
+bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
     plane_array planes = plane_array(l.list.lights);
     uint first = l.list.lights.at[light].hull_first;
     for (uint i = 0u; i < count; i++) {

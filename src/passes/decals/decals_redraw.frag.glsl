@@ -14,6 +14,7 @@ layout(location = 0) centroid in vec3 in_position;
 layout(location = 1) centroid in vec3 in_normal;
 layout(location = 2) centroid in vec3 in_bind;
 layout(location = 3) flat in uint in_decal;
+layout(location = 4) flat in float in_mirror;
 
 layout(location = 0) out vec4 out_radiance;
 
@@ -31,7 +32,7 @@ void main() {
     decal_array decals = push.set.set.decals;
     vec3 q = decal_cube(decals, in_decal, in_bind);
     if (!decal_holds(q)) discard;
-    decal_place place = decal_place_on_mesh(decals, in_decal, q, p, bind_dx, bind_dy);
+    decal_place place = decal_place_on_mesh(decals, in_decal, q, p, bind_dx, bind_dy, in_mirror);
     decal_look look;
     if (!decal_look_at(decals, in_decal, push.set.set.sampler_index, place, look) || look.color.a <= 0.0) discard;
 

@@ -11,6 +11,7 @@ layout(location = 0) centroid out vec3 out_position;
 layout(location = 1) centroid out vec3 out_normal;
 layout(location = 2) centroid out vec3 out_bind;
 layout(location = 3) flat out uint out_decal;
+layout(location = 4) flat out float out_mirror; // -1: the instance is mirrored
 
 invariant gl_Position;
 
@@ -22,8 +23,7 @@ void main() {
     precise vec3 position = transform_point(instance, push.scene.scene.positions.at[vertex]);
     precise vec4 clip = push.view.view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
-    float mirror;
-    vec3 normal = transform_normal(instance, unpack_normal(push.scene.scene.attributes.at[vertex].normal), mirror);
+    vec3 normal = transform_normal(instance, unpack_normal(push.scene.scene.attributes.at[vertex].normal), out_mirror);
     out_position = position;
     out_normal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
     out_bind = push.scene.scene.positions.at[vertex + primitive.bind_offset];

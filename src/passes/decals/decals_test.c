@@ -589,6 +589,28 @@ static fnl_instance_id instance_of(const fnl_scene *scene, uint32_t node) {
     return (fnl_instance_id){node, scene->nodes.data[node].generation};
 }
 
+/* A decal with the default fade lies on the front of its instance, which may be mirrored. */
+static void test_mirrored_instances_ES_27_ES_28(void **state) {
+    (void)state;
+    for (uint32_t i = 0; i < 4; i++) {
+        fnl_scene *scene = test_scene();
+        uint32_t node =
+            test_place(scene, test_quad_mesh(scene, add_grey(scene)), (vec3){0, 0, 0}, (vec3){i % 2 ? -1 : 1, 1, 1});
+        assert_int_equal(fnl_scene_set_ambient(scene, (vec3){1, 1, 1}, (vec3){1, 1, 1}), FNL_OK);
+        scene_update_transforms(scene);
+        fnl_decal_params p = plain(1, 0, 0, 1, box_at((vec3){0, 0, 0}, quat_identity(), (vec3){1, 1, 0.2f}));
+        p.kind = i / 2 ? FNL_DECAL_REDRAW : FNL_DECAL_MESH;
+        p.instance = instance_of(scene, node);
+        add(scene, &p);
+        fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+        fnl_image radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);
+        const float *seen = test_pixel(&radiance, SIDE / 2, SIDE / 2);
+        if (seen[0] < 10 * seen[1]) fail_msg("case %u: %g %g %g", i, (double)seen[0], (double)seen[1], (double)seen[2]);
+        free_picture(&radiance);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* A patch on a sphere: few triangles are drawn again, each pixel of the patch shows it, with MSAA too, and the rest keeps its bits. */
 static void test_redrawn_triangles_ES_28(void **state) {
     (void)state;
@@ -918,6 +940,7 @@ int main(void) {
         cmocka_unit_test(test_faults_have_their_cures_ES_35),
         cmocka_unit_test(test_glass_gets_decals_ES_36_and_ES_59),
         cmocka_unit_test(test_mesh_decals_do_not_slide_ES_27),
+        cmocka_unit_test(test_mirrored_instances_ES_27_ES_28),
         cmocka_unit_test(test_redrawn_triangles_ES_28),
         cmocka_unit_test(test_baked_decals_cost_nothing_ES_29),
         cmocka_unit_test(test_baked_channels_ES_29),
