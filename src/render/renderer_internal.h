@@ -105,4 +105,20 @@ struct frame_target {
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
 
+/** Fails, with a log line, unless the frame's options are in range, go together and suit the device (frame_check.c). */
+fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame);
+
+/** Bytes of a pixel of an output, by its bit (results.c). */
+size_t renderer_pixel_size(uint32_t bit);
+
+/* ---- pools.c: capacities of pools ---- */
+
+void pools_init(fnl_renderer *r);
+/** Sets those that start with a frame's size. */
+void pools_prepare(fnl_renderer *r, uint64_t pixels);
+/** After a frame: what overflowed gets room for what that frame needed. */
+void pools_grow(fnl_renderer *r, const struct frame_counts *counts);
+/** Those of culling alone: once the scene's size is known, with counts of 0. */
+void pools_grow_clusters(fnl_renderer *r, const struct frame_counts *counts);
+
 #endif

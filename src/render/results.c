@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/** What the last frame made: pictures and numbers. */
+#include "render/shading.h"
+
+size_t renderer_pixel_size(uint32_t bit) { return bit == 0 ? 4 : 16; }
+
+fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out) {
+    if (!r || !out) return FNL_ERROR_INVALID;
+    *out = (fnl_image){0};
+    uint32_t bit = 0;
+    while (bit < OUTPUT_COUNT && output != (fnl_output)(1u << bit)) bit++;
+    REQUIRE(&r->host, bit < OUTPUT_COUNT && r->frame_number > 0 && (r->frame.outputs & (uint32_t)output));
+    TRY(gpu_frame_wait(r->device, r->frame_number));
+    size_t size = (size_t)r->frame.width * r->frame.height * renderer_pixel_size(bit);
+    void *pixels = host_allocate(&r->host, size);
+    if (!pixels) return FNL_ERROR_MEMORY;
+    memcpy(pixels, r->outputs[bit].mapped, size);
+    *out =
+        (fnl_image){r->frame.width, r->frame.height, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    return FNL_OK;
+}
+
+static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
+    const uint32_t *counters = r->counters.mapped;
+    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
+    for (uint64_t i = 0; i < pixels; i++) {
+        s->evaluations += counters[2 * i];
+        s->evaluations_useful += counters[2 * i + 1];
+        s->max_per_pixel = MAX(s->max_per_pixel, counters[2 * i]);
+    }
+    s->mean_per_pixel = (double)s->evaluations / (double)pixels;
+    s->evaluations_counted = true;
+    const struct gpu_draw *draws = r->draws.mapped;
+    for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
+        const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
+        bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
+                       bucket->forward_layouts >> r->frame.gbuffer & 1;
+        if (r->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING)
+            forward = !bucket->blend && bucket->forward_layouts >> VIRTUAL_FORWARD & 1;
+        for (uint32_t i = 0; i < bucket->group_count && forward; i++)
+            s->items_forward += draws[bucket->first_group + i].instance_count;
+        if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
+        for (uint32_t i = 0; i < bucket->group_count; i++) {
+            const struct gpu_draw *draw = &draws[bucket->first_group + i];
+            s->triangles_visible += (uint64_t)draw->index_count / 3 * draw->instance_count;
+        }
+    }
+}
+
+fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
+    if (!r || !out) return FNL_ERROR_INVALID;
+    REQUIRE(&r->host, r->frame_number > 0);
+    TRY(gpu_frame_wait(r->device, r->frame_number));
+    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
+    pools_grow(r, counts);
+    *out = r->stats;
+    dais_query(r, counts->dais, &out->dais);
+    out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
+    out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
+    out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
+    struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
+    out->lights_in_view = lights.in_view + r->device_scene.directional_count;
+    out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
+    out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
+    out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +
+                           counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
+    out->items_visible = counts->visible_items;
+    const uint32_t *reasons = counts->clusters.reasons;
+    uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
+                                   [CLUSTERS_OUTSIDE] = &out->triangles_outside,
+                                   [CLUSTERS_BACK] = &out->triangles_back,
+                                   [CLUSTERS_SMALL] = &out->triangles_small,
+                                   [CLUSTERS_OCCLUDED] = &out->triangles_occluded};
+    for (uint32_t i = 0; i < COUNT_OF(triangles); i++) *triangles[i] = reasons[2 * i] | (uint64_t)reasons[2 * i + 1] << 32;
+    out->clusters_drawn = counts->clusters.clusters_drawn;
+    out->items_occluded = counts->hidden_items;
+    out->items_whole = counts->clusters.whole_items;
+    memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
+    out->msaa_pixels = counts->edges[EDGES_PIXELS];
+    out->msaa_edge_pixels = counts->edges[EDGES_MIXED];
+    out->msaa_surfaces = counts->edges[EDGES_SURFACES];
+    out->msaa_samples = counts->edges[EDGES_SAMPLES];
+    out->msaa_shaded = counts->edges[EDGES_SHADED];
+    out->visibility_fragments = counts->visible_fragments;
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) {
+        uint32_t entries = counts->visible[c][1] - counts->visible[c][0];
+        out->visibility_classes += entries > 0;
+        out->visibility_entries += entries;
+    }
+    out->coarse_shared = counts->coarse[COARSE_SHARED];
+    out->coarse_by_depth = counts->coarse[COARSE_DEPTH];
+    out->coarse_by_normal = counts->coarse[COARSE_NORMAL];
+    out->coarse_by_material = counts->coarse[COARSE_OTHER];
+    out->coarse_blocks =
+        out->coarse_shared + out->coarse_by_depth + out->coarse_by_normal + out->coarse_by_material;
+    out->coarse_pixels = counts->coarse[COARSE_COUNT_PIXELS];
+    out->coarse_shaded = counts->coarse[COARSE_COUNT_SHADED];
+    out->coarse_ao_shaded = counts->coarse_ao[COARSE_COUNT_SHADED];
+    out->atlas_wanted = counts->pages.wanted;
+    out->atlas_resident = counts->pages.resident;
+    out->atlas_filled = counts->pages.filled;
+    out->atlas_missing = counts->pages.missing;
+    out->blend_fragments = counts->blend.fragments;
+    out->blend_longest = counts->blend.longest;
+    out->blend_overflow = counts->blend.overflow_pixels;
+    if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
+    if (r->frame.count_lights) sum_evaluations(r, out);
+    out->lights_behind = counts->lights_behind;
+    struct graph_stats graph = graph_query_stats(r->graph);
+    out->image_bytes_read = graph.image_bytes_read;
+    out->image_bytes_written = graph.image_bytes_written;
+    out->tile_bytes = graph.tile_bytes;
+    struct graph_lazy_memory lazy = graph_query_lazy_memory(r->graph);
+    out->lazy_bytes = lazy.reserved_bytes;
+    out->lazy_committed_bytes = lazy.committed_bytes;
+    out->cpu_milliseconds = r->cpu_milliseconds;
+    struct gpu_memory_stats memory = gpu_memory_stats(r->device);
+    out->device_bytes = memory.used_bytes;
+    out->device_peak_bytes = memory.peak_used_bytes;
+    const struct graph_timer *timers;
+    uint32_t count;
+    r->pass_times.count = 0;
+    if (r->frame.timers && graph_query_timers(r->graph, r->frame_number, &timers, &count)) {
+        if (!array_reserve(&r->host, &r->pass_times, count)) return FNL_ERROR_MEMORY;
+        for (uint32_t i = 0; i < count; i++) {
+            r->pass_times.data[r->pass_times.count++] = (fnl_pass_time){timers[i].name, timers[i].milliseconds};
+            out->gpu_milliseconds += timers[i].milliseconds;
+        }
+    }
+    bool is_auto = r->asked.shading == FNL_SHADING_AUTO || r->asked.lists == FNL_LISTS_AUTO;
+    out->shading = r->frame.shading;
+    out->choosing = is_auto && r->chooser.state == CHOOSER_MEASURING;
+    out->choice = is_auto ? r->chooser.reason : "";
+    out->passes = r->pass_times.data;
+    out->pass_count = r->pass_times.count;
+    return FNL_OK;
+}
+
+size_t fnl_renderer_print_plan(const fnl_renderer *r, char *text, size_t capacity) {
+    return r ? graph_print(r->graph, text, capacity) : 0;
+}
+
+size_t fnl_renderer_print_traffic(const fnl_renderer *r, char *text, size_t capacity) {
+    return r ? graph_print_traffic(r->graph, text, capacity) : 0;
+}
