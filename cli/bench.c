@@ -37,12 +37,15 @@ static const char *grid_name(int i) { return bench_way_name(BENCH_WAY_GRID, i); 
 static const char *mobile_layout_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LAYOUT, i); }
 static const char *mobile_lights_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LIGHTS, i); }
 static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_GAMMA, i); }
+static const char *dais_name(int i) { return bench_way_name(BENCH_WAY_DAIS, i); }
+static const char *dais_multirate_name(int i) { return bench_way_name(BENCH_WAY_DAIS_MULTIRATE, i); }
 static const char *culling_name(int i) { return bench_way_name(BENCH_WAY_CULL, i); }
 static const char *occlusion_name(int i) { return bench_way_name(BENCH_WAY_OCCLUSION, i); }
 static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
                                                                msaa_method_name,   visibility_sort_name, barycentrics_name,
                                                                grid_name,
                                                                mobile_layout_name, mobile_lights_name,   mobile_gamma_name,
+                                                               dais_name,          dais_multirate_name,
                                                                culling_name,       occlusion_name};
 
 static void print_names(const char *(*name_of)(int)) {
@@ -72,6 +75,8 @@ static void print_help(void) {
          "  --visibility-sort KINDS|all    of visibility: off, class, material (off)\n"
          "  --visibility-barycentrics KINDS|all    of visibility with 1 sample: off, on (off)\n"
          "  --visibility-grid KINDS|all    of visibility with 1 sample: off, on (off)\n"
+         "  --dais KINDS|all           of dais: where references to triangles stand: target, list (target)\n"
+         "  --dais-multirate KINDS|all of dais: ambient light once for four pixels of a triangle: off, on (off)\n"
          "  --cull KINDS|all           what is left out before it is drawn: instances clusters triangles (instances)\n"
          "  --occlusion KINDS|all      and whether what others hide is: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
@@ -199,6 +204,8 @@ enum {
     O_MOBILE_LAYOUT,
     O_MOBILE_LIGHTS,
     O_MOBILE_GAMMA,
+    O_DAIS,
+    O_DAIS_MULTIRATE,
     O_CULL,
     O_OCCLUSION,
     O_LIST_OPTION,
@@ -232,6 +239,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
                                              {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
                                              {"mobile-gamma", required_argument, NULL, O_MOBILE_GAMMA},
+                                             {"dais", required_argument, NULL, O_DAIS},
+                                             {"dais-multirate", required_argument, NULL, O_DAIS_MULTIRATE},
                                              {"cull", required_argument, NULL, O_CULL},
                                              {"occlusion", required_argument, NULL, O_OCCLUSION},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
@@ -289,6 +298,10 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_MOBILE_LIGHTS, value);
     case O_MOBILE_GAMMA:
         return parse_way(o, BENCH_WAY_MOBILE_GAMMA, value);
+    case O_DAIS:
+        return parse_way(o, BENCH_WAY_DAIS, value);
+    case O_DAIS_MULTIRATE:
+        return parse_way(o, BENCH_WAY_DAIS_MULTIRATE, value);
     case O_CULL:
         return parse_way(o, BENCH_WAY_CULL, value);
     case O_OCCLUSION:

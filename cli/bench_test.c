@@ -155,7 +155,7 @@ static void test_files_round_trip(void **state) {
         json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
@@ -199,6 +199,15 @@ static void test_ways_and_list_options_are_one_text(void **state) {
     assert_true(frame.gbuffer == FNL_GBUFFER_SIEGE && frame.transparency == FNL_TRANSPARENCY_LINKED &&
                 frame.decals == FNL_DECALS_OFF && frame.msaa_method == FNL_MSAA_ALL && frame.list_options.slices == 16 &&
                 frame.list_options.tile_size == 8);
+    ways = bench_ways_default();
+    ways.values[BENCH_WAY_DAIS] = FNL_DAIS_LIST;
+    ways.values[BENCH_WAY_DAIS_MULTIRATE] = 1;
+    char dais[256];
+    bench_ways_print(&ways, "", dais, sizeof dais);
+    assert_string_equal(dais, "dais=list,dais-multirate=on");
+    frame = fnl_frame_default();
+    assert_true(bench_ways_apply(dais, &frame));
+    assert_true(frame.dais.mode == FNL_DAIS_LIST && frame.dais.multirate && frame.gbuffer == FNL_GBUFFER_DEFAULT);
     bench_ways_of(text, list_options, sizeof list_options);
     assert_string_equal(list_options, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all");
     assert_false(bench_ways_parse("gbuffer=nonsense", &again, list_options, sizeof list_options));
@@ -217,6 +226,10 @@ static void test_ways_that_an_order_heeds(void **state) {
     assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_FORWARD, 1));
     assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_DEFERRED, 4));
     assert_true(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_OFF, FNL_SHADING_FORWARD, 4));
+    assert_true(bench_way_heeded(BENCH_WAY_DAIS, FNL_DAIS_LIST, FNL_SHADING_DAIS, 1));
+    assert_true(bench_way_heeded(BENCH_WAY_DAIS_MULTIRATE, 1, FNL_SHADING_DAIS, 4));
+    assert_false(bench_way_heeded(BENCH_WAY_DAIS, FNL_DAIS_LIST, FNL_SHADING_DEFERRED, 1));
+    assert_false(bench_way_heeded(BENCH_WAY_DAIS_MULTIRATE, 1, FNL_SHADING_VISIBILITY, 4));
     assert_true(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_FORWARD, 4));
     assert_false(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_INFERRED, 1));
 }

@@ -18,6 +18,7 @@ static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fn
 static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
 static const char *mobile_gamma_name(int i) { return fnl_mobile_gamma_name((fnl_mobile_gamma)i); }
 
+static const char *dais_name(int i) { return fnl_dais_mode_name((fnl_dais_mode)i); }
 static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
 
 static const struct {
@@ -34,6 +35,8 @@ static const struct {
     [BENCH_WAY_MOBILE_LAYOUT] = {"mobile-layout", "mobile_layout", mobile_layout_name},
     [BENCH_WAY_MOBILE_LIGHTS] = {"mobile-lights", "mobile_lights", mobile_lights_name},
     [BENCH_WAY_MOBILE_GAMMA] = {"mobile-gamma", "mobile_gamma", mobile_gamma_name},
+    [BENCH_WAY_DAIS] = {"dais", "dais", dais_name},
+    [BENCH_WAY_DAIS_MULTIRATE] = {"dais-multirate", "dais_multirate", switch_name},
     [BENCH_WAY_CULL] = {"cull", "cull", culling_name},
     [BENCH_WAY_OCCLUSION] = {"occlusion", "occlusion", switch_name},
 };
@@ -53,6 +56,8 @@ struct bench_ways bench_ways_default(void) {
                                           [BENCH_WAY_MOBILE_LAYOUT] = (int)frame.mobile.layout,
                                           [BENCH_WAY_MOBILE_LIGHTS] = (int)frame.mobile.lights,
                                           [BENCH_WAY_MOBILE_GAMMA] = (int)frame.mobile.gamma,
+                                          [BENCH_WAY_DAIS] = (int)frame.dais.mode,
+                                          [BENCH_WAY_DAIS_MULTIRATE] = frame.dais.multirate,
                                           [BENCH_WAY_CULL] = (int)frame.culling,
                                           [BENCH_WAY_OCCLUSION] = frame.occlusion}};
 }
@@ -77,6 +82,9 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
     case BENCH_WAY_MOBILE_LIGHTS:
     case BENCH_WAY_MOBILE_GAMMA:
         return shading == FNL_SHADING_MOBILE;
+    case BENCH_WAY_DAIS:
+    case BENCH_WAY_DAIS_MULTIRATE:
+        return shading == FNL_SHADING_DAIS;
     case BENCH_WAY_CULL:
         return true;
     case BENCH_WAY_OCCLUSION:
@@ -134,6 +142,8 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->mobile.layout = (fnl_mobile_layout)chosen.values[BENCH_WAY_MOBILE_LAYOUT];
     frame->mobile.lights = (fnl_mobile_lights)chosen.values[BENCH_WAY_MOBILE_LIGHTS];
     frame->mobile.gamma = (fnl_mobile_gamma)chosen.values[BENCH_WAY_MOBILE_GAMMA];
+    frame->dais.mode = (fnl_dais_mode)chosen.values[BENCH_WAY_DAIS];
+    frame->dais.multirate = chosen.values[BENCH_WAY_DAIS_MULTIRATE];
     frame->culling = (fnl_culling)chosen.values[BENCH_WAY_CULL];
     frame->occlusion = chosen.values[BENCH_WAY_OCCLUSION];
     return argument_list_options("list-option", list_options, &frame->list_options);

@@ -15,7 +15,7 @@ static const struct builtin_scene scenes[] = {
     {"hall", {LIGHTS(1024), SEED, DECALS}, builtin_make_hall},
     {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
-    {"spheres", {LIGHTS(64), SEED}, builtin_make_spheres},
+    {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}}, builtin_make_spheres},
     {"pole", {LIGHTS(256), SEED}, builtin_make_pole},
     {"lamps", {LIGHTS(256), SEED}, builtin_make_lamps},
     {"grass", {LIGHTS(512), SEED}, builtin_make_grass},

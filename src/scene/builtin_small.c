@@ -49,7 +49,7 @@ void builtin_make_spheres(struct builtin *b, const uint64_t *values) {
             struct mesh_builder m;
             mesh_begin(&m, b);
             mesh_material(&m, builtin_plain(b, name, vec3_make(0.95f, 0.64f, 0.36f), metallic, roughness));
-            mesh_sphere(&m, vec3_make(0, 0, 0), 0.45f, 48);
+            mesh_sphere(&m, vec3_make(0, 0, 0), 0.45f, (uint32_t)values[2]);
             builtin_place(b, mesh_end(&m, name), builtin_at((float)column - 4, 0.5f + (float)row, 0, 0, 1));
         }
     add_floor(b, builtin_material(b, "floor", TEXTURE_TILES, vec3_make(1, 1, 1)), vec3_make(-12, 0, -4),

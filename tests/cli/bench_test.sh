@@ -44,6 +44,8 @@ expect 2 "gbuffer: 'x' is not one of default siege" builtin:spheres --gbuffer de
 expect 2 "transparency: 'x' is not one of sorted weighted linked" builtin:spheres --transparency x -o "$out"
 expect 2 "decals: 'x' is not one of lists gbuffer off" builtin:spheres --decals x -o "$out"
 expect 2 "msaa-method: 'x' is not one of all tiles" builtin:spheres --msaa-method x -o "$out"
+expect 2 "dais: 'x' is not one of target list" builtin:spheres --dais x -o "$out"
+expect 2 "dais-multirate: 'x' is not one of off on" builtin:spheres --dais-multirate x -o "$out"
 expect 2 'chooses G-buffers' --suite thesis --gbuffer all -o "$out"
 expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
@@ -119,6 +121,11 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     expect 0 '' $ways --msaa 1,4 --gbuffer default,siege --decals all --msaa-method tiles,all -o "$work/h"
     # One sample: forward 2 (lists, off), deferred 2 x 3; four: forward 2, deferred 2 x 2, and as many left out.
     check "$work/h" RESULTS=18 SKIPPED=0 EQUAL=18 FRAMES=2
+
+    # The ways of dais multiply it alone.
+    expect 0 'dais, tiled lists \(dais=list,dais-multirate=on\)' builtin:spheres --sizes 33x17 --shading dais,visibility --lists tiled \
+        --dais all --dais-multirate all --msaa 4 --frames 1 -o "$work/d"
+    check "$work/d" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=1
 
     # Paths: from a file, and around the scene.
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
