@@ -52,7 +52,6 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                         const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
     gpu_bind_indices(context->commands, scene->indices, 0);
     struct gpu_graphics_params params = *state;
-    if (!params.vertex) params.vertex = &shader_geometry_vert;
     push->scene = scene->scene;
     push->visible = graph_address(context, draws->visible);
     push->triangles = draws->triangles.id ? graph_address(context, draws->triangles) : 0;
@@ -65,6 +64,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
+        if (!state->vertex) params.vertex = params.fragment ? &shader_geometry_vert : &shader_depth_vert;
         bool compacted = draws->item_draws.id && geometry_bucket_clustered(bucket);
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         gpu_bind(context->commands, graph_pipeline(context, &params));
@@ -85,6 +85,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;
+        if (!state->vertex) params.vertex = params.fragment ? &shader_geometry_vert : &shader_depth_vert;
         push->visible = graph_address(context, draws->blend_visible);
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);
