@@ -11,7 +11,14 @@
     { "seed", 0, UINT32_MAX, 1 }
 
 static const struct builtin_scene scenes[] = {
-    {"city", {LIGHTS(4096), {"blocks", 1, 16, 4}, SEED, {"instances", 0, 1000000, 0}, DECALS}, builtin_make_city},
+    {"city",
+     {LIGHTS(4096),
+      {"blocks", 1, 16, 4},
+      SEED,
+      {"instances", 0, BUILTIN_INSTANCES_MAX, 0},
+      {"triangles", 0, BUILTIN_TRIANGLES_MAX, 0},
+      DECALS},
+     builtin_make_city},
     {"hall", {LIGHTS(1024), SEED, DECALS}, builtin_make_hall},
     {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
@@ -92,6 +99,9 @@ void builtin_place(struct builtin *b, uint32_t mesh, mat4 transform) {
     if (b->failed) return;
     if (!array_push(host, &b->placements.data[mesh].transforms, transform)) b->failed = true;
     b->placed++;
+    const struct scene_mesh *what = &b->scene->meshes.data[mesh];
+    for (uint32_t i = 0; i < what->primitive_count; i++)
+        b->placed_triangles += b->scene->primitives.data[what->first_primitive + i].index_count / 3;
 }
 
 mat4 builtin_at(float x, float y, float z, float yaw, float scale) {

@@ -8,6 +8,9 @@
 
 #define BUILTIN_LIGHTS_MAX 1048576u
 #define BUILTIN_DECALS_MAX 1048576u
+/** Each placed thing takes 128 bytes of host memory while a scene is made, 64 afterwards: 2 GiB. */
+#define BUILTIN_INSTANCES_MAX 16777216u
+#define BUILTIN_TRIANGLES_MAX 1000000000u
 /** The value of a key whose default depends on the others. */
 #define BUILTIN_NOT_GIVEN UINT64_MAX
 
@@ -53,7 +56,7 @@ struct builtin {
     struct random_state random;
     struct builtin_images images[TEXTURE_COUNT];
     ARRAY(struct builtin_placement) placements; /* by mesh */
-    uint64_t placed;                            /* copies in all */
+    uint64_t placed, placed_triangles;          /* copies in all, and triangles of theirs */
     struct scene_material scratch;              /* what builtin_material_at gives after a failure */
     bool failed;
 };
@@ -67,7 +70,7 @@ struct builtin_key {
 /** A line of the table: `make` gets the values in the order of the keys. */
 struct builtin_scene {
     const char *name;
-    struct builtin_key keys[5]; /* ends with a NULL name or with the array */
+    struct builtin_key keys[6]; /* ends with a NULL name or with the array */
     void (*make)(struct builtin *b, const uint64_t *values);
 };
 

@@ -281,20 +281,30 @@ static void place_streets(struct city *c) {
 
 /* ---- the town around ---- */
 
-/** Places up to `budget` far things for one block of the surroundings, the important ones first. */
-static void place_far_block(struct city *c, float x, float z, uint64_t budget) {
+/** What a block of the surroundings may take: so many things, and no more once the scene has so many triangles. */
+struct budget {
+    uint64_t things, triangles;
+};
+
+static bool take_one(const struct city *c, struct budget *budget) {
+    if (budget->things == 0 || c->b->placed_triangles >= budget->triangles) return false;
+    budget->things--;
+    return true;
+}
+
+/** Places far things for one block of the surroundings, the important ones first. */
+static void place_far_block(struct city *c, float x, float z, struct budget budget) {
     struct city_meshes *m = &c->meshes;
-    uint64_t placed = 0;
-    if (placed++ < budget) builtin_place(c->b, m->far_block, builtin_at(x, 0, z, 0, 1));
+    if (take_one(c, &budget)) builtin_place(c->b, m->far_block, builtin_at(x, 0, z, 0, 1));
     for (int i = 0; i < 4; i++) {
         float sx = i & 1 ? 14.5f : -14.5f, sz = i & 2 ? 14.5f : -14.5f;
-        if (placed++ < budget) builtin_place(c->b, m->shells[choose(c, CITY_SHELLS)], builtin_at(x + sx, 0, z + sz, 0, 1));
+        if (take_one(c, &budget)) builtin_place(c->b, m->shells[choose(c, CITY_SHELLS)], builtin_at(x + sx, 0, z + sz, 0, 1));
     }
-    for (int i = 0; i < 16 && placed < budget; i++, placed++) {
+    for (int i = 0; i < 16 && take_one(c, &budget); i++) {
         struct frame f = side_frame(x, z, i % 4);
         place_in_frame(c, m->far_lamp, &f, ((float)(i / 4) - 1.5f) * 14, 0, 3.3f, 0);
     }
-    for (int i = 0; i < 107 && placed < budget; i++, placed++) {
+    for (int i = 0; i < 107 && take_one(c, &budget); i++) {
         struct frame f = side_frame(x, z, i % 4);
         bool tree = i < 24;
         float along = tree ? ((float)(i / 4) - 2.5f) * 9.3f : ((float)((i - 24) / 4) - 10) * 2.6f;
@@ -302,22 +312,31 @@ static void place_far_block(struct city *c, float x, float z, uint64_t budget) {
     }
 }
 
-/** Rings of blocks around the city: three, or as many as it takes to come to `wanted` things in all. */
-static void place_surroundings(struct city *c, uint64_t wanted) {
-    for (int ring = 1; ring <= 3 || c->b->placed < wanted; ring++) {
+/**
+ * Rings of blocks around the city: three, or as many as it takes to come to `wanted` things and `wanted_triangles` triangles in all. The
+ * last thing may lead beyond the latter.
+ */
+static void place_surroundings(struct city *c, uint64_t wanted, uint64_t wanted_triangles) {
+    const struct builtin *b = c->b;
+    for (int ring = 1; ring <= 3 || b->placed < wanted || b->placed_triangles < wanted_triangles; ring++) {
         int reach = c->blocks + 2 * ring;
         for (int i = 0; i < reach; i++)
             for (int k = 0; k < reach; k++) {
                 if (i > 0 && i < reach - 1 && k > 0 && k < reach - 1) continue;
-                uint64_t budget = ring <= 3 ? 21 : UINT64_MAX;
-                if (wanted) budget = c->b->placed < wanted ? wanted - c->b->placed : ring <= 3 ? 5 : 0;
+                struct budget budget = {UINT64_MAX, UINT64_MAX};
+                if (b->placed < wanted)
+                    budget.things = wanted - b->placed;
+                else if (b->placed_triangles < wanted_triangles)
+                    budget.triangles = wanted_triangles;
+                else
+                    budget.things = ring > 3 ? 0 : wanted || wanted_triangles ? 5 : 21;
                 float x = ((float)i - (float)(reach - 1) / 2) * CITY_PITCH,
                       z = ((float)k - (float)(reach - 1) / 2) * CITY_PITCH;
                 /* The tower stands at the far end of the avenue, on a square. */
-                if (ring == 1 && k == 0 && fabsf(x - c->avenue) < CITY_PITCH) budget = MIN(budget, 1u);
+                if (ring == 1 && k == 0 && fabsf(x - c->avenue) < CITY_PITCH) budget.things = MIN(budget.things, 1u);
                 place_far_block(c, x, z, budget);
             }
-        if (c->b->failed) return;
+        if (b->failed) return;
     }
 }
 
@@ -388,7 +407,7 @@ void builtin_make_city(struct builtin *b, const uint64_t *values) {
         add_light(&c, LIGHT_LAMP, p, vec3_sub(vec3_make(c.avenue, 22 + 4 * (float)(i % 3), -end - 35), p), LIGHT_WARM, 9000,
                   60, 0.4f);
     }
-    place_surroundings(&c, values[3]);
+    place_surroundings(&c, values[3], values[4]);
     place_lights(&c, values[0]);
     array_free(&b->scene->host, &c.candidates);
     b->scene->ambient_sky = vec3_make(0.16f, 0.22f, 0.40f);

@@ -243,20 +243,39 @@ static void test_city_grows_to_what_is_asked(void **state) {
         assert_int_equal(scene->lights.count, lights[i]);
         fnl_scene_destroy(&scene);
     }
-    fnl_host host = fnl_host_default();
-    host.reallocate = counting_reallocate;
-    fnl_scene *scene;
-    double start = time_now();
-    assert_int_equal(builtin_load(&host, "city?instances=1000000", &scene), FNL_OK);
-    double seconds = time_now() - start;
-    fnl_scene_info info;
-    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
-    print_message("1000000 instances: %.2f s, %.0f MB\n", seconds, (double)peak_bytes / 1e6);
-    assert_in_range(info.instance_count, 999000, 1001000);
-    assert_true(info.node_count < 200);
-    assert_true(peak_bytes < 500000000);
-    fnl_scene_destroy(&scene);
-    assert_int_equal(live_bytes, 0);
+    /* Memory is that of matrices: 64 bytes of each instance, and what an array of them grows by. */
+    static const struct {
+        const char *text;
+        uint64_t instances, triangles, bytes; /* at least so many; at most so many bytes */
+    } great[] = {{"city?blocks=1&instances=20000", 20000, 0, 60000000},
+                 {"city?instances=1000000", 1000000, 0, 500000000},
+                 {"city?blocks=1&triangles=1500000", 0, 1500000, 60000000},
+                 {"city?triangles=100000000", 0, 100000000, 700000000}};
+    for (uint32_t i = 0; i < COUNT_OF(great); i++) {
+        fnl_host host = fnl_host_default();
+        host.reallocate = counting_reallocate;
+        fnl_scene *scene;
+        peak_bytes = 0;
+        double start = time_now();
+        assert_int_equal(builtin_load(&host, great[i].text, &scene), FNL_OK);
+        double seconds = time_now() - start;
+        fnl_scene_info info;
+        assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+        print_message("%s: %llu instances, %llu triangles, %.2f s, %.0f MB\n", great[i].text,
+                      (unsigned long long)info.instance_count, (unsigned long long)info.triangle_count, seconds,
+                      (double)peak_bytes / 1e6);
+        if (great[i].instances) assert_int_equal(info.instance_count, great[i].instances);
+        /* The last thing leads beyond by less than its own triangles; the rest of the first three rings has five things a block. */
+        if (great[i].triangles)
+            assert_in_range(info.triangle_count, great[i].triangles, great[i].triangles + 5000);
+        assert_true(info.node_count < 200);
+        assert_true(peak_bytes < great[i].bytes);
+        fnl_scene_destroy(&scene);
+        assert_int_equal(live_bytes, 0);
+    }
+    fnl_scene *none;
+    assert_int_equal(builtin_load(NULL, "city?triangles=1000000001", &none), FNL_ERROR_INVALID);
+    assert_int_equal(builtin_load(NULL, "city?instances=16777217", &none), FNL_ERROR_INVALID);
 }
 
 /** Signed volume inside a closed mesh. */
