@@ -55,7 +55,7 @@ static void print_names(const char *(*name_of)(int)) {
 
 static void print_help(void) {
     puts("Usage: fanal bench SCENE... -o DIR [OPTIONS]\n"
-         "       fanal bench --suite NAME -o DIR [OPTIONS]\n"
+         "       fanal bench --suite NAME [SCENE...] -o DIR [OPTIONS]\n"
          "\n"
          "Renders each SCENE (see 'fanal render --help') in every asked-for way, one frame of each in turn, compares all\n"
          "pictures with brute force, and writes DIR/results.csv, results.json and report.html, a page with plots that\n"
@@ -80,7 +80,8 @@ static void print_help(void) {
          "  --cull KINDS|all           what is left out before it is drawn: instances clusters triangles (instances)\n"
          "  --occlusion KINDS|all      and whether what others hide is: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
-         "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours\n"
+         "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours;\n"
+         "                             geometry and visibility bring scenes and options, which may be replaced, and tables\n"
          "\n"
          "View\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
@@ -117,7 +118,9 @@ static void print_help(void) {
          "Examples:\n"
          "  fanal bench builtin:hall --lights 64,256,1024,4096 --shading deferred -o hall\n"
          "  fanal bench city.glb builtin:glass --lists brute,tiled,clustered --msaa 1,4 --frames 30 -o compare\n"
-         "  fanal bench --suite thesis -o thesis");
+         "  fanal bench --suite thesis -o thesis\n"
+         "  fanal bench --suite geometry -o geometry\n"
+         "  fanal bench --suite visibility builtin:interior --sizes 1920x1080 --msaa 1,2,4,8 -o visibility");
 }
 
 /* ---- reading arguments ---- */
@@ -440,7 +443,7 @@ static uint32_t every_name(const char *(*name_of)(int), uint32_t *out) {
     return count;
 }
 
-static bool plan_matrix(struct bench_options *o, char **scenes, int scene_count, struct bench_plan *plan) {
+static bool plan_matrix(struct bench_options *o, const char *const *scenes, int scene_count, struct bench_plan *plan) {
     o->every_shading |= o->shading_count == 0;
     o->every_lists |= o->lists_count == 0;
     if (o->every_shading) o->shading_count = every_name(shading_name, o->shading);
@@ -476,13 +479,14 @@ static void free_plan(struct bench_plan *plan) {
 /* What only makes sense together. */
 static bool check_options(const struct bench_options *o, int scene_count) {
     const char *problem = NULL;
-    if (o->suite && scene_count > 0) problem = "--suite brings its own scenes: give none";
-    if (o->suite && (o->shading_count || o->lists_count || o->every_shading || o->every_lists || o->light_count ||
+    bool closed = o->suite && bench_suite_kind_of(o->suite) != BENCH_SUITE_MATRIX;
+    if (closed && scene_count > 0) problem = "--suite brings its own scenes: give none";
+    if (closed && (o->shading_count || o->lists_count || o->every_shading || o->every_lists || o->light_count ||
                      o->msaa_count || *o->list_options || o->camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
-    for (int w = 0; w < BENCH_WAY_COUNT && o->suite; w++)
+    for (int w = 0; w < BENCH_WAY_COUNT && closed; w++)
         if (o->way_counts[w]) problem = "--suite chooses G-buffers, transparency, decals and MSAA methods itself";
-    if (o->suite && o->size_count > 1) problem = "--suite takes one size";
+    if (closed && o->size_count > 1) problem = "--suite takes one size";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal bench --help'\n", problem);
@@ -490,7 +494,7 @@ static bool check_options(const struct bench_options *o, int scene_count) {
 }
 
 /* A misspelt name must not cost the time of the measurements before it. */
-static bool check_scenes(char **scenes, int count) {
+static bool check_scenes(const char *const *scenes, int count) {
     for (int i = 0; i < count; i++) {
         fnl_scene *scene = NULL;
         fnl_host host = fnl_host_default();
@@ -505,9 +509,7 @@ static int run(struct bench_options *o, const struct bench_plan *plan, struct be
     uint32_t width = o->size_count ? o->sizes[0][0] : 0, height = o->size_count ? o->sizes[0][1] : 0;
     enum bench_end end = bench_measure(s, plan, data);
     if (end == BENCH_REFUSED) return 2;
-    if (end == BENCH_DONE && bench_suite_is_coarse(o->suite) && !bench_coarse_measure(s, width, height, data))
-        end = BENCH_FAILED;
-    if (end == BENCH_DONE && bench_suite_is_aa(o->suite) && !bench_aa_measure(s, width, height, data)) end = BENCH_FAILED;
+    if (end == BENCH_DONE && o->suite && !bench_suite_measure(o->suite, s, width, height, data)) end = BENCH_FAILED;
     bench_conclude(data);
     if (o->suite) bench_suite_conclude(o->suite, width, height, data);
     if (!bench_save(s->output, data, true)) return 2;
@@ -515,6 +517,7 @@ static int run(struct bench_options *o, const struct bench_plan *plan, struct be
         bench_print(data);
         bench_aa_print(data);
         bench_coarse_print(data);
+        bench_tables_print(data);
         printf("\n%s: results.csv, results.json, report.html\n", s->output);
         if (end == BENCH_INTERRUPTED) puts("Interrupted: --resume goes on from here.");
     }
@@ -522,8 +525,8 @@ static int run(struct bench_options *o, const struct bench_plan *plan, struct be
     return bench_unequal_count(data) ? 1 : 0;
 }
 
-int command_bench(int argc, char **argv) {
-    struct bench_options o = {.settings = {.frames = 10, .warm_up = 2, .checks = UINT32_MAX}};
+/* The status to end with, or -1 to go on. */
+static int read_arguments(struct bench_options *o, int argc, char **argv) {
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {
@@ -534,19 +537,47 @@ int command_bench(int argc, char **argv) {
             fputs("fanal: see 'fanal bench --help'\n", stderr);
             return 2;
         }
-        if (!parse_option(&o, option, optarg)) return 2;
+        if (!parse_option(o, option, optarg)) return 2;
     }
-    char **scenes = argv + optind;
+    return -1;
+}
+
+static struct bench_options default_options(void) {
+    return (struct bench_options){.settings = {.frames = 10, .warm_up = 2, .checks = UINT32_MAX}};
+}
+
+/* The options of a suite first, then those of the command once more, which replace them. */
+static int read_over_suite(struct bench_options *o, int argc, char **argv) {
+    const struct bench_suite *suite = o->suite;
+    const char *const *preset;
+    *o = default_options();
+    for (int i = 0; (preset = bench_suite_option(suite, i)) != NULL; i++) {
+        const struct option *option = long_options;
+        while (option->name && strcmp(option->name, preset[0]) != 0) option++;
+        if (!option->name || !parse_option(o, option->val, preset[1])) return 2;
+    }
+    return read_arguments(o, argc, argv);
+}
+
+int command_bench(int argc, char **argv) {
+    struct bench_options o = default_options();
+    int early = read_arguments(&o, argc, argv);
+    if (early < 0 && o.suite) early = read_over_suite(&o, argc, argv);
+    if (early >= 0) return early;
+    const char *const *scenes = (const char *const *)argv + optind;
     int scene_count = argc - optind;
+    if (o.suite && scene_count == 0)
+        for (scenes = bench_suite_scenes(o.suite); scenes[scene_count]; scene_count++) continue;
     if (o.settings.checks == UINT32_MAX) o.settings.checks = o.settings.camera_path ? 3 : 1;
     if (!check_options(&o, scene_count) || !check_scenes(scenes, scene_count) || !bench_prepare_folder(o.settings.output))
         return 2;
 
     struct bench_plan plan = {.skipped = json_array()};
     struct bench_data data = {NULL, NULL};
-    bool planned = o.suite
-                       ? bench_suite_plan(o.suite, o.size_count ? o.sizes[0][0] : 0, o.size_count ? o.sizes[0][1] : 0, &plan)
-                       : plan_matrix(&o, scenes, scene_count, &plan);
+    bool matrix = !o.suite || bench_suite_kind_of(o.suite) == BENCH_SUITE_MATRIX;
+    bool planned =
+        matrix ? plan_matrix(&o, scenes, scene_count, &plan)
+               : bench_suite_plan(o.suite, o.size_count ? o.sizes[0][0] : 0, o.size_count ? o.sizes[0][1] : 0, &plan);
     int status = 2;
     if (!planned)
         fputs("fanal: error: memory ran out\n", stderr);

@@ -42,6 +42,11 @@ struct bench_data {
     json_t *root, *pictures;
 };
 
+/* What a suite measures by itself, and what it makes of results. */
+typedef bool bench_suite_measurer(const struct bench_settings *settings, uint32_t width, uint32_t height,
+                                  struct bench_data *data);
+typedef void bench_suite_tabulator(const struct bench_data *data, json_t *tables);
+
 /* ---- plan (bench.c) ---- */
 
 /** The case for these values, added when it is not there yet; NULL when memory ran out. */
@@ -86,9 +91,12 @@ void bench_ways_print(const struct bench_ways *chosen, const char *list_options,
 bool bench_ways_parse(const char *options, struct bench_ways *chosen, char *list_options, size_t capacity);
 /** Sets a frame after candidate options. False with a message. */
 bool bench_ways_apply(const char *options, fnl_frame *frame);
-/** The ways alone of candidate options: what is equal here and in shading is compared with one reference picture. */
+/**
+ * The ways alone of candidate options, but for those that leave the picture as it is (cull and occlusion): what is equal here and in shading
+ * is compared with one reference picture.
+ */
 void bench_ways_of(const char *options, char *text, size_t capacity);
-/** Adds "ways", and each way by its name ("" where the order does not heed it). */
+/** Adds "ways", as bench_ways_of gives them, and each way by its name ("" where the order does not heed it). */
 void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa, json_t *result);
 
 /* ---- cameras (bench_camera.c) ---- */
@@ -137,6 +145,15 @@ double bench_median_of(double *values, uint32_t count);
 bool bench_coarse_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
 void bench_coarse_print(const struct bench_data *data);
 
+/* ---- tables of suites (bench_tables.c) ---- */
+
+/**
+ * root.tables is an array of {name, title, columns, rows, lines}: a column whose name begins with '<' holds text; a cell is text, a number or null;
+ * lines are sentences.
+ */
+bench_suite_tabulator bench_table_geometry, bench_table_orders;
+void bench_tables_print(const struct bench_data *data);
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */
@@ -175,6 +192,8 @@ char *bench_page_create(const struct bench_data *data, size_t *size);
 
 /** Replaces root.conclusions: for each case the fastest candidate and its lead; then pictures that differ. */
 void bench_conclude(struct bench_data *data);
+/** Whether one of two results is ahead: half of the frames of each were within their MAD of the median; where these overlap it may be chance. */
+bool bench_clear(const json_t *fast, const json_t *slow);
 /** Prints tables of all results. */
 void bench_print(const struct bench_data *data);
 /** Number of results whose picture is not the reference's. */
@@ -186,13 +205,18 @@ struct bench_suite;
 /** By name; NULL when there is none. bench_suite_name(0), (1) … until NULL gives the names. */
 const struct bench_suite *bench_suite_find(const char *name);
 const char *bench_suite_name(int index);
-/** Whether it is the one of antialiasing, which bench_aa_measure measures. */
-bool bench_suite_is_aa(const struct bench_suite *suite);
-/** Likewise bench_coarse_measure. */
-bool bench_suite_is_coarse(const struct bench_suite *suite);
-/** Adds the cases of a suite; width 0: the size of the source. False when memory ran out. */
+/** RATIOS: of two ways each, beside those of the source; OWN: measures by itself; MATRIX: options of the command that are given already, and tables. */
+enum bench_suite_kind { BENCH_SUITE_RATIOS, BENCH_SUITE_OWN, BENCH_SUITE_MATRIX };
+enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite);
+/** Of a matrix: its scenes, and its options by name and value, which others may replace; NULL beyond the last. */
+const char *const *bench_suite_scenes(const struct bench_suite *suite);
+const char *const *bench_suite_option(const struct bench_suite *suite, int index);
+/** What a suite measures besides the plan. False with a message. */
+bool bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
+                         uint32_t height, struct bench_data *data);
+/** Adds the cases of a suite of ratios; width 0: the size of the source. False when memory ran out. */
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);
-/** Sets root.suite to the table of what was found. */
+/** Sets root.suite to the ratios that were found, or root.tables. */
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data);
 
 #endif

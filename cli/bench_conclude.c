@@ -43,8 +43,7 @@ static const json_t **sorted_case(const json_t *results, const json_t *first, si
     return sorted;
 }
 
-/* Half of the frames of each were within these of the medians; where they overlap, who is ahead may be chance. */
-static bool is_clear(const json_t *fast, const json_t *slow) {
+bool bench_clear(const json_t *fast, const json_t *slow) {
     double spread = bench_number(json_object_get(fast, "frame_ms"), "mad", 0) +
                     bench_number(json_object_get(slow, "frame_ms"), "mad", 0);
     return bench_median(slow, "frame_ms") - bench_median(fast, "frame_ms") > spread;
@@ -64,7 +63,7 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
     if (count > other) {
         bench_describe(sorted[other], next, sizeof next);
         double ratio = bench_median(sorted[other], "frame_ms") / time;
-        if (is_clear(sorted[0], sorted[other]))
+        if (bench_clear(sorted[0], sorted[other]))
             snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms, %.2fx ahead of %s.", place, best, time, ratio, next);
         else
             snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms; %s (%.2fx) is within the spread.", place, best, time,

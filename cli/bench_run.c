@@ -255,11 +255,11 @@ static bool is_auto(const struct lane *lane) {
            strcmp(fnl_light_lists_name(lane->candidate->lists), "auto") == 0;
 }
 
-/* Until the pool of the lists has grown to what they need, and at least the frames asked for. */
+/* Until the pools of lists and of culling have grown to what they need, and at least the frames asked for. */
 static void warm_up(struct bench_run *run, struct lane *lane, uint32_t frames) {
     fnl_frame_stats stats = {.overflow_cells = 1};
     fnl_frame frame = frame_at(run, lane, 0);
-    for (uint32_t i = 0; i < frames || (stats.overflow_cells && i < frames + 4); i++) {
+    for (uint32_t i = 0; i < frames || (stats.overflow_cells + stats.items_whole > 0 && i < frames + 4); i++) {
         if (stopped(run) || lane->failed || !render(run, lane, &frame, &stats)) return;
         show_progress(run, "warming up");
     }
@@ -311,6 +311,8 @@ static void make_reference(struct bench_run *run, struct lane *lane, uint32_t po
     fnl_frame frame = frame_at(run, lane, point);
     frame.lists = run->settings->reference;
     frame.list_options = fnl_frame_default().list_options;
+    frame.culling = fnl_frame_default().culling;
+    frame.occlusion = fnl_frame_default().occlusion;
     frame.outputs |= FNL_OUTPUT_RADIANCE;
     out->made = render(run, &drawn, &frame, &stats) && read_pictures(run, &drawn, &out->radiance, &out->color);
     if (!out->made) snprintf(out->reason, sizeof out->reason, "%.255s", drawn.reason);
@@ -346,7 +348,10 @@ static void check_lane(struct bench_run *run, struct lane *lane, uint32_t point,
     lane_note_counts(lane, &stats);
     json_t *key = bench_key(c, lane->candidate);
     bool first = lane->checked == 0, pictures = wants_pictures(run, c);
-    if (reference->made && read_pictures(run, lane, &radiance, &color)) {
+    /* With samples, shaders that count make other holes in cutouts on Mesa's CPU driver: what is timed is compared. */
+    frame.count_lights = false;
+    bool compares = reference->made && (c->msaa == 1 || render(run, lane, &frame, &stats));
+    if (compares && read_pictures(run, lane, &radiance, &color)) {
         uint64_t differing;
         double max;
         bench_picture_compare(&reference->radiance, &radiance, &differing, &max);

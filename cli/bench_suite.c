@@ -27,9 +27,14 @@ struct row {
 
 struct bench_suite {
     const char *name, *title;
-    uint32_t width, height;
+    enum bench_suite_kind kind;
+    uint32_t width, height; /* of ratios */
     const struct row *rows;
     uint32_t row_count;
+    bench_suite_measurer *measure;
+    /* Of a matrix; both end with NULL. */
+    const char *scenes[4], *options[8][2];
+    bench_suite_tabulator *tabulate;
 };
 
 /* ---- Ishmukhametov: Efficient Tile-Based Deferred Shading Pipeline, DigiPen 2013: four walls ---- */
@@ -99,13 +104,47 @@ static const struct row fine_rows[] = {INTERIORS(40), INTERIORS(80), INTERIORS(1
 /* clang-format on */
 
 static const struct bench_suite suites[] = {
-    {"thesis", "Ishmukhametov 2013: light volumes, tiles, and tiles that drop lights behind their surfaces", 1280, 720,
-     thesis_rows, sizeof thesis_rows / sizeof *thesis_rows},
-    {"clustered", "Ortegren and Persson 2016: clusters by conservative rasterisation", 1536, 768, clustered_rows,
-     sizeof clustered_rows / sizeof *clustered_rows},
-    {"aa", "antialiasing against 64 samples a pixel", 640, 360, NULL, 0},
-    {"coarse", "Sathe and Janczak 2016: deferred coarse pixel shading", 1920, 1080, NULL, 0},
-    {"fine-pruned", "Mikkelsen 2016: fine pruned tiles", 1920, 1080, fine_rows, sizeof fine_rows / sizeof *fine_rows},
+    {.name = "thesis",
+     .title = "Ishmukhametov 2013: light volumes, tiles, and tiles that drop lights behind their surfaces",
+     .width = 1280,
+     .height = 720,
+     .rows = thesis_rows,
+     .row_count = sizeof thesis_rows / sizeof *thesis_rows},
+    {.name = "clustered",
+     .title = "Ortegren and Persson 2016: clusters by conservative rasterisation",
+     .width = 1536,
+     .height = 768,
+     .rows = clustered_rows,
+     .row_count = sizeof clustered_rows / sizeof *clustered_rows},
+    {.name = "aa",
+     .title = "antialiasing against 64 samples a pixel",
+     .kind = BENCH_SUITE_OWN,
+     .measure = bench_aa_measure},
+    {.name = "coarse",
+     .title = "Sathe and Janczak 2016: deferred coarse pixel shading",
+     .kind = BENCH_SUITE_OWN,
+     .measure = bench_coarse_measure},
+    {.name = "fine-pruned",
+     .title = "Mikkelsen 2016: fine pruned tiles",
+     .width = 1920,
+     .height = 1080,
+     .rows = fine_rows,
+     .row_count = sizeof fine_rows / sizeof *fine_rows},
+    {.name = "geometry",
+     .title = "what is left out before it is drawn, as the scene grows",
+     .kind = BENCH_SUITE_MATRIX,
+     .scenes = {"builtin:city", "builtin:city?triangles=10000000", "builtin:city?triangles=100000000"},
+     .options = {{"shading", "visibility"}, {"lists", "clustered"}, {"lights", "16"}, {"cull", "all"}, {"occlusion", "all"}},
+     .tabulate = bench_table_geometry},
+    {.name = "visibility",
+     .title = "Engel 2016, Pettineo 2016: ids of triangles and deferred texturing against forward and deferred shading",
+     .kind = BENCH_SUITE_MATRIX,
+     .scenes = {"builtin:hall", "builtin:hall?overdraw=1"},
+     .options = {{"shading", "forward,forward-prepass,deferred,visibility,texturing"},
+                 {"lists", "clustered"},
+                 {"sizes", "1280x720,1920x1080,2560x1440,3840x2160"},
+                 {"msaa", "1,4"}},
+     .tabulate = bench_table_orders},
 };
 enum { SUITE_COUNT = sizeof suites / sizeof *suites };
 
@@ -117,8 +156,16 @@ const struct bench_suite *bench_suite_find(const char *name) {
     return NULL;
 }
 
-bool bench_suite_is_aa(const struct bench_suite *suite) { return suite && strcmp(suite->name, "aa") == 0; }
-bool bench_suite_is_coarse(const struct bench_suite *suite) { return suite && strcmp(suite->name, "coarse") == 0; }
+enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite) { return suite->kind; }
+const char *const *bench_suite_scenes(const struct bench_suite *suite) { return suite->scenes; }
+const char *const *bench_suite_option(const struct bench_suite *suite, int index) {
+    return suite->options[index][0] ? suite->options[index] : NULL;
+}
+
+bool bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
+                         uint32_t height, struct bench_data *data) {
+    return !suite->measure || suite->measure(settings, width, height, data);
+}
 
 /* ---- plan ---- */
 
@@ -219,7 +266,12 @@ static json_t *conclude_row(const struct bench_suite *suite, const struct row *r
 }
 
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data) {
-    if (suite->row_count == 0) return; /* it has a table of its own */
+    if (suite->tabulate) {
+        json_t *tables = json_array();
+        suite->tabulate(data, tables);
+        json_object_set_new(data->root, "tables", tables);
+    }
+    if (suite->row_count == 0) return;
     json_t *rows = json_array();
     for (uint32_t i = 0; i < suite->row_count; i++)
         json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));

@@ -210,6 +210,8 @@ static void test_ways_and_list_options_are_one_text(void **state) {
     assert_true(frame.dais.mode == FNL_DAIS_LIST && frame.dais.multirate && frame.gbuffer == FNL_GBUFFER_DEFAULT);
     bench_ways_of(text, list_options, sizeof list_options);
     assert_string_equal(list_options, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all");
+    bench_ways_of("gbuffer=siege,cull=triangles,occlusion=on,slices=16", list_options, sizeof list_options);
+    assert_string_equal(list_options, "gbuffer=siege"); /* culling leaves the picture as it is */
     assert_false(bench_ways_parse("gbuffer=nonsense", &again, list_options, sizeof list_options));
     assert_false(bench_ways_parse("decals", &again, list_options, 4)); /* no setting of ours, and too long */
 }
@@ -254,7 +256,12 @@ static void test_suites(void **state) {
         struct bench_data data = {json_pack("{s:[]}", "results"), NULL};
         assert_non_null(suite);
         assert_true(bench_suite_plan(suite, 0, 0, &plan));
-        if (bench_suite_is_aa(suite) || bench_suite_is_coarse(suite)) continue; /* they measure by themselves */
+        if (bench_suite_kind_of(suite) != BENCH_SUITE_RATIOS) {
+            assert_int_equal(plan.case_count, 0);
+            free_plan(&plan);
+            json_decref(data.root);
+            continue;
+        }
         assert_true(plan.case_count > 0);
         for (uint32_t c = 0; c < plan.case_count; c++) {
             struct bench_case *at = &plan.cases[c];
@@ -311,6 +318,98 @@ static void test_suites_scale_their_clusters(void **state) {
     free_plan(&plan);
 }
 
+/* ---- tables ---- */
+
+struct measured {
+    const char *scene, *shading, *options;
+    int width, msaa, triangles, drawn;
+    double frame, mad, pass;
+    const char *pass_name;
+};
+
+static void add_measured(json_t *results, const struct measured *m) {
+    json_array_append_new(
+        results, json_pack("{s:s,s:n,s:i,s:i,s:i,s:s,s:s,s:s,s:i,s:i,s:f,s:f,s:{s:f,s:f},s:{s:f,s:f},s:[{s:s,s:f}]}", "scene", m->scene,
+                           "asked_lights", "width", m->width, "height", m->width / 2, "msaa", m->msaa, "shading", m->shading,
+                           "lists", "clustered", "options", m->options, "triangles", m->triangles, "triangles_drawn", m->drawn,
+                           "triangles_culled", 1 - (double)m->drawn / m->triangles, "triangles_per_second",
+                           1000 / m->frame * m->triangles, "frame_ms", "median", m->frame, "mad", m->mad, "geometry_ms", "median",
+                           m->frame / 2, "mad", 0.0, "passes", "name", m->pass_name, "median", m->pass));
+}
+
+static const json_t *cell(const json_t *table, size_t row, const char *column) {
+    const json_t *name;
+    size_t i;
+    json_array_foreach(json_object_get(table, "columns"), i, name) {
+        if (strcmp(json_string_value(name), column) == 0)
+            return json_array_get(json_array_get(json_object_get(table, "rows"), row), i);
+    }
+    fail_msg("no column %s", column);
+    return NULL;
+}
+static const char *line_of(const json_t *table, size_t index) {
+    return json_string_value(json_array_get(json_object_get(table, "lines"), index));
+}
+
+static void test_geometry_is_set_against_triangles(void **state) {
+    (void)state;
+    static const struct measured measured[] = {
+        {"small", "visibility", "", 64, 1, 1000, 500, 4, 0.1, 1, "visibility"},
+        {"small", "visibility", "cull=triangles", 64, 1, 1000, 100, 2, 0.1, 1, "visibility"},
+        {"great", "visibility", "", 64, 1, 9000, 4000, 20, 0.1, 1, "visibility"},
+        {"great", "visibility", "cull=triangles", 64, 1, 9000, 150, 3, 0.6, 1, "visibility"}};
+    struct bench_data data = {json_pack("{s:[]}", "results"), NULL};
+    for (int i = 0; i < 4; i++) add_measured(json_object_get(data.root, "results"), &measured[i]);
+    json_t *tables = json_array();
+    bench_table_geometry(&data, tables);
+    const json_t *table = json_array_get(tables, 0);
+    assert_int_equal(json_array_size(json_object_get(table, "rows")), 4);
+    assert_string_equal(json_string_value(cell(table, 1, "<drawn by")), "visibility (cull=triangles)");
+    assert_int_equal(json_integer_value(cell(table, 3, "triangles")), 9000);
+    assert_int_equal(json_integer_value(cell(table, 3, "drawn")), 150);
+    assert_true(fabs(json_real_value(cell(table, 1, "culled, %")) - 90) < 1e-9);
+    assert_true(fabs(json_real_value(cell(table, 2, "million triangles/s")) - 0.45) < 1e-9); /* 9000 in 20 ms */
+    assert_true(fabs(json_real_value(cell(table, 1, "ns/drawn")) - 1e4) < 1e-6);             /* 1 ms for 100 */
+    assert_int_equal(json_array_size(json_object_get(table, "lines")), 2);
+    assert_string_equal(line_of(table, 0),
+                        "visibility: 9 times the triangles, 8 times those drawn, 5 times the frame's time.");
+    assert_string_equal(line_of(table, 1), "visibility (cull=triangles): 9 times the triangles, 1.5 times those drawn, 1.5 "
+                                           "times the frame's time (unsettled: times spread by 20 %).");
+    json_decref(tables);
+    json_decref(data.root);
+}
+
+static void test_orders_are_told_where_they_win(void **state) {
+    (void)state;
+    static const struct measured measured[] = {
+        {"builtin:hall?overdraw=1", "deferred", "", 64, 1, 10, 10, 4, 0.1, 2, "gbuffer"},
+        {"builtin:hall?overdraw=1", "visibility", "", 64, 1, 10, 10, 2, 0.1, 1, "visibility"},
+        {"builtin:hall?overdraw=1", "deferred", "", 128, 1, 10, 10, 4, 0.1, 2, "gbuffer"},
+        {"builtin:hall?overdraw=1", "visibility", "", 128, 1, 10, 10, 4.1, 0.1, 1.3, "visibility"},
+        {"builtin:hall?overdraw=1", "deferred", "", 128, 4, 10, 10, 4, 0.1, 2, "gbuffer"}};
+    struct bench_data data = {json_pack("{s:[]}", "results"), NULL};
+    for (int i = 0; i < 5; i++) add_measured(json_object_get(data.root, "results"), &measured[i]);
+    json_t *tables = json_array();
+    bench_table_orders(&data, tables);
+    const json_t *orders = json_array_get(tables, 0), *ids = json_array_get(tables, 1);
+    assert_int_equal(json_array_size(json_object_get(orders, "rows")), 3);
+    assert_true(fabs(json_real_value(cell(orders, 0, "deferred")) - 4) < 1e-9);
+    assert_string_equal(json_string_value(cell(orders, 0, "<fastest")), "visibility");
+    assert_true(fabs(json_real_value(cell(orders, 0, "lead")) - 2) < 1e-9);
+    assert_string_equal(json_string_value(cell(orders, 0, "<")), "");
+    assert_string_equal(json_string_value(cell(orders, 1, "<")), "within the spread");
+    assert_true(json_is_null(cell(orders, 2, "visibility")));
+    assert_string_equal(line_of(orders, 0), "deferred wins 2 of 3: builtin:hall?overdraw=1 128x64 1x (within the spread), "
+                                            "builtin:hall?overdraw=1 128x64 4x.");
+    assert_string_equal(line_of(orders, 1), "visibility wins 1 of 3: builtin:hall?overdraw=1 64x32 1x.");
+    assert_int_equal(json_array_size(json_object_get(ids, "rows")), 2);
+    assert_true(fabs(json_real_value(cell(ids, 0, "ratio")) - 0.5) < 1e-9);
+    assert_string_equal(json_string_value(cell(ids, 0, "<verdict")), "reached");
+    assert_string_equal(json_string_value(cell(ids, 1, "<verdict")), "missed");
+    json_decref(tables);
+    json_decref(data.root);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_are_compared_bit_by_bit),
@@ -321,6 +420,8 @@ int main(void) {
         cmocka_unit_test(test_ways_that_an_order_heeds),
         cmocka_unit_test(test_suites),
         cmocka_unit_test(test_suites_scale_their_clusters),
+        cmocka_unit_test(test_geometry_is_set_against_triangles),
+        cmocka_unit_test(test_orders_are_told_where_they_win),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -153,7 +153,10 @@ void bench_ways_of(const char *options, char *text, size_t capacity) {
     struct bench_ways chosen;
     char list_options[512];
     *text = 0;
-    if (bench_ways_parse(options, &chosen, list_options, sizeof list_options)) bench_ways_print(&chosen, "", text, capacity);
+    if (!bench_ways_parse(options, &chosen, list_options, sizeof list_options)) return;
+    chosen.values[BENCH_WAY_CULL] = bench_ways_default().values[BENCH_WAY_CULL];
+    chosen.values[BENCH_WAY_OCCLUSION] = bench_ways_default().values[BENCH_WAY_OCCLUSION];
+    bench_ways_print(&chosen, "", text, capacity);
 }
 
 void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa, json_t *result) {
@@ -164,6 +167,6 @@ void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa,
         bool heeded = bench_way_heeded((enum bench_way)w, chosen.values[w], candidate->shading, msaa);
         json_object_set_new(result, ways[w].column, json_string(heeded ? ways[w].name_of(chosen.values[w]) : ""));
     }
-    bench_ways_print(&chosen, "", text, sizeof text);
+    bench_ways_of(candidate->options, text, sizeof text);
     json_object_set_new(result, "ways", json_string(text));
 }

@@ -561,6 +561,16 @@ function drawAntialiasing() {
         r.removed_per_ms === null ? '–' : number(r.removed_per_ms)])));
 }
 
+/* What a suite made of the results: a cell is text, a number, or nothing; whole numbers count something. */
+function drawTables() {
+  const cell = (value) => (typeof value === 'string' ? value : Number.isInteger(value) ? whole(value) : number(value));
+  return element('section', {id: 'tables'}, ...data.tables.filter((t) => t.rows.length).flatMap((t) => [
+    element('h2', null, t.title),
+    table(t.name, t.columns, t.rows.map((row) => t.columns.map((c, i) => cell(row[i])))),
+    t.lines.length ? element('ul', {class: 'lead'}, ...t.lines.map((line) => element('li', null, line))) : null
+  ]));
+}
+
 let suiteSection = null;
 function redraw() {
   settle();
@@ -590,6 +600,7 @@ function start() {
     main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
   }
   main.append(drawConclusions());
+  if (data.tables) main.append(drawTables());
   if (data.suite) {
     suiteSection = element('section');
     main.append(suiteSection);

@@ -19,7 +19,7 @@ static const struct builtin_scene scenes[] = {
       {"triangles", 0, BUILTIN_TRIANGLES_MAX, 0},
       DECALS},
      builtin_make_city},
-    {"hall", {LIGHTS(1024), SEED, DECALS}, builtin_make_hall},
+    {"hall", {LIGHTS(1024), SEED, DECALS, {"overdraw", 0, 1, 0}}, builtin_make_hall},
     {"interior", {LIGHTS(96), SEED, {"overlap", 1, 16, 1}}, builtin_make_interior},
     {"wall", {{"test", 1, 4, 1}, LIGHTS(BUILTIN_NOT_GIVEN), SEED}, builtin_make_wall},
     {"spheres", {LIGHTS(64), SEED, {"segments", 4, 1024, 48}}, builtin_make_spheres},
@@ -241,10 +241,14 @@ static fnl_result read_pair(const fnl_host *host, const char *text, const struct
     return FNL_ERROR_INVALID;
 }
 
-/** Scenes with the key "decals" get them once everything is in its place. */
-static void scatter_decals(struct builtin *b, const struct builtin_scene *what, const uint64_t *values) {
+/** Scenes with the keys "overdraw" and "decals" get these once everything is in its place. */
+static void finish_scene(struct builtin *b, const struct builtin_scene *what, const uint64_t *values) {
     uint64_t count = 0, seed = 1;
     for (uint32_t i = 0; i < key_count(what); i++) {
+        if (strcmp(what->keys[i].name, "overdraw") == 0 && values[i]) {
+            builtin_overdraw(b);
+            scene_update_transforms(b->scene);
+        }
         if (strcmp(what->keys[i].name, "decals") == 0) count = values[i];
         if (strcmp(what->keys[i].name, "seed") == 0) seed = values[i];
     }
@@ -262,7 +266,7 @@ static fnl_result make_scene(const fnl_host *host, const char *text, const struc
         what->make(&b, values);
         builtin_flush(&b);
         scene_update_transforms(b.scene);
-        scatter_decals(&b, what, values);
+        finish_scene(&b, what, values);
         jobs_destroy(&b.jobs);
     }
     for (uint32_t i = 0; i < b.placements.count; i++) array_free(&b.scene->host, &b.placements.data[i].transforms);

@@ -117,6 +117,11 @@ const struct builtin_images *builtin_texture_images(struct builtin *b, enum buil
 void builtin_place(struct builtin *b, uint32_t mesh, mat4 transform);
 /** A transform: turned by `yaw` radians about +Y, scaled, moved. */
 mat4 builtin_at(float x, float y, float z, float yaw, float scale);
+/**
+ * Replaces what the scene shows by its triangles from the farthest to the nearest of its first camera, some of them twice: about four
+ * fragments of a pixel pass the depth test. Called once, by builtin_load.
+ */
+void builtin_overdraw(struct builtin *b);
 /** Makes one node per placed mesh. Called once, by builtin_load. */
 void builtin_flush(struct builtin *b);
 

@@ -127,6 +127,20 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
         --dais all --dais-multirate all --msaa 4 --frames 1 -o "$work/d"
     check "$work/d" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=1
 
+    # Culling leaves the picture as it is: one reference for all its ways.
+    expect 0 'Fastest on builtin:spheres' builtin:spheres $tiny --lists tiled --cull all --occlusion all -o "$work/c"
+    check "$work/c" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2
+
+    # Suites that are a matrix: scenes and options are theirs, unless others are given; tables.
+    expect 0 'visibility \(cull=triangles,occlusion=on\): [0-9.]+ times the triangles' --suite geometry --frames 2 --sizes 32x18 \
+        "builtin:city?blocks=1&instances=2000" "builtin:city?blocks=1&triangles=400000" -o "$work/s"
+    check "$work/s" RESULTS=12 SKIPPED=0 EQUAL=12 FRAMES=2
+    grep -q '"name": "geometry"' "$work/s/results.json" || fail 'no table of geometry'
+    expect 0 'wins [0-9] of 1|wins nowhere' --suite visibility --frames 2 --sizes 32x18 --msaa 1 --lights 8 \
+        "builtin:hall?overdraw=1" -o "$work/v"
+    check "$work/v" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=2
+    grep -qE 'builtin:hall\?overdraw=1 +32x18 .* (reached|missed)' "$work/out" || fail "no ids against a G-buffer: $(cat "$work/out")"
+
     # Paths: from a file, and around the scene.
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
     expect 0 '' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/p"
