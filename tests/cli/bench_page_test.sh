@@ -48,6 +48,9 @@ run many 0 builtin:spheres --sizes 48x27,32x18 --lights 0,4,16,64 --shading defe
 run one 0 "builtin:sky?seed=3" --sizes 64x36 --msaa 1,4 --shading all --lists brute,clustered,clustered-cpu --frames 2
 for width in 390 1100; do look "$work/many" $width; done
 look "$work/one" 390
+run tables 0 --suite visibility "builtin:hall?overdraw=1" --sizes 32x18 --msaa 1 --lights 4 --shading deferred,visibility --frames 2
+look "$work/tables" 390
+grep -qE '"orders": *\{' "$work/found.json" && grep -qE '"ids": *\{' "$work/found.json" || fail 'the tables of a suite are not on the page'
 grep -q 'report.html' <<<"$(ls "$work/many")" && ! grep -qE '(src|href)="?(https?:)?//' "$work/many/report.html" || fail 'the page refers to the outside'
 
 sed -i '0,/"equal": true/s//"equal": false/' "$work/one/results.json"
