@@ -80,6 +80,13 @@ typedef void graph_execute(const struct graph_context *context, const void *data
 struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute,
                                   const void *data, size_t data_size);
 
+/** A pass that fills whole buffers with a word; ids of 0 are passed over. */
+struct graph_clear {
+    graph_buffer buffers[3];
+    uint32_t word;
+};
+void graph_add_clear(struct graph *graph, const char *name, enum graph_queue queue, struct graph_clear clear);
+
 enum graph_use {
     GRAPH_SAMPLE_COMPUTE, /* image: texture reads */
     GRAPH_SAMPLE_FRAGMENT,

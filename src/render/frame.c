@@ -46,25 +46,12 @@ static fnl_result fade_lights(struct frame_state *f) {
 
 /* ---- counters ---- */
 
-struct clear_data {
-    graph_buffer buffer;
-    uint64_t size;
-};
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct clear_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
-}
-
 static void add_counters(struct frame_state *f) {
     if (!f->frame->count_lights && !shading_shows_volumes(f->frame)) return;
-    struct clear_data clear = {.size = f->frame->width * f->frame->height * 8ull};
-    clear.buffer = f->frame->count_lights ? graph_import_buffer(f->graph, "light counters", &f->r->counters)
-                                          : graph_create_buffer(f->graph, "light counters", clear.size);
-    struct graph_pass *pass =
-        graph_add_pass(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
-    graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
-    f->counters = clear.buffer;
+    f->counters = f->frame->count_lights
+                      ? graph_import_buffer(f->graph, "light counters", &f->r->counters)
+                      : graph_create_buffer(f->graph, "light counters", f->frame->width * f->frame->height * 8ull);
+    graph_add_clear(f->graph, "clear counters", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {f->counters}});
 }
 
 /* ---- the picture ---- */

@@ -14,27 +14,6 @@ bool dais_target_supported(const gpu_device *device, uint32_t samples) {
     return samples == 1 || gpu_target_samples(device, REFERENCE_FORMAT) & samples;
 }
 
-/* ---- clearing ---- */
-
-struct clear_data {
-    graph_buffer buffers[3];
-};
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct clear_data *d = data;
-    for (uint32_t i = 0; i < COUNT_OF(d->buffers); i++) {
-        if (!d->buffers[i].id) continue;
-        const struct gpu_buffer *buffer = graph_get_buffer(context, d->buffers[i]);
-        gpu_fill_buffer(context->commands, buffer, 0, buffer->size, 0);
-    }
-}
-
-static void add_clear(struct graph *graph, const char *name, const struct clear_data *clear) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_clear, clear, sizeof *clear);
-    for (uint32_t i = 0; i < COUNT_OF(clear->buffers); i++)
-        if (clear->buffers[i].id) graph_use_buffer(pass, clear->buffers[i], GRAPH_COPY_TO);
-}
-
 /* ---- visibility ---- */
 
 struct visibility_data {
@@ -174,7 +153,8 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
         dais.sample_capacity = (uint32_t)pixels + pixels / 4 + 64;
         dais.samples = graph_create_buffer(graph, "dais samples", dais.sample_capacity * 8ull);
     }
-    add_clear(graph, "dais clear", &(struct clear_data){{dais.counts, cache, dais.heads}});
+    graph_add_clear(graph, "dais clear", GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {dais.counts, cache, dais.heads}});
     add_visibility(graph, input, &dais, cache);
 
     struct derive_data data = {
@@ -190,7 +170,7 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
     while (size < params->capacity / (DAIS_HEADER + 12) * 2) size *= 2;
     data.shader = &shader_dais_unique_comp;
     data.table = graph_create_buffer(graph, "dais unique table", size * 4ull);
-    add_clear(graph, "dais unique clear", &(struct clear_data){{data.table}});
+    graph_add_clear(graph, "dais unique clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data.table}});
     pass = add_derive(graph, "dais unique", &data);
     graph_use_buffer(pass, dais.pool, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.table, GRAPH_READ_WRITE_COMPUTE);

@@ -62,23 +62,10 @@ struct aov_images aov_add(struct graph *graph, const struct geometry_scene *scen
     return images;
 }
 
-struct clear_data {
-    graph_buffer buffer;
-    uint64_t size;
-};
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct clear_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffer), 0, d->size, 0);
-}
-
 static graph_buffer create_counters(struct graph *graph, uint32_t width, uint32_t height) {
-    struct clear_data clear = {graph_create_buffer(graph, "overdraw", (uint64_t)width * height * 4),
-                               (uint64_t)width * height * 4};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "overdraw clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
-    graph_use_buffer(pass, clear.buffer, GRAPH_COPY_TO);
-    return clear.buffer;
+    graph_buffer counters = graph_create_buffer(graph, "overdraw", (uint64_t)width * height * 4);
+    graph_add_clear(graph, "overdraw clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counters}});
+    return counters;
 }
 
 graph_buffer overdraw_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,

@@ -13,11 +13,6 @@ struct cull_data {
     const struct gpu_shader *shader;
 };
 
-static void execute_clear_hidden(const struct graph_context *context, const void *data) {
-    const struct cull_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->draws.hidden), 0, (d->scene->item_count + 1) * 4ull, 0);
-}
-
 static void execute_cull(const struct graph_context *context, const void *data) {
     const struct cull_data *d = data;
     bool fills = d->shader == &shader_cull_fill_comp;
@@ -112,9 +107,7 @@ struct geometry_draws cull_items_add(struct graph *graph, const struct cull_name
     struct cull_data data = {.scene = scene, .view = view, .draws = draws, .shader = &shader_cull_mark_comp};
     if (occluders) {
         data.occluders = *occluders;
-        struct graph_pass *clear =
-            graph_add_pass(graph, names->clear, GRAPH_QUEUE_GRAPHICS, execute_clear_hidden, &data, sizeof data);
-        graph_use_buffer(clear, draws.hidden, GRAPH_COPY_TO);
+        graph_add_clear(graph, names->clear, GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {draws.hidden}});
     }
     struct graph_pass *pass = graph_add_pass(graph, names->mark, GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);

@@ -80,13 +80,6 @@ static void execute_shell(const struct graph_context *context, const void *data)
     gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->arguments), 0);
 }
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct raster_data *d = data;
-    const struct gpu_buffer *slots = graph_get_buffer(context, d->slots);
-    gpu_fill_buffer(context->commands, slots, 0, slots->size, RASTER_UNSET);
-}
-
-/* The target has no images: each pixel is a tile, and fragments write into the slots. */
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct raster_data *d = data;
     d->block->slots = graph_address(context, d->slots);
@@ -140,9 +133,8 @@ static void add_shell(struct graph *graph, const struct raster_data *d) {
 }
 
 static void add_draw(struct graph *graph, const struct raster_data *d) {
-    struct graph_pass *pass = graph_add_pass(graph, "raster clear", GRAPH_QUEUE_GRAPHICS, execute_clear, d, sizeof *d);
-    graph_use_buffer(pass, d->slots, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, "raster draw", GRAPH_QUEUE_GRAPHICS, execute_draw, d, sizeof *d);
+    graph_add_clear(graph, "raster clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {d->slots}, .word = RASTER_UNSET});
+    struct graph_pass *pass = graph_add_pass(graph, "raster draw", GRAPH_QUEUE_GRAPHICS, execute_draw, d, sizeof *d);
     graph_use_buffer(pass, d->input.buffer, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_GRAPHICS);

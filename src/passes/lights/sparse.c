@@ -25,11 +25,6 @@ struct sparse_data {
     enum sparse_step step;
 };
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct sparse_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->table), 0, (d->key_count + 1) * 4ull, 0);
-}
-
 static VkDeviceAddress address_or_zero(const struct graph_context *context, graph_buffer buffer) {
     return buffer.id ? graph_address(context, buffer) : 0;
 }
@@ -114,11 +109,10 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     if (data.has_normals)
         data.facings = graph_create_buffer(graph, "sparse facings", data.cell_limit * sizeof(struct gpu_facing));
 
-    struct graph_pass *pass = graph_add_pass(graph, "sparse clear", input->queue, execute_clear, &data, sizeof data);
-    graph_use_buffer(pass, data.table, GRAPH_COPY_TO);
+    graph_add_clear(graph, "sparse clear", input->queue, (struct graph_clear){.buffers = {data.table}});
     add_step(graph, "sparse mark", input->queue, &data, STEP_MARK);
     prefix_sum_add(graph, &sum_names, input->queue, data.table, data.key_count + 1);
-    pass = add_step(graph, "sparse compact", input->queue, &data, STEP_COMPACT);
+    struct graph_pass *pass = add_step(graph, "sparse compact", input->queue, &data, STEP_COMPACT);
     graph_use_buffer(pass, data.keys, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.extents, GRAPH_WRITE_COMPUTE);
     pass = add_step(graph, "sparse measure", input->queue, &data, STEP_MEASURE);

@@ -13,11 +13,6 @@ struct edges_data {
     uint32_t width, height, samples;
 };
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct edges_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->out.counts), 0, EDGES_COUNTS * 4, 0);
-}
-
 static void execute_find(const struct graph_context *context, const void *data) {
     const struct edges_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_edges_find_comp, .constant_count = 10};
@@ -67,10 +62,8 @@ struct edges edges_add(struct graph *graph, const struct shade_input *input, con
         data.out.entries = graph_create_buffer(graph, "edge entries", (uint64_t)pixels * (params->limit - 1) * 4);
         data.out.dispatch = graph_create_buffer(graph, "edge dispatch", 12);
     }
-    struct graph_pass *pass =
-        graph_add_pass(graph, "clear edge counts", GRAPH_QUEUE_GRAPHICS, execute_clear, &data, sizeof data);
-    graph_use_buffer(pass, data.out.counts, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, "edges", GRAPH_QUEUE_GRAPHICS, execute_find, &data, sizeof data);
+    graph_add_clear(graph, "clear edge counts", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data.out.counts}});
+    struct graph_pass *pass = graph_add_pass(graph, "edges", GRAPH_QUEUE_GRAPHICS, execute_find, &data, sizeof data);
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);
     graph_use_image(pass, radiance, GRAPH_SAMPLE_COMPUTE);
     graph_use_buffer(pass, data.out.surfaces, GRAPH_WRITE_COMPUTE);

@@ -34,18 +34,6 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
 }
 
-struct clear_data {
-    graph_buffer buffers[2];
-    uint64_t sizes[2];
-};
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct clear_data *d = data;
-    for (uint32_t i = 0; i < 2; i++)
-        if (d->buffers[i].id)
-            gpu_fill_buffer(context->commands, graph_get_buffer(context, d->buffers[i]), 0, d->sizes[i], 0);
-}
-
 struct list_data {
     struct gpu_light_list *header, *all;
     VkDeviceAddress view;
@@ -107,18 +95,15 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     /* No more layers than lights could fill. */
     uint32_t layers = images ? MIN(params->layers, MAX(DIVIDE_UP(lights->local_count, INDEXED_BATCH), 1u)) : params->layers;
     uint32_t capacity = layers * INDEXED_LAYER_LIGHTS;
-    struct clear_data clear = {.sizes = {pixels * 4 * (images ? layers : 1), images ? 0 : pixels * (capacity + 1) / 2 * 4}};
-    clear.buffers[0] = graph_create_buffer(graph, "light id counts", clear.sizes[0]);
-    if (!images) clear.buffers[1] = graph_create_buffer(graph, "light id slots", clear.sizes[1]);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, execute_clear, &clear, sizeof clear);
-    for (uint32_t i = 0; i < 2; i++)
-        if (clear.buffers[i].id) graph_use_buffer(pass, clear.buffers[i], GRAPH_COPY_TO);
+    uint64_t count_bytes = pixels * 4 * (images ? layers : 1), slot_bytes = images ? 0 : pixels * (capacity + 1) / 2 * 4;
+    graph_buffer counts = graph_create_buffer(graph, "light id counts", count_bytes), slots = {0};
+    if (!images) slots = graph_create_buffer(graph, "light id slots", slot_bytes);
+    graph_add_clear(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counts, slots}});
 
     struct list_data list = {.view = input->view,
                              .ids = volumes->ids,
-                             .counts = clear.buffers[0],
-                             .slots = clear.buffers[1],
+                             .counts = counts,
+                             .slots = slots,
                              .totals = volumes->totals,
                              .packing = params->packing,
                              .layers = layers,
@@ -131,8 +116,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
                                .depth = sample_count > 1 ? samples->bounds.ranges : depth,
                                .attached = sample_count > 1 ? samples->bounds.nearest : depth,
                                .samples = sample_count,
-                               .counts = clear.buffers[0],
-                               .slots = clear.buffers[1],
+                               .counts = counts,
+                               .slots = slots,
                                .packing = params->packing,
                                .capacity = capacity,
                                .layers = layers};
@@ -159,8 +144,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     struct light_list out = {.kind = GPU_LIST_TILES,
                              .lights = lights->buffer,
                              .cell_count = (uint32_t)pixels,
-                             .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + clear.sizes[0] +
-                                           clear.sizes[1] + (images ? pixels * 4 * layers : 0),
+                             .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + count_bytes + slot_bytes +
+                                           (images ? pixels * 4 * layers : 0),
                              .totals = volumes->totals};
     out.fixed_bytes = out.byte_count;
     list.header = light_list_header(device, lights, &out.header);
@@ -171,7 +156,8 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     if (sample_count > 1) list.all = light_list_header(device, lights, &samples->all);
     out.cells = list.cells = graph_create_buffer(graph, "light id cells", (pixels + 1) * sizeof(struct gpu_cell));
     out.ids = list.list = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
-    pass = graph_add_pass(graph, "light id lists", GRAPH_QUEUE_GRAPHICS, execute_list, &list, sizeof list);
+    struct graph_pass *pass =
+        graph_add_pass(graph, "light id lists", GRAPH_QUEUE_GRAPHICS, execute_list, &list, sizeof list);
     graph_use_buffer(pass, list.ids, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, list.counts, GRAPH_READ_COMPUTE);
     if (list.slots.id) graph_use_buffer(pass, list.slots, GRAPH_READ_COMPUTE);

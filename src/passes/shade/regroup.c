@@ -35,12 +35,6 @@ struct step_data {
 
 static uint32_t draw_count(const struct regroup *r) { return r->key_count * r->scene->group_count; }
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct regroup *r = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, r->counts), 0, (draw_count(r) + 1) * 4ull, 0);
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, r->cursors), 0, (draw_count(r) + 1) * 4ull, 0);
-}
-
 static void execute_step(const struct graph_context *context, const void *data) {
     const struct step_data *d = data;
     const struct regroup *r = &d->r;
@@ -80,10 +74,8 @@ static void regroup_add(struct graph *graph, const struct regroup_names *names, 
     r->cursors = graph_create_buffer(graph, names->cursors_buffer, size);
     r->items = graph_create_buffer(graph, names->items_buffer, MAX((uint64_t)r->scene->item_count + r->capacity, 1u) * 4ull);
     r->draws = graph_create_buffer(graph, names->draws_buffer, MAX(draw_count(r), 1u) * sizeof(struct gpu_draw));
-    struct graph_pass *pass = graph_add_pass(graph, names->clear, GRAPH_QUEUE_GRAPHICS, execute_clear, r, sizeof *r);
-    graph_use_buffer(pass, r->counts, GRAPH_COPY_TO);
-    graph_use_buffer(pass, r->cursors, GRAPH_COPY_TO);
-    pass = add_step(graph, names->count, r, lists, REGROUP_COUNT);
+    graph_add_clear(graph, names->clear, GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {r->counts, r->cursors}});
+    struct graph_pass *pass = add_step(graph, names->count, r, lists, REGROUP_COUNT);
     graph_use_buffer(pass, r->counts, GRAPH_READ_WRITE_COMPUTE);
     prefix_sum_add(graph, &names->sum, GRAPH_QUEUE_GRAPHICS, r->counts, draw_count(r) + 1);
     pass = add_step(graph, names->fill, r, lists, REGROUP_FILL);

@@ -55,25 +55,6 @@ static void add_count(struct graph *graph, const char *name, const struct geomet
     graph_depth_read_only(pass, depth);
 }
 
-struct clear_data {
-    graph_buffer buffers[3];
-};
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct clear_data *d = data;
-    for (uint32_t i = 0; i < COUNT_OF(d->buffers); i++) {
-        if (!d->buffers[i].id) continue;
-        const struct gpu_buffer *buffer = graph_get_buffer(context, d->buffers[i]);
-        gpu_fill_buffer(context->commands, buffer, 0, buffer->size, 0);
-    }
-}
-
-static void add_clear(struct graph *graph, const char *name, const struct clear_data *clear) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_clear, clear, sizeof *clear);
-    for (uint32_t i = 0; i < COUNT_OF(clear->buffers); i++)
-        if (clear->buffers[i].id) graph_use_buffer(pass, clear->buffers[i], GRAPH_COPY_TO);
-}
-
 /* ---- lists ---- */
 
 struct linked {
@@ -209,7 +190,8 @@ struct linked_lists linked_add(struct graph *graph, const struct shade_input *in
     if (l.samples > 1) l.extents = graph_create_buffer(graph, "linked extents", capacity * EXTENT_BYTES);
     l.order = graph_create_buffer(graph, "linked order", capacity * 4 * l.samples);
 
-    add_clear(graph, "linked clear", &(struct clear_data){{l.sums, l.written, l.totals}});
+    graph_add_clear(graph, "linked clear", GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {l.sums, l.written, l.totals}});
     add_count(graph, "linked count", input->scene, input->draws, input->view, l.sums, depth);
     prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, l.sums, pixel_count(&l) + 1);
     struct graph_pass *pass = graph_add_pass(graph, "linked totals", GRAPH_QUEUE_GRAPHICS, execute_totals, &l, sizeof l);
@@ -228,7 +210,7 @@ graph_buffer layers_add(struct graph *graph, const struct geometry_scene *scene,
         graph, &(struct graph_image_params){
                    .name = "layers depth", .format = GEOMETRY_DEPTH_FORMAT, .width = width, .height = height, .samples = 1});
     graph_buffer counts = graph_create_buffer(graph, "layers", (uint64_t)width * height * 4);
-    add_clear(graph, "layers clear", &(struct clear_data){{counts}});
+    graph_add_clear(graph, "layers clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counts}});
     struct draw_data prepass = {.scene = scene,
                                 .draws = *draws,
                                 .view = view,

@@ -29,11 +29,6 @@ struct ids_data {
     struct gpu_graphics_params state;
 };
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const graph_buffer *fragments = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, *fragments), 0, 4, 0);
-}
-
 static void execute_ids(const struct graph_context *context, const void *data) {
     const struct ids_data *d = data;
     const struct gpu_shader *mask = d->state.geometry      ? &shader_weights_mask_frag
@@ -84,14 +79,11 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     if (bits > 32)
         v.ids_high =
             add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input, &data.state);
-    struct graph_pass *pass;
     if (input->counters.id) {
         data.fragments = v.fragments = graph_create_buffer(graph, "visibility fragments", 4);
-        pass =
-            graph_add_pass(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &v.fragments, sizeof v.fragments);
-        graph_use_buffer(pass, v.fragments, GRAPH_COPY_TO);
+        graph_add_clear(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {v.fragments}});
     }
-    pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "visibility", GRAPH_QUEUE_GRAPHICS, execute_ids, &data, sizeof data);
     if (v.fragments.id) graph_use_buffer(pass, v.fragments, GRAPH_READ_WRITE_FRAGMENT);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
     static const float none[4];

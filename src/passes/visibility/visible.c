@@ -40,11 +40,6 @@ static struct gpu_visible_push push_of(const struct visible_data *d) {
 
 /* ---- lists ---- */
 
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct visible_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->list.counts), 0, EDGES_COUNTS * 4, 0);
-}
-
 static void execute_pixels(const struct graph_context *context, const void *data) {
     const struct visible_data *d = data;
     struct gpu_compute_params params = {.shader = d->shader};
@@ -105,9 +100,7 @@ static void add_counting(struct graph *graph, struct visible_data *data) {
     if (data->samples > 1) {
         data->list.words = graph_create_buffer(graph, "visible words", (uint64_t)data->width * data->height * 4);
         data->list.counts = graph_create_buffer(graph, "visible counts", EDGES_COUNTS * 4ull);
-        struct graph_pass *pass =
-            graph_add_pass(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, execute_clear, data, sizeof *data);
-        graph_use_buffer(pass, data->list.counts, GRAPH_COPY_TO);
+        graph_add_clear(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data->list.counts}});
     }
     data->shader = &shader_visible_count_comp;
     struct graph_pass *pass =
