@@ -83,9 +83,9 @@ vec3 brdf_cos(surface s, brdf_view b, vec3 to_light) {
 // Reflection of light from all around, for the ambient term: analytic fit of the split-sum integral (Karis 2014,
 // "Physically Based Shading on Mobile").
 vec2 environment_brdf(float roughness, float n_v) {
-    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-    float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-    vec2 fit = max(vec2(-1.04, 1.04) * a + r.zw, vec2(0.0)); // it goes below zero for rough surfaces
+    precise vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    precise float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
+    precise vec2 fit = max(vec2(-1.04, 1.04) * a + r.zw, vec2(0.0)); // it goes below zero for rough surfaces
     return vec2(fit.x, min(fit.y, 1.0 - fit.x));             // and above one for smooth ones at grazing angles
 }
 

@@ -23,18 +23,19 @@ vec3 ambient_radiance(view_block v, vec3 direction) {
 #endif
 
 // What is left when all lights are summed up: ambient light (diffuse by the normal, specular by the mirror direction, both dimmed by
-// occlusion) and the surface's own glow.
+// occlusion) and the surface's own glow. Precise, so that variants of a shader that know some of its input round alike.
 vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
     float n_v = clamp(dot(s.normal, to_view), 0.0, 1.0);
-    vec2 environment = environment_brdf(s.roughness, n_v);
-    vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
-    float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
+    precise vec2 environment = environment_brdf(s.roughness, n_v);
+    precise vec3 f0 = mix(s.dielectric_f0, s.base_color, s.metallic);
+    precise float f90 = mix(s.dielectric_f90, 1.0, s.metallic);
     // What the dielectric's surface reflects from all around does not get below it.
-    float reflected = max_component(s.dielectric_f0 * environment.x + s.dielectric_f90 * environment.y);
-    vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - reflected);
-    vec3 ambient = diffuse * AMBIENT_DIFFUSE(v, s.normal) +
-                   (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
-    return sum + ambient * s.occlusion + s.emissive;
+    precise float reflected = max_component(s.dielectric_f0 * environment.x + s.dielectric_f90 * environment.y);
+    precise vec3 diffuse = s.base_color * (1.0 - s.metallic) * (1.0 - reflected);
+    precise vec3 ambient = diffuse * AMBIENT_DIFFUSE(v, s.normal) +
+                           (f0 * environment.x + f90 * environment.y) * ambient_radiance(v, reflect(-to_view, s.normal));
+    precise vec3 result = sum + ambient * s.occlusion + s.emissive;
+    return result;
 }
 
 // What stands for dearer shading where methods are compared (fnl_frame.shade_cost): a chain that no compiler can shorten, of which nothing is

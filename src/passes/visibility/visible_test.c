@@ -32,6 +32,7 @@ static struct scene_material varied(fnl_scene *scene, uint32_t i, uint32_t image
 /* `count` squares side by side, each of a material of its own, before a hole in the middle of the rows. */
 static fnl_scene *patches(uint32_t count, uint32_t lights) {
     fnl_scene *scene = test_scene();
+    assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f}), FNL_OK);
     enum { SIDE = 16 };
     static uint8_t texels[SIDE * SIDE * 4];
     for (uint32_t i = 0; i < sizeof texels; i++) texels[i] = i % 4 == 3 ? 255 : (uint8_t)(100 + i * 37 % 120);
