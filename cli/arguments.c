@@ -266,13 +266,17 @@ static bool set_coarse(const char *option, const char *key, const char *value, f
     for (size_t i = 0; value && i < sizeof numbers / sizeof *numbers; i++) {
         if (strcmp(key, numbers[i].key) != 0) continue;
         if (!argument_number(option, value, &number)) return false;
-        if (!(number >= 0 && number <= numbers[i].most)) return argument_bad(option, value, "in the range of this setting");
+        if (!(number >= 0 && number <= numbers[i].most)) {
+            char wanted[96];
+            snprintf(wanted, sizeof wanted, "a number from 0 to %g for %s", numbers[i].most, key);
+            return argument_bad(option, value, wanted);
+        }
         *numbers[i].field = (float)number;
         return true;
     }
     if (value && strcmp(key, "size") == 0) {
         if (!argument_integer(option, value, 1, 4, &size)) return false;
-        if (size == 3) return argument_bad(option, value, "one of 1 2 4");
+        if (size == 3) return argument_bad(option, value, "one of 1 2 4 for size");
         out->size = (uint32_t)size;
     } else if (value && strcmp(key, "criterion") == 0) {
         if (!argument_name(option, value, coarse_criterion_name, &index)) return false;

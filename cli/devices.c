@@ -35,18 +35,18 @@ static const struct {
     { #field, use, offsetof(fnl_device_info, field) }
     FEATURE(async_compute, "light lists beside drawing"),
     FEATURE(timestamps, "times of passes"),
-    FEATURE(primitive_ids, "triangle numbers"),
-    FEATURE(minmax_samplers, "samplers that give the least and the greatest texel"),
+    FEATURE(primitive_ids, "visibility and dais shading, coarse shading by triangles, the view of clusters"),
+    FEATURE(minmax_samplers, "coarse shading by ranges (minmax) reads fewer texels"),
     FEATURE(post_depth_coverage, "dais shading with lists of covered samples"),
     FEATURE(quad_operations, "dais shading at a lower rate"),
     FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
-    FEATURE(barycentrics, "visibility buffer with stored barycentrics"),
+    FEATURE(barycentrics, "not used: visibility shading stores weights without it"),
     FEATURE(mesh_shader, "triangle culling in mesh shaders"),
-    FEATURE(ray_query, "ray-traced shadows"),
-    FEATURE(sample_locations, "deferred texturing on a sample grid"),
-    FEATURE(fragment_shading_rate, "coarse shading"),
-    FEATURE(multiview, "both eyes in one pass"),
+    FEATURE(ray_query, "not used yet"),
+    FEATURE(sample_locations, "not used: the grid of visibility shading takes the standard places"),
+    FEATURE(fragment_shading_rate, "not used: coarse shading needs none"),
+    FEATURE(multiview, "not used yet"),
 #undef FEATURE
 };
 enum { FEATURE_COUNT = sizeof features / sizeof *features };

@@ -68,22 +68,26 @@ static void print_help(void) {
         "                             best-fit float (layout: as the layout has them)\n"
         "  --chroma                   base colour in the default layout as luma and half of the chroma a pixel\n"
         "  --atlas-size N             virtual-texturing: texels along the side of its atlas at most (8192)\n"
-        "  --gradients KIND           texturing: how coordinates change from pixel to pixel: stored derived (stored)\n"
-        "  --gbuffer-prepass          deferred, texturing: depth first, so that hidden surfaces read no textures\n"
+        "  --gradients KIND           texturing: how coordinates change from pixel to pixel: stored, or derived from\n"
+        "                             neighbours, which is approximate (stored)\n"
+        "  --gbuffer-prepass          orders with a G-buffer, texturing, mobile: depth first, so that hidden surfaces read\n"
+        "                             no textures\n"
         "  --class-blocks N           deferred: 8 or 4: blocks of NxN pixels are shaded by variants with what they need\n"
         "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
         "  --visibility-sort KIND     visibility: pixels are sorted before shading by: off class material (off)\n"
-        "  --visibility-barycentrics  visibility: weights of corners are stored, so that shading fetches no positions\n"
-        "  --visibility-grid          visibility: ids at half the size with 4 samples, a quarter of the fragments\n"
+        "  --visibility-barycentrics  visibility, 1 sample: weights of corners are stored, so that shading fetches no\n"
+        "                             positions\n"
+        "  --visibility-grid          visibility, 1 sample: ids at half the size with 4 samples, a quarter of the fragments;\n"
+        "                             pixels are seen a quarter of a pixel off their centres\n"
         "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
         "  --mobile LIST              mobile: of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
         "  --dais KIND                dais: where references to triangles stand: target list (target)\n"
-        "  --dais-multirate           dais: ambient light once for four pixels of a triangle\n"
+        "  --dais-multirate           dais: ambient light once for four pixels of a triangle: close, not equal\n"
         "  --dais-cache N             dais: buckets of the cache of triangles, a power of two up to 4194304 (65536)");
     puts(
-        "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X, normal-degrees=X,\n"
-        "                             tolerance=X, albedo-tolerance=X, split=none|albedo|highlights|sharp, ao=METRES,\n"
-        "                             no-bias, gather\n"
+        "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X (1), normal-degrees=X (2),\n"
+        "                             tolerance=X (0.05), albedo-tolerance=X (1), split=none|albedo|highlights|sharp,\n"
+        "                             ao=METRES (0: off), no-bias, gather; the first of each is the default\n"
         "  --shade-cost N             turns of an idle loop in each evaluation of shading, for comparing methods (0)\n"
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
@@ -581,14 +585,56 @@ static bool check_options(struct render_options *o) {
     return !problem;
 }
 
+/* Settings of orders that are not rendered with are harmless, but hardly what was meant. auto may take any order, so it may need any. */
+static void warn_of_unused(const struct render_options *o, uint64_t given) {
+#define ORDER(order) (1u << FNL_SHADING_##order)
+    static const struct {
+        const char *name;
+        int option;
+        uint32_t orders;
+    } settings[] = {{"visibility-sort", O_VISIBILITY_SORT, ORDER(VISIBILITY)},
+                    {"visibility-barycentrics", O_VISIBILITY_BARYCENTRICS, ORDER(VISIBILITY)},
+                    {"visibility-grid", O_VISIBILITY_GRID, ORDER(VISIBILITY)},
+                    {"gradients", O_GRADIENTS, ORDER(TEXTURING)},
+                    {"atlas-size", O_ATLAS_SIZE, ORDER(VIRTUAL_TEXTURING)},
+                    {"coarse", O_COARSE, ORDER(COARSE)},
+                    {"dais", O_DAIS, ORDER(DAIS)},
+                    {"dais-multirate", O_DAIS_MULTIRATE, ORDER(DAIS)},
+                    {"dais-cache", O_DAIS_CACHE, ORDER(DAIS)},
+                    {"mobile", O_MOBILE, ORDER(MOBILE)},
+                    {"mobile-layout", O_MOBILE_LAYOUT, ORDER(MOBILE)},
+                    {"mobile-lights", O_MOBILE_LIGHTS, ORDER(MOBILE)},
+                    {"class-blocks", O_CLASS_BLOCKS, ORDER(DEFERRED)},
+                    {"deferred-pass", O_DEFERRED_PASS, ORDER(DEFERRED)},
+                    {"msaa-method", O_MSAA_METHOD, ORDER(DEFERRED)},
+                    {"msaa-groups", O_MSAA_GROUPS, ORDER(DEFERRED)},
+                    {"msaa-tolerance", O_MSAA_TOLERANCE, ORDER(DEFERRED)},
+                    {"gbuffer", O_GBUFFER, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
+                    {"normals", O_NORMALS, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
+                    {"chroma", O_CHROMA, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
+                    {"gbuffer-prepass", O_GBUFFER_PREPASS,
+                     ~(ORDER(FORWARD) | ORDER(FORWARD_PREPASS) | ORDER(INFERRED) | ORDER(LIGHT_INDEXED) | ORDER(ZIOMA) |
+                       ORDER(VISIBILITY) | ORDER(DAIS))},
+                    {"occlusion", O_OCCLUSION, ~(ORDER(LOW_RES) | ORDER(INFERRED))}};
+#undef ORDER
+    if (o->frame.shading == FNL_SHADING_AUTO || o->quiet) return;
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
+        if (given >> (settings[i].option - OPTION_FIRST) & 1 && !(settings[i].orders >> o->frame.shading & 1))
+            fprintf(stderr, "fanal: warning: --%s has no effect with --shading %s\n", settings[i].name,
+                    fnl_shading_name(o->frame.shading));
+}
+
 int command_render(int argc, char **argv) {
     struct render_options o = {.frame = fnl_frame_default(),
                                .scatter = fnl_scatter_params_default(),
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
+    uint64_t given = 0; /* bits 1 << option - OPTION_FIRST */
+    _Static_assert(O_PLAN - OPTION_FIRST < 64, "a bit for each");
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
+        if (option >= OPTION_FIRST) given |= 1ull << (option - OPTION_FIRST);
         if (option == 'h') {
             print_help();
             return 0;
@@ -606,5 +652,6 @@ int command_render(int argc, char **argv) {
     o.scene = argv[optind];
     if (!check_options(&o)) return 2;
     if (!o.has_shading && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    warn_of_unused(&o, given);
     return render_run(&o);
 }

@@ -255,6 +255,8 @@ typedef struct fnl_dais_options {
     bool multirate; /**< ambient light is found once for four pixels of a triangle: close, not equal; default false */
 } fnl_dais_options;
 
+FNL_API fnl_dais_options fnl_dais_options_default(void);
+
 /** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED =
@@ -599,7 +601,9 @@ typedef struct fnl_frame {
      */
     uint32_t shade_cost;
     fnl_dais_options dais;     /**< of FNL_SHADING_DAIS */
-    bool gbuffer_prepass; /**< deferred, texturing, mobile: depth first, so that hidden surfaces read no textures; default false */
+    /** Depth first, so that hidden surfaces read no textures; the picture is the same. Orders with a G-buffer (deferred, deferred-volumes,
+        light-prepass, pre-lighting, low-res, coarse), texturing, virtual-texturing and mobile; others take no notice. Default false. */
+    bool gbuffer_prepass;
     /**
      * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
      * run, or the likely one. For single frames, and where every frame must cost the same. Default false.

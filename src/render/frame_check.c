@@ -19,7 +19,8 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
     if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
     if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS)) {
-        log_error(host, "%s shading has a G-buffer of its own", fnl_shading_name(frame->shading));
+        log_error(host, "%s shading has a G-buffer of its own: gbuffer, normals and chroma are of deferred and deferred-volumes",
+                  fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
     fnl_gbuffer_info info;
@@ -72,12 +73,13 @@ static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, frame->shade_cost <= 100000);
     if (frame->shading == FNL_SHADING_COARSE && o->criterion == FNL_COARSE_CRITERION_ID &&
         !gpu_info(r->device)->primitive_ids) {
-        log_error(host, "this device cannot number triangles, which the criterion id needs; use z");
+        log_error(host, "this device cannot number triangles, which coarse.criterion id needs; use z");
         return FNL_ERROR_UNSUPPORTED;
     }
     bool view = frame->debug == FNL_DEBUG_COARSE || frame->debug == FNL_DEBUG_COARSE_REASON;
     if (view && frame->shading != FNL_SHADING_COARSE) {
-        log_error(host, "the view %s shows the blocks of coarse shading", fnl_debug_view_name(frame->debug));
+        log_error(host, "the view %s shows the blocks of coarse shading, not of %s", fnl_debug_view_name(frame->debug),
+                  fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
     return FNL_OK;
@@ -127,17 +129,23 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
+    uint32_t counts = gpu_info(r->device)->msaa_counts;
+    if (!(counts & frame->msaa)) {
+        log_error(host, "this device cannot render with %u samples a pixel, but with 1%s%s%s", frame->msaa,
+                  counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1 && frame->class_blocks) {
         log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;
     }
     if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.grid &&
         (frame->msaa > 1 || frame->visibility.barycentrics || !visibility_grid_supported(r->device))) {
-        log_error(host, "the grid takes 1 sample a pixel, no barycentrics, and a device with 4 samples");
+        log_error(host, "visibility.grid takes 1 sample a pixel, no visibility.barycentrics, and a device with 4 samples");
         return FNL_ERROR_UNSUPPORTED;
     }
     if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics && frame->msaa > 1) {
-        log_error(host, "barycentrics are stored with 1 sample a pixel");
+        log_error(host, "visibility.barycentrics takes 1 sample a pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
     if ((frame->shading == FNL_SHADING_VISIBILITY || frame->shading == FNL_SHADING_DAIS) && !gpu_info(r->device)->primitive_ids) {
@@ -153,11 +161,5 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
-    if (!shading_supported(r, frame)) return FNL_ERROR_UNSUPPORTED;
-    if (!(gpu_info(r->device)->msaa_counts & frame->msaa)) {
-        log_error(host, "this device cannot render with %u samples (at most %u)", frame->msaa,
-                  gpu_info(r->device)->max_msaa);
-        return FNL_ERROR_UNSUPPORTED;
-    }
-    return FNL_OK;
+    return shading_supported(r, frame) ? FNL_OK : FNL_ERROR_UNSUPPORTED;
 }

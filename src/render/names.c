@@ -200,6 +200,8 @@ fnl_list_options fnl_list_options_default(void) {
                               .cluster_far = INFINITY};
 }
 
+fnl_dais_options fnl_dais_options_default(void) { return (fnl_dais_options){.cache_buckets = 1 << 16}; }
+
 fnl_coarse_options fnl_coarse_options_default(void) {
     return (fnl_coarse_options){.size = 2,
                                 .depth_factor = 1,
@@ -219,7 +221,7 @@ fnl_frame fnl_frame_default(void) {
                        .mobile = fnl_mobile_options_default(),
                        .visibility = fnl_visibility_options_default(),
                        .coarse = fnl_coarse_options_default(),
-                       .dais = {.cache_buckets = 1 << 16},
+                       .dais = fnl_dais_options_default(),
                        .msaa = 1,
                        .msaa_method = FNL_MSAA_COMPACT,
                        .msaa_groups = 2,

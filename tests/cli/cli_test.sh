@@ -51,6 +51,9 @@ expect 2 'missing.gltf: cannot be opened' render "$work/missing.gltf" -o "$work/
 echo '{"asset": {"version": "2.0"' >"$work/cut.gltf"
 expect 2 'cut.gltf' render "$work/cut.gltf" -o "$work/a.png"
 expect 2 'mobile shading has no MSAA' render builtin:spheres $small --shading mobile --msaa 4 -o "$work/a.png"
+expect 2 "coarse: '2' is not a number from 0 to 1 for tolerance" render builtin:spheres $small --coarse tolerance=2 -o "$work/a.png"
+expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shading visibility --visibility-grid --msaa 4 -o "$work/a.png"
+expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
 
 # An output that cannot be written leaves none of its siblings behind.
@@ -58,6 +61,12 @@ expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" -o "
 absent "$work/a.png" "$work"/*part*
 expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --stats "$work/none/s.json"
 absent "$work/a.png"
+
+# Settings of another order are harmless, but not passed over in silence.
+expect 0 'coarse has no effect with --shading deferred' render builtin:spheres $small --lists all --coarse size=4 -o "$work/unused.png"
+expect 0 'occlusion has no effect with --shading low-res' render builtin:spheres $small --lists all --shading low-res --occlusion -o "$work/unused.png"
+expect 0 '' render builtin:spheres $small --lists all --coarse size=4 -q -o "$work/unused.png"
+[ ! -s "$work/out" ] || fail 'a quiet command warns'
 
 # Collected frames come near the mean of as many; a sequence has a picture for each frame, and its names are what was asked for.
 expect 0 '' render builtin:spheres $small --lists clustered --supersample 16 -q -o "$work/mean.png"
