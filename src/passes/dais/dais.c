@@ -57,7 +57,9 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
         .scene = input->scene, .draws = *input->draws, .dais = *dais, .cache = cache, .view = input->view};
     data.state = (struct gpu_graphics_params){.fragment = visibility_shader(&dais->params),
                                               .constant_count = 10,
-                                              .constants = {[7] = dais->params.shared_samples, [9] = dais->sample_count},
+                                              .constants = {[7] = dais->params.shared_samples,
+                                                            [8] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
+                                                            [9] = dais->sample_count},
                                               .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
                                               .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0,
                                                                 dais->shared.id ? REFERENCE_FORMAT : 0},
@@ -86,7 +88,7 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
 struct derive_data {
     struct dais dais;
     graph_buffer table;
-    VkDeviceAddress view, scene;
+    VkDeviceAddress view, scene, indices;
     const struct gpu_shader *shader;
     bool indirect;
 };
@@ -98,6 +100,7 @@ static void execute_derive(const struct graph_context *context, const void *data
     struct gpu_dais_derive_push push = {
         .view = d->view,
         .scene = d->scene,
+        .indices = d->indices,
         .pool = reads ? graph_address(context, d->dais.pool) : 0,
         .stored = reads ? graph_address(context, d->dais.stored) : 0,
         .counts = graph_address(context, d->dais.counts),
@@ -158,7 +161,8 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
     add_visibility(graph, input, &dais, cache);
 
     struct derive_data data = {
-        .dais = dais, .view = input->view, .scene = input->scene->scene, .shader = &shader_dais_arguments_comp};
+        .dais = dais, .view = input->view, .scene = input->scene->scene, .indices = input->scene->indices->address,
+        .shader = &shader_dais_arguments_comp};
     add_derive(graph, "dais arguments", &data);
     data.shader = &shader_dais_derive_comp;
     data.indirect = true;

@@ -1,16 +1,15 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// One thread a record: puts the derivatives of a triangle's attributes where its vertices were. Attributes over w, and 1/w, are linear on
-// the screen; kept is what they are at its centre, NDC (0, 0), and how they change with NDC x and y (Schied and Dachsbacher, GPU Pro 7, II.3).
+// One thread a record: fetches the vertices of a triangle that is seen, and puts the derivatives of their attributes behind its header.
+// Attributes over w, and 1/w, are linear on the screen; kept is what they are at its centre, NDC (0, 0), and how they change with NDC x and y (Schied and Dachsbacher, GPU Pro 7, II.3).
 #include "passes/dais/dais.glsl"
+#include "passes/visibility/triangle.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_dais_derive_push push; };
 
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
-
-float take(inout uint at) { return uintBitsToFloat(push.pool.at[at++]); }
 
 // Weights of the vertices: what the barycentric coordinates are at a vertex of the part that is drawn, their gradients, and 1/w.
 struct derivation {
@@ -45,49 +44,28 @@ void main() {
     uint index = LINEAR_INVOCATION;
     if (index >= push.counts.at[DAIS_STORED]) return;
     uint base = push.stored.at[index] - 1u, bits = push.pool.at[base + 3u];
-    gpu_item item = push.scene.scene.items.at[push.pool.at[base]];
-    gpu_instance instance = push.scene.scene.instances.at[item.instance];
-    uint corners = bits >> DAIS_CORNERS;
+    triangle t = triangle_of_item(push.scene, push.pool.at[base]);
+    triangle_fetch_vertices(t, push.scene, push.indices, push.pool.at[base + 1u]);
+    triangle_fetch_positions(t, push.scene, push.view);
+    uint corners = t.primitive.corners;
     bool orthographic = push.view.view.orthographic > 0.5;
 
-    // All is read before anything is written.
-    uint at = base + DAIS_HEADER;
-    vec3 seen[3], normals[3], binds[3];
-    vec2 uv0[3], uv1[3];
-    vec4 tangents[3], colors[3];
+    vec3 seen[3] = t.seen, normals[3], binds[3];
+    vec4 uv[3], tangents[3], colors[3];
     float mirror = 1.0;
     for (uint i = 0u; i < 3u; i++) {
-        seen[i].x = take(at);
-        seen[i].y = take(at);
-        seen[i].z = take(at);
-        normals[i] = unit(transform_normal(instance, unpack_normal(push.pool.at[at++]), mirror));
-    }
-    for (uint i = 0u; i < 3u; i++) {
-        uv0[i] = uv1[i] = vec2(0.0);
-        tangents[i] = colors[i] = vec4(0.0);
+        gpu_attributes a = push.scene.scene.attributes.at[t.vertices[i]];
+        normals[i] = unit(transform_normal(t.instance, unpack_normal(a.normal), mirror));
+        vec4 tangent = unpack_tangent(a.tangent);
+        tangents[i] = vec4(unit(transform_direction(t.instance, tangent.xyz)), tangent.w * mirror);
+        uv[i] = vec4(a.uv0, a.uv1);
+        colors[i] = vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y));
         binds[i] = vec3(0.0);
-        if ((bits & DAIS_UV0) != 0u) {
-            uv0[i].x = take(at);
-            uv0[i].y = take(at);
-        }
-        if ((bits & DAIS_UV1) != 0u) {
-            uv1[i].x = take(at);
-            uv1[i].y = take(at);
-        }
-        if ((bits & DAIS_TANGENT) != 0u) {
-            vec4 tangent = unpack_tangent(push.pool.at[at++]);
-            tangents[i] = vec4(unit(transform_direction(instance, tangent.xyz)), tangent.w * mirror);
-        }
-        if ((bits & DAIS_COLOR) != 0u) {
-            colors[i].xy = unpackUnorm2x16(push.pool.at[at++]);
-            colors[i].zw = unpackUnorm2x16(push.pool.at[at++]);
-        }
-        if ((bits & DAIS_BIND) != 0u) {
-            binds[i].x = take(at);
-            binds[i].y = take(at);
-            binds[i].z = take(at);
-        }
+        if ((bits & DAIS_BIND) != 0u) binds[i] = push.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
     }
+    if (triangle_front_facing(t, push.view)) bits |= DAIS_FRONT;
+    if (mirror < 0.0 && corners == 3u) bits |= DAIS_MIRROR;
+    push.pool.at[base + 3u] = bits;
 
     // The part in front of the near plane, or with two vertices there a triangle in it: derivatives are the same on every part. A vertex
     // behind the plane slides along an edge to one before it. Other planes need no such thing, as w is positive there, and shrinking against
@@ -140,7 +118,7 @@ void main() {
     }
     for (uint i = 0u; i < 3u; i++) d.corners[i] = weights[i] * over_w[i];
 
-    at = base + DAIS_HEADER;
+    uint at = base + DAIS_HEADER;
     if (orthographic)
         derive(d, vec3(-seen[0].z, -seen[1].z, -seen[2].z), at, 1u); // 1/w would be 1: the depth itself
     else
@@ -148,11 +126,11 @@ void main() {
     at += 2u;
     derive3(d, normals[0], normals[1], normals[2], at);
     if ((bits & DAIS_UV0) != 0u) {
-        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv0[0][k], uv0[1][k], uv0[2][k]), at, 2u);
+        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv[0][k], uv[1][k], uv[2][k]), at, 2u);
         at += 4u;
     }
     if ((bits & DAIS_UV1) != 0u) {
-        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv1[0][k], uv1[1][k], uv1[2][k]), at, 2u);
+        for (uint k = 0u; k < 2u; k++) derive(d, vec3(uv[0][k + 2u], uv[1][k + 2u], uv[2][k + 2u]), at, 2u);
         at += 4u;
     }
     if ((bits & DAIS_TANGENT) != 0u) {

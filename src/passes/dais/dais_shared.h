@@ -29,7 +29,7 @@
 #define DAIS_SPAWNED 11u    /* indirect dispatch over the shading samples */
 #define DAIS_COUNTS 16u
 
-/* A record: item, triangle of the item, material, bits; then the vertices, or what has taken their place. */
+/* A record: item, triangle of the item, material, bits; then what the derivative pass finds of its attributes. */
 #define DAIS_HEADER 4u
 #define DAIS_UV0 1u
 #define DAIS_UV1 2u
@@ -76,6 +76,7 @@ struct gpu_dais_visibility_push {
 struct gpu_dais_derive_push {
     ADDRESS(view_block) view;
     ADDRESS(scene_block) scene;
+    ADDRESS(const_uint_array) indices;
     ADDRESS(uint_array) pool;
     ADDRESS(uint_array) stored;
     ADDRESS(uint_array) counts;

@@ -4,6 +4,7 @@
 #include "passes/visibility/triangle.glsl"
 
 layout(constant_id = 7) const uint SHARED_SAMPLES = 0u; // 1: shading samples are handed out
+layout(constant_id = 8) const uint COLORS = 1u;         // 1: some mesh has vertex colours
 layout(constant_id = 31) const uint FEATURES = 0u;      // GPU_FEATURE_…
 
 layout(early_fragment_tests) in;
@@ -26,12 +27,19 @@ uint find_in_bucket(uint bucket, uint item, uint number) {
     return is_of(older, item, number) ? older : 0u;
 }
 
-// What the material needs, a part of the record each.
-uint record_bits(gpu_material m) {
-    uint bits = 0u;
+// What the material needs, a part of the record each; and colours where some vertex is not white.
+uint record_bits(gpu_primitive primitive, uint number) {
+    gpu_material m = push.geometry.scene.scene.materials.at[primitive.material];
+    uint bits = primitive.corners << DAIS_CORNERS;
     for (uint i = 0u; i < GPU_TEXTURE_COUNT; i++)
         if (m.textures[i].image != GPU_TEXTURE_NONE) bits |= m.textures[i].uv_set == 0u ? DAIS_UV0 : DAIS_UV1;
     if (m.textures[2].image != GPU_TEXTURE_NONE) bits |= DAIS_TANGENT;
+    if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) bits |= DAIS_BIND;
+    if (COLORS == 0u) return bits;
+    for (uint i = 0u; i < 3u; i++) {
+        uint vertex = triangle_vertex(primitive, push.indices, number, i);
+        if (push.geometry.scene.scene.attributes.at[vertex].color != uvec2(0xffffffffu)) bits |= DAIS_COLOR;
+    }
     return bits;
 }
 
@@ -40,79 +48,20 @@ uint record_size(uint bits) {
            ((bits & DAIS_TANGENT) != 0u ? 12u : 0u) + ((bits & DAIS_COLOR) != 0u ? 12u : 0u) + ((bits & DAIS_BIND) != 0u ? 9u : 0u);
 }
 
-void put(inout uint at, float value) { push.pool.at[at++] = floatBitsToUint(value); }
-
-// Takes room for the record and writes its header; DAIS_NO_ROOM where there is none.
-uint allocate(triangle t, uint number, uint bits) {
+// Takes room for the record and writes its header: the derivative pass does the rest, where no lane waits for another. DAIS_NO_ROOM where
+// there is none.
+uint allocate(uint item, uint number, uint material, uint bits) {
     uint size = record_size(bits);
     // Without the first look, fragments that find no room would count up for ever.
     if (push.counts.at[DAIS_WORDS] > push.capacity - size) return DAIS_NO_ROOM;
     uint base = atomicAdd(push.counts.at[DAIS_WORDS], size);
     if (base > push.capacity - size) return DAIS_NO_ROOM;
-    push.pool.at[base] = t.item_index;
+    push.pool.at[base] = item;
     push.pool.at[base + 1u] = number;
-    push.pool.at[base + 2u] = t.primitive.material;
+    push.pool.at[base + 2u] = material;
     push.pool.at[base + 3u] = bits;
     push.stored.at[atomicAdd(push.counts.at[DAIS_STORED], 1u)] = base + 1u;
     return base + 1u;
-}
-
-// Vertices as they lie in memory, but for positions, which are in view space: the derivative pass transforms the rest.
-void store(triangle t, uint reference, uint bits) {
-    uint at = reference - 1u + DAIS_HEADER;
-    attributes_array attributes = push.geometry.scene.scene.attributes;
-    for (uint i = 0u; i < 3u; i++) {
-        put(at, t.seen[i].x);
-        put(at, t.seen[i].y);
-        put(at, t.seen[i].z);
-        push.pool.at[at++] = attributes.at[t.vertices[i]].normal;
-    }
-    for (uint i = 0u; i < 3u; i++) {
-        gpu_attributes a = attributes.at[t.vertices[i]];
-        if ((bits & DAIS_UV0) != 0u) {
-            put(at, a.uv0.x);
-            put(at, a.uv0.y);
-        }
-        if ((bits & DAIS_UV1) != 0u) {
-            put(at, a.uv1.x);
-            put(at, a.uv1.y);
-        }
-        if ((bits & DAIS_TANGENT) != 0u) push.pool.at[at++] = a.tangent;
-        if ((bits & DAIS_COLOR) != 0u) {
-            push.pool.at[at++] = a.color.x;
-            push.pool.at[at++] = a.color.y;
-        }
-        if ((bits & DAIS_BIND) != 0u) {
-            vec3 bind = push.geometry.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
-            put(at, bind.x);
-            put(at, bind.y);
-            put(at, bind.z);
-        }
-    }
-}
-
-uint store_new(uint item, uint number, uint more_bits, bool locked, uint bucket) {
-    triangle t = triangle_of_item(push.geometry.scene, item);
-    triangle_fetch_vertices(t, push.geometry.scene, push.indices, number);
-    triangle_fetch_positions(t, push.geometry.scene, push.geometry.view);
-    uint bits = record_bits(push.geometry.scene.scene.materials.at[t.primitive.material]) | more_bits | t.primitive.corners << DAIS_CORNERS;
-    attributes_array attributes = push.geometry.scene.scene.attributes;
-    bool white = true;
-    for (uint i = 0u; i < 3u; i++) white = white && attributes.at[t.vertices[i]].color == uvec2(0xffffffffu);
-    if (!white) bits |= DAIS_COLOR;
-    if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) bits |= DAIS_BIND;
-    if (triangle_front_facing(t, push.geometry.view)) bits |= DAIS_FRONT;
-    if (in_ids.z != 0u) bits |= DAIS_MIRROR;
-    uint reference = allocate(t, number, bits);
-    if (reference != DAIS_NO_ROOM) {
-        if (locked) {
-            memoryBarrierBuffer(); // the header before the reference
-            push.cache.at[bucket + 2u] = push.cache.at[bucket + 1u];
-            push.cache.at[bucket + 1u] = reference;
-        }
-        store(t, reference, bits);
-    }
-    return reference;
 }
 
 // The reference of a triangle, stored by whoever asks first. Buckets of two, the older one is forgotten; those that stay locked for long
@@ -120,24 +69,35 @@ uint store_new(uint item, uint number, uint more_bits, bool locked, uint bucket)
 uint reference_of(uint item, uint number) {
     uint bucket = (item * 0x9e3779b1u + number & push.bucket_mask) * DAIS_BUCKET;
     uint found = find_in_bucket(bucket, item, number);
-    // The branches of winners and losers are apart: run in lock-step, the losers' must not come before the winners' release.
-    for (uint attempt = 0u; attempt < LOCK_ATTEMPTS && found == 0u; attempt++) {
-        bool won = atomicExchange(push.cache.at[bucket], 1u) == 0u;
-        if (won) {
-            found = find_in_bucket(bucket, item, number);
-            if (found == 0u) found = store_new(item, number, 0u, true, bucket);
-            memoryBarrierBuffer();
-            atomicExchange(push.cache.at[bucket], 0u);
-        }
-        if (!won) {
-            for (uint poll = 0u; poll < LOCK_POLLS && push.cache.at[bucket] != 0u; poll++) {
-            }
-            found = find_in_bucket(bucket, item, number);
-        }
-    }
     if (found == 0u) {
-        atomicAdd(push.counts.at[DAIS_FAILED], 1u);
-        found = store_new(item, number, DAIS_REDUNDANT, false, 0u);
+        gpu_primitive primitive = push.geometry.scene.scene.primitives.at[push.geometry.scene.scene.items.at[item].primitive];
+        uint bits = record_bits(primitive, number);
+        // The branches of winners and losers are apart: run in lock-step, the losers' must not come before the winners' release.
+        for (uint attempt = 0u; attempt < LOCK_ATTEMPTS && found == 0u; attempt++) {
+            bool won = atomicExchange(push.cache.at[bucket], 1u) == 0u;
+            if (won) {
+                found = find_in_bucket(bucket, item, number);
+                if (found == 0u) {
+                    found = allocate(item, number, primitive.material, bits);
+                    if (found != DAIS_NO_ROOM) {
+                        memoryBarrierBuffer(); // the header before the reference
+                        push.cache.at[bucket + 2u] = push.cache.at[bucket + 1u];
+                        push.cache.at[bucket + 1u] = found;
+                    }
+                }
+                memoryBarrierBuffer();
+                atomicExchange(push.cache.at[bucket], 0u);
+            }
+            if (!won) {
+                for (uint poll = 0u; poll < LOCK_POLLS && push.cache.at[bucket] != 0u; poll++) {
+                }
+                found = find_in_bucket(bucket, item, number);
+            }
+        }
+        if (found == 0u) {
+            atomicAdd(push.counts.at[DAIS_FAILED], 1u);
+            found = allocate(item, number, primitive.material, bits | DAIS_REDUNDANT);
+        }
     }
     if (found == DAIS_NO_ROOM) atomicAdd(push.counts.at[DAIS_OVERFLOW], 1u);
     return found;

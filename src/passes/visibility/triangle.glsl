@@ -32,12 +32,14 @@ triangle triangle_of_item(scene_block scene, uint item_index) {
     return t;
 }
 
+// Number of a corner's vertex; lines repeat the second, points the only one.
+uint triangle_vertex(gpu_primitive primitive, const_uint_array indices, uint number, uint corner) {
+    uint index = indices.at[primitive.first_index + number * primitive.corners + min(corner, primitive.corners - 1u)];
+    return uint(int(index) + primitive.vertex_offset);
+}
+
 void triangle_fetch_vertices(inout triangle t, scene_block scene, const_uint_array indices, uint number) {
-    uint corners = t.primitive.corners;
-    for (uint i = 0u; i < 3u; i++) {
-        uint index = indices.at[t.primitive.first_index + number * corners + min(i, corners - 1u)];
-        t.vertices[i] = uint(int(index) + t.primitive.vertex_offset);
-    }
+    for (uint i = 0u; i < 3u; i++) t.vertices[i] = triangle_vertex(t.primitive, indices, number, i);
 }
 
 void triangle_fetch_positions(inout triangle t, scene_block scene, view_block view) {
