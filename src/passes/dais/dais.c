@@ -188,7 +188,7 @@ struct shade_data {
     const struct geometry_scene *scene;
     graph_image radiance;
     VkDeviceAddress view, lights;
-    graph_buffer counters, results;
+    graph_buffer counters, results, slots;
     VkFormat format;
     uint32_t kind;
     float background[3];
@@ -224,6 +224,7 @@ static struct gpu_dais_shade_push push_of(const struct graph_context *context, c
         .heads = address_or_zero(context, dais->heads),
         .nodes = address_or_zero(context, dais->nodes),
         .results = address_or_zero(context, d->results),
+        .slots = address_or_zero(context, d->slots),
         .references = dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE,
         .shared_samples = dais->shared.id ? graph_sampled(context, dais->shared) : GPU_TEXTURE_NONE,
         .background = {d->background[0], d->background[1], d->background[2]},
@@ -277,7 +278,7 @@ static void execute_shade(const struct graph_context *context, const void *data)
     if (d->dais.params.probe == DAIS_SHOW_DEPTH) push.depth = graph_sampled(context, d->dais.depth);
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->dais.width, 8u), DIVIDE_UP(d->dais.height, 8u), d->dais.sample_count);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->dais.width, 8u), DIVIDE_UP(d->dais.height, 8u), 1);
 }
 
 static void add_shade(struct graph *graph, const struct shade_input *input, const struct shade_data *data) {
@@ -288,10 +289,12 @@ static void add_shade(struct graph *graph, const struct shade_input *input, cons
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     if (data->dais.params.probe == DAIS_SHOW_DEPTH) graph_use_image(pass, data->dais.depth, GRAPH_SAMPLE_COMPUTE);
-    if (data->results.id)
+    if (data->results.id) {
         graph_use_buffer(pass, data->results, GRAPH_WRITE_COMPUTE);
-    else
+        graph_use_buffer(pass, data->slots, GRAPH_WRITE_COMPUTE);
+    } else {
         graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
+    }
     if (!input->counters.id) return;
     graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data->dais.counts, GRAPH_READ_WRITE_COMPUTE);
@@ -306,7 +309,10 @@ static void execute_spread(const struct graph_context *context, const void *data
                                          .color_formats = {d->format},
                                          .samples = d->dais.sample_count};
     set_constants(d, &params.constant_count, params.constants);
-    struct gpu_dais_shade_push push = push_of(context, d);
+    struct gpu_dais_shade_push push = {.view = d->view,
+                                       .results = graph_address(context, d->results),
+                                       .slots = graph_address(context, d->slots),
+                                       .background = {d->background[0], d->background[1], d->background[2]}};
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, d->dais.sample_count, 0, 0);
@@ -315,8 +321,8 @@ static void execute_spread(const struct graph_context *context, const void *data
 static void add_spread(struct graph *graph, const struct shade_data *data) {
     struct graph_pass *pass =
         graph_add_pass(graph, "dais spread", GRAPH_QUEUE_GRAPHICS, execute_spread, data, sizeof *data);
-    use_references(pass, &data->dais, GRAPH_SAMPLE_FRAGMENT, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, data->results, GRAPH_READ_FRAGMENT);
+    graph_use_buffer(pass, data->slots, GRAPH_READ_FRAGMENT);
     graph_color(pass, data->radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
                 (float[4]){data->background[0], data->background[1], data->background[2], 1});
 }
@@ -441,8 +447,9 @@ void dais_shade_add(struct graph *graph, const struct shade_input *input, const 
     if (dais->samples.id) add_spawned(graph, &data);
     if (dais->sample_count > 1) {
         uint64_t size = data.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12 : 8;
-        data.results = graph_create_buffer(graph, "dais radiance",
-                                           (uint64_t)dais->width * dais->height * dais->sample_count * size);
+        uint64_t pixels = (uint64_t)dais->width * dais->height;
+        data.results = graph_create_buffer(graph, "dais radiance", pixels * dais->sample_count * size);
+        data.slots = graph_create_buffer(graph, "dais slots", pixels * 4);
     }
     add_shade(graph, input, &data);
     if (dais->sample_count > 1) add_spread(graph, &data);

@@ -80,19 +80,18 @@ bool same_triangle(dais_source from, uint a, uint b) {
 
 bool is_shaded(uint reference) { return reference != 0u && reference != DAIS_NO_ROOM; }
 
-// The samples of the `slot`-th different triangle, numbered by their first samples; 0: there are not so many.
-uint slot_samples(dais_source from, dais_pixel p, uint slot) {
-    uint left = 0u, found = 0u;
+uint shaded_samples(dais_pixel p) {
+    uint mask = 0u;
     for (uint i = 0u; i < SAMPLES; i++)
-        if (is_shaded(p.references[i])) left |= 1u << i;
-    for (uint k = 0u; k <= slot; k++) {
-        found = 0u;
-        if (left == 0u) continue;
-        uint first = uint(findLSB(left));
-        for (uint i = first; i < SAMPLES; i++)
-            if ((left >> i & 1u) != 0u && same_triangle(from, p.references[first], p.references[i])) found |= 1u << i;
-        left &= ~found;
-    }
+        if (is_shaded(p.references[i])) mask |= 1u << i;
+    return mask;
+}
+
+// Those of `left` that show the triangle of the first of them; 0: none is left.
+uint first_triangle(dais_source from, dais_pixel p, uint left) {
+    uint first = left == 0u ? 0u : uint(findLSB(left)), found = 0u;
+    for (uint i = 0u; i < SAMPLES; i++)
+        if ((left >> i & 1u) != 0u && same_triangle(from, p.references[first], p.references[i])) found |= 1u << i;
     return found;
 }
 

@@ -95,6 +95,7 @@ struct gpu_dais_shade_push {
     ADDRESS(uint_array) nodes;
     ADDRESS(uint_array) samples;
     ADDRESS(uint_array) results;       /* pixels times samples, slot by slot: two words of halves, or three floats */
+    ADDRESS(uint_array) slots;         /* several samples: a word a pixel, which of its triangles each shows (samples_shared.h) */
     ADDRESS(uint_array) counts;
     uint references;                   /* sampled, without lists */
     uint shared_samples;               /* sampled, without lists: numbers of shading samples */

@@ -11,9 +11,7 @@ layout(location = 0) out vec4 out_radiance;
 void main() {
     // Helpers beyond the edge of the picture load too, and addresses have no bounds.
     uvec2 size = push.view.view.size, at = min(uvec2(gl_FragCoord.xy), size - 1u);
-    dais_source from = dais_source(push.pool, push.heads, push.nodes, push.references, push.shared_samples, size);
-    dais_pixel p = dais_read(from, ivec2(at));
-    uint mask = slot_samples(from, p, in_slot);
+    uint mask = surface_samples(push.slots.at[at.y * size.x + at.x], in_slot);
     gl_SampleMask[0] = int(mask);
     out_radiance = vec4(push.background, 1.0);
     if (mask != 0u) out_radiance.rgb = result_at(push.results, in_slot * size.x * size.y + at.y * size.x + at.x);

@@ -30,9 +30,11 @@ void main() {
     dais_pixel p = dais_read(from, ivec2(pixel));
     vec3 color = vec3(0.0);
     if (WHICH == DAIS_VIEW_TRIANGLES) {
-        uint count = 0u;
-        for (uint slot = 0u; slot < SAMPLES; slot++)
-            if (slot_samples(from, p, slot) != 0u) count++;
+        uint count = 0u, left = shaded_samples(p);
+        for (uint slot = 0u; slot < SAMPLES; slot++) {
+            if (left != 0u) count++;
+            left &= ~first_triangle(from, p, left);
+        }
         const vec3 colors[5] = vec3[](vec3(0.0), vec3(0.15), vec3(0.1, 0.7, 0.2), vec3(0.9, 0.8, 0.1), vec3(0.9, 0.15, 0.1));
         color = colors[min(count, 4u)];
     } else {
