@@ -154,6 +154,17 @@ void bench_coarse_print(const struct bench_data *data);
 bench_suite_tabulator bench_table_geometry, bench_table_orders;
 void bench_tables_print(const struct bench_data *data);
 
+/* ---- deferred attribute interpolation (bench_dais.c) ---- */
+
+/** Measures it into root.dais, at the size and at half of it; width 0: 3840 x 2160. False with a message. */
+bool bench_dais_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
+bench_suite_tabulator bench_table_dais;
+/**
+ * Samples to a triangle at which `ratio`, a key of rows, passes 1, between two neighbours among the rows of the series, size and sample
+ * count of `first`; NaN where it does not.
+ */
+double bench_dais_crossing(const json_t *rows, const json_t *first, const char *ratio);
+
 /* ---- pictures (bench_picture.c) ---- */
 
 /** A picture, made at most `width` pixels wide, as a data URI; NULL when it cannot be made. Writes a temporary file in `folder`. */

@@ -300,6 +300,24 @@ static void test_suites(void **state) {
     assert_null(bench_suite_find("nonsense"));
 }
 
+/* Where triangles become smaller dais falls behind: between 8 and 2 samples to one in the series, at no place in the other size. */
+static void test_crossing_DI_15(void **state) {
+    (void)state;
+    json_t *rows = json_array();
+    static const struct {
+        const char *series;
+        int width;
+        double samples, ratio;
+    } values[] = {{"a", 64, 32, 0.5}, {"b", 64, 20, 4}, {"a", 32, 9, 0.9}, {"a", 64, 8, 0.5}, {"a", 64, 2, 2}, {"a", 32, 3, 0.95}};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+        json_array_append_new(rows, json_pack("{s:s,s:i,s:i,s:f,s:f}", "series", values[i].series, "width", values[i].width, "msaa",
+                                              4, "samples_per_triangle", values[i].samples, "ratio", values[i].ratio));
+    assert_true(fabs(bench_dais_crossing(rows, json_array_get(rows, 0), "ratio") - 4) < 1e-9); /* half of the way, in logarithms */
+    assert_true(isnan(bench_dais_crossing(rows, json_array_get(rows, 2), "ratio")));
+    assert_true(isnan(bench_dais_crossing(rows, json_array_get(rows, 1), "ratio")));
+    json_decref(rows);
+}
+
 /* At a quarter of the size as many clusters: they shrink along. */
 static void test_suites_scale_their_clusters(void **state) {
     (void)state;
@@ -419,6 +437,7 @@ int main(void) {
         cmocka_unit_test(test_ways_and_list_options_are_one_text),
         cmocka_unit_test(test_ways_that_an_order_heeds),
         cmocka_unit_test(test_suites),
+        cmocka_unit_test(test_crossing_DI_15),
         cmocka_unit_test(test_suites_scale_their_clusters),
         cmocka_unit_test(test_geometry_is_set_against_triangles),
         cmocka_unit_test(test_orders_are_told_where_they_win),
