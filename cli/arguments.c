@@ -249,6 +249,7 @@ bool argument_mobile(const char *option, const char *text, fnl_mobile_options *o
 
 static const char *coarse_criterion_name(int i) { return fnl_coarse_criterion_name((fnl_coarse_criterion)i); }
 static const char *coarse_split_name(int i) { return fnl_coarse_split_name((fnl_coarse_split)i); }
+static const char *coarse_filter_name(int i) { return fnl_coarse_filter_name((fnl_coarse_filter)i); }
 
 static bool set_coarse(const char *option, const char *key, const char *value, fnl_coarse_options *out) {
     const struct {
@@ -284,14 +285,15 @@ static bool set_coarse(const char *option, const char *key, const char *value, f
     } else if (value && strcmp(key, "split") == 0) {
         if (!argument_name(option, value, coarse_split_name, &index)) return false;
         out->split = (fnl_coarse_split)index;
-    } else if (!value && strcmp(key, "no-bias") == 0) {
-        out->bias = false;
+    } else if (value && strcmp(key, "filter") == 0) {
+        if (!argument_name(option, value, coarse_filter_name, &index)) return false;
+        out->filter = (fnl_coarse_filter)index;
     } else if (!value && strcmp(key, "gather") == 0) {
         out->gather = true;
     } else {
         return argument_bad(option, key,
                             "a list of size=, criterion=, depth-factor=, normal-degrees=, tolerance=, albedo-tolerance=, "
-                            "split=, ao=, no-bias and gather");
+                            "split=, filter=, ao= and gather");
     }
     return true;
 }

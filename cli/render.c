@@ -87,7 +87,7 @@ static void print_help(void) {
     puts(
         "  --coarse LIST              coarse: of size=2|4|1, criterion=z|id|minmax, depth-factor=X (1), normal-degrees=X (2),\n"
         "                             tolerance=X (0.05), albedo-tolerance=X (1), split=none|albedo|highlights|sharp,\n"
-        "                             ao=METRES (0: off), no-bias, gather; the first of each is the default\n"
+        "                             filter=mean|sampled|none, ao=METRES (0: off), gather; the first of each is the default\n"
         "  --shade-cost N             turns of an idle loop in each evaluation of shading, for comparing methods (0)\n"
         "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
         "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"

@@ -365,12 +365,20 @@ typedef enum fnl_coarse_criterion {
 
 /** What of the light a block shares; the rest is made for each pixel. */
 typedef enum fnl_coarse_split {
-    FNL_COARSE_SPLIT_NONE = 0,   /**< all of it, by a base colour that is filtered over the block */
+    FNL_COARSE_SPLIT_NONE = 0,   /**< all of it, by a base colour that is filtered over the block: fnl_coarse_filter */
     FNL_COARSE_SPLIT_ALBEDO,     /**< all of it, before base colours: each pixel has its own */
     FNL_COARSE_SPLIT_HIGHLIGHTS, /**< diffuse and ambient light; the highlights of lights are made for each pixel */
     FNL_COARSE_SPLIT_SHARP, /**< all but lights whose edge shows: spots, wedges, boxes and clipped ones light each pixel */
     FNL_COARSE_SPLIT_COUNT
 } fnl_coarse_split;
+
+/** Where the base colour of a block comes from. Not with FNL_COARSE_SPLIT_ALBEDO. */
+typedef enum fnl_coarse_filter {
+    FNL_COARSE_FILTER_MEAN = 0, /**< its pixels' mean */
+    FNL_COARSE_FILTER_SAMPLED,  /**< a target of its own, 4 bytes a pixel: textures as a pixel of the block's size samples them */
+    FNL_COARSE_FILTER_NONE,     /**< its first pixel, which flickers in motion */
+    FNL_COARSE_FILTER_COUNT
+} fnl_coarse_filter;
 
 /** Settings of the order coarse. docs/techniques/coarse.md tells what they do to time and picture. */
 typedef struct fnl_coarse_options {
@@ -383,7 +391,7 @@ typedef struct fnl_coarse_options {
     float tolerance;        /**< so may roughness, metalness, occlusion, F90 and the root of F0, 0 .. 1; default 0.05 */
     float albedo_tolerance; /**< and linear base colours, 0 .. 1; default 1: by any amount, as they are filtered */
     fnl_coarse_split split; /**< default none */
-    bool bias;   /**< without it blocks take the base colour of their first pixel, which flickers in motion; default true */
+    fnl_coarse_filter filter; /**< default mean */
     bool gather; /**< what blocks share is written after all else is lit, not at once: the same picture; default false */
     float ao_radius; /**< metres, >= 0: ambient light is dimmed by what is so near, found at the same coarse rate. 0 (default): off */
 } fnl_coarse_options;
@@ -391,6 +399,7 @@ typedef struct fnl_coarse_options {
 FNL_API fnl_coarse_options fnl_coarse_options_default(void);
 FNL_API const char *fnl_coarse_criterion_name(fnl_coarse_criterion criterion);
 FNL_API const char *fnl_coarse_split_name(fnl_coarse_split split);
+FNL_API const char *fnl_coarse_filter_name(fnl_coarse_filter filter);
 
 typedef enum fnl_tonemap {
     FNL_TONEMAP_NONE = 0,

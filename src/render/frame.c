@@ -258,9 +258,6 @@ static void add_counts(struct frame_state *f) {
     if (f->coarse_counts.id)
         data.copies[data.count++] =
             (struct count_copy){f->coarse_counts, counts, 0, offsetof(struct frame_counts, coarse), COARSE_COUNTS * 4};
-    if (f->coarse_ao_counts.id)
-        data.copies[data.count++] = (struct count_copy){f->coarse_ao_counts, counts, 0,
-                                                        offsetof(struct frame_counts, coarse_ao), COARSE_COUNTS * 4};
     if (f->visible_fragments.id)
         data.copies[data.count++] =
             (struct count_copy){f->visible_fragments, counts, 0, offsetof(struct frame_counts, visible_fragments), 4};

@@ -66,6 +66,7 @@ static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, o->size == 1 || o->size == 2 || o->size == 4);
     REQUIRE(host, (uint32_t)o->criterion < FNL_COARSE_CRITERION_COUNT);
     REQUIRE(host, (uint32_t)o->split < FNL_COARSE_SPLIT_COUNT);
+    REQUIRE(host, (uint32_t)o->filter < FNL_COARSE_FILTER_COUNT);
     REQUIRE(host, o->depth_factor >= 0 && isfinite(o->depth_factor));
     REQUIRE(host, o->normal_degrees >= 0 && o->normal_degrees <= 180);
     REQUIRE(host, o->tolerance >= 0 && o->tolerance <= 1 && o->albedo_tolerance >= 0 && o->albedo_tolerance <= 1);

@@ -49,7 +49,7 @@ struct frame_state {
     graph_buffer surfaces, edge_counts; /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
     graph_buffer visible_fragments;     /* how often its id pass wrote */
     graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
-    graph_buffer coarse_counts, coarse_ao_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */
+    graph_buffer coarse_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */
     uint32_t coarse_bytes;                                      /* of its G-buffer beside the layout, a pixel */
     struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;

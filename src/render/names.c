@@ -115,6 +115,12 @@ const char *fnl_coarse_split_name(fnl_coarse_split split) {
     return NAME_OF(names, split);
 }
 
+const char *fnl_coarse_filter_name(fnl_coarse_filter filter) {
+    static const char *const names[] = {"mean", "sampled", "none"};
+    _Static_assert(COUNT_OF(names) == FNL_COARSE_FILTER_COUNT, "each has a name");
+    return NAME_OF(names, filter);
+}
+
 const char *fnl_deferred_pass_name(fnl_deferred_pass pass) {
     static const char *const names[] = {"compute", "fragment"};
     _Static_assert(COUNT_OF(names) == FNL_DEFERRED_PASS_COUNT, "each has a name");
@@ -207,8 +213,7 @@ fnl_coarse_options fnl_coarse_options_default(void) {
                                 .depth_factor = 1,
                                 .normal_degrees = 2,
                                 .tolerance = 0.05f,
-                                .albedo_tolerance = 1,
-                                .bias = true};
+                                .albedo_tolerance = 1};
 }
 
 fnl_frame fnl_frame_default(void) {

@@ -14,6 +14,5 @@ void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass
     f->gbuffer = gbuffer;
     f->coarse_bytes = coarse_extra_bytes(&params.options);
     f->coarse_counts = coarse.counts;
-    f->coarse_ao_counts = coarse.ao_counts;
     f->coarse_words = coarse.words;
 }

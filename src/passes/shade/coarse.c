@@ -17,30 +17,32 @@ bool coarse_has_samplers(const gpu_device *device) {
 
 /* ---- the G-buffer ---- */
 
-/* Blocks with a base colour of their own read it from a target; split by the base colour, each pixel has its own. */
-static bool has_color(const fnl_coarse_options *o) { return o->bias && o->size > 1 && o->split != FNL_COARSE_SPLIT_ALBEDO; }
+/* Whether blocks have a base colour of their own, filtered in this way; split by the base colour, each pixel has its own. */
+static bool has_color(const fnl_coarse_options *o, fnl_coarse_filter filter) {
+    return o->filter == filter && o->size > 1 && o->split != FNL_COARSE_SPLIT_ALBEDO;
+}
 
 static struct gbuffer_extras extras_of(const fnl_coarse_options *o) {
-    struct gbuffer_extras e = {.count = 1, .targets = {{"coarse gradient", VK_FORMAT_R16G16_SFLOAT}}};
-    float bias = log2f((float)o->size);
-    memcpy(&e.constant, &bias, sizeof bias);
-    e.fragment = o->criterion == FNL_COARSE_CRITERION_ID       ? &shader_coarse_gbuffer_ids_frag
-                 : o->criterion == FNL_COARSE_CRITERION_MINMAX ? &shader_coarse_gbuffer_bounds_frag
-                                                               : &shader_coarse_gbuffer_z_frag;
+    struct gbuffer_extras e = {.fragment = &shader_coarse_gbuffer_z_frag};
     if (o->criterion == FNL_COARSE_CRITERION_ID) {
-        e.targets[0].name = "coarse ids";
-        e.targets[0].format = VK_FORMAT_R32G32_UINT;
+        e.fragment = &shader_coarse_gbuffer_ids_frag;
+        e.targets[e.count].name = "coarse ids";
+        e.targets[e.count++].format = VK_FORMAT_R32G32_UINT;
     }
     if (o->criterion == FNL_COARSE_CRITERION_MINMAX) {
+        e.fragment = &shader_coarse_gbuffer_bounds_frag;
         for (uint32_t i = 0; i < 2; i++) {
             e.targets[e.count].name = i ? "coarse height" : "coarse azimuth";
             e.targets[e.count++].format = BOUND_FORMAT;
         }
     }
-    if (has_color(o)) {
+    float bias = -1;
+    if (has_color(o, FNL_COARSE_FILTER_SAMPLED)) {
+        bias = log2f((float)o->size);
         e.targets[e.count].name = "coarse color";
         e.targets[e.count++].format = VK_FORMAT_R8G8B8A8_SRGB;
     }
+    memcpy(&e.constant, &bias, sizeof bias);
     return e;
 }
 
@@ -62,23 +64,27 @@ struct gbuffer coarse_gbuffer_add(struct graph *graph, const struct shade_input 
 struct coarse_data {
     struct gbuffer gbuffer;
     graph_image target, ao;
-    graph_buffer counts, words, counters;
+    graph_buffer counts, blocks, words, counters;
     VkDeviceAddress lights, settings;
     struct coarse_params params;
-    uint32_t kind, width, height;
+    uint32_t kind, groups_x, groups_y;
+    uint64_t pixels;
     const struct gpu_shader *shader;
 };
 
 static void execute_clear(const struct graph_context *context, const void *data) {
     const struct coarse_data *d = data;
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->counts), 0, COARSE_COUNTS * 4, 0);
-    if (d->words.id)
-        gpu_fill_buffer(context->commands, graph_get_buffer(context, d->words), 0, (uint64_t)d->width * d->height * 4, 0);
+    if (d->words.id) gpu_fill_buffer(context->commands, graph_get_buffer(context, d->words), 0, d->pixels * 4, 0);
 }
 
-static uint32_t sampler(gpu_device *device, VkSamplerReductionMode reduction) {
-    struct gpu_sampler_params params = {.mag = VK_FILTER_LINEAR,
-                                        .min = VK_FILTER_LINEAR,
+static bool has_samplers(const struct coarse_params *p) {
+    return p->options.criterion == FNL_COARSE_CRITERION_MINMAX && p->samplers && p->options.size > 1;
+}
+
+static uint32_t sampler(gpu_device *device, VkFilter filter, VkSamplerReductionMode reduction) {
+    struct gpu_sampler_params params = {.mag = filter,
+                                        .min = filter,
                                         .mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
                                         .wrap_u = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                         .wrap_v = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -90,9 +96,12 @@ static uint32_t sampler(gpu_device *device, VkSamplerReductionMode reduction) {
 static void execute_blocks(const struct graph_context *context, const void *data) {
     const struct coarse_data *d = data;
     const fnl_coarse_options *o = &d->params.options;
-    bool minmax = o->criterion == FNL_COARSE_CRITERION_MINMAX, samplers = minmax && d->params.samplers && o->size > 1;
-    uint32_t flags = (has_color(o) ? COARSE_COLOR : 0) | (o->gather ? COARSE_GATHER : 0) | (d->words.id ? COARSE_WORDS : 0) |
-                     (samplers ? COARSE_SAMPLERS : 0) | (d->ao.id ? COARSE_AO : 0);
+    bool minmax = o->criterion == FNL_COARSE_CRITERION_MINMAX, id = o->criterion == FNL_COARSE_CRITERION_ID,
+         color = has_color(o, FNL_COARSE_FILTER_SAMPLED);
+    uint32_t flags = (color ? COARSE_COLOR : 0) | (has_color(o, FNL_COARSE_FILTER_MEAN) ? COARSE_MEAN : 0) |
+                     (o->gather ? COARSE_GATHER : 0) | (d->words.id ? COARSE_WORDS : 0) |
+                     (has_samplers(&d->params) ? COARSE_SAMPLERS : 0) | (d->ao.id ? COARSE_AO : 0) |
+                     (o->albedo_tolerance < 1 ? COARSE_ALBEDO : 0);
     struct gpu_compute_params params = {
         .shader = d->shader,
         .constant_count = 10,
@@ -104,81 +113,112 @@ static void execute_blocks(const struct graph_context *context, const void *data
         .counters = d->counters.id ? graph_address(context, d->counters) : 0,
         .gbuffer = gbuffer_handles(context, &d->gbuffer),
         .settings = d->settings,
-        .counts = graph_address(context, d->counts),
+        .blocks = graph_address(context, d->blocks),
         .words = d->words.id ? graph_address(context, d->words) : 0,
-        .target = graph_storage(context, d->target),
-        .color = has_color(o) ? graph_sampled(context, extras[minmax ? 3 : 1]) : 0,
-        .geometry = graph_sampled(context, extras[0]),
-        .azimuth = minmax ? graph_sampled(context, extras[1]) : 0,
-        .height = minmax ? graph_sampled(context, extras[2]) : 0,
+        .target = d->target.id ? graph_storage(context, d->target) : 0,
+        .color = color ? graph_sampled(context, extras[minmax ? 2 : id]) : 0,
+        .geometry = id ? graph_sampled(context, extras[0]) : 0,
+        .azimuth = minmax ? graph_sampled(context, extras[0]) : 0,
+        .height = minmax ? graph_sampled(context, extras[1]) : 0,
         .ao = d->ao.id ? graph_sampled(context, d->ao) : 0,
-        .least = samplers ? sampler(context->device, VK_SAMPLER_REDUCTION_MODE_MIN) : 0,
-        .greatest = samplers ? sampler(context->device, VK_SAMPLER_REDUCTION_MODE_MAX) : 0,
     };
     _Static_assert(sizeof push <= GPU_PUSH_BYTES, "it is pushed");
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
-    uint32_t side = 8 * o->size;
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, side), DIVIDE_UP(d->height, side), 1);
+    gpu_dispatch(context->commands, d->groups_x, d->groups_y, 1);
 }
 
-/* `clear` empties what the pass `name` counts in; `lit` is NULL where no lights are looked at. */
-static void add_blocks(struct graph *graph, const struct coarse_data *data, const struct shade_input *lit, const char *clear,
-                       const char *name) {
-    struct graph_pass *pass = graph_add_pass(graph, clear, GRAPH_QUEUE_GRAPHICS, execute_clear, data, sizeof *data);
-    graph_use_buffer(pass, data->counts, GRAPH_COPY_TO);
-    if (data->words.id) graph_use_buffer(pass, data->words, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_blocks, data, sizeof *data);
+/* A pass that goes over the blocks. */
+static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data *data, const char *name) {
+    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_blocks, data, sizeof *data);
     gbuffer_use(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
     for (uint32_t i = 0; i < GBUFFER_EXTRAS; i++)
         if (data->gbuffer.extras[i].id) graph_use_image(pass, data->gbuffer.extras[i], GRAPH_SAMPLE_COMPUTE);
-    if (data->ao.id) graph_use_image(pass, data->ao, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data->counts, GRAPH_READ_WRITE_COMPUTE);
-    if (data->words.id) graph_use_buffer(pass, data->words, GRAPH_WRITE_COMPUTE);
-    graph_use_image(pass, data->target, lit ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE);
-    if (lit) light_list_use(pass, lit->lights, GRAPH_READ_COMPUTE);
-    if (data->counters.id) graph_use_buffer(pass, data->counters, GRAPH_READ_WRITE_COMPUTE);
+    return pass;
 }
 
-static VkDeviceAddress write_settings(gpu_device *device, const fnl_coarse_options *o) {
+static VkDeviceAddress write_settings(gpu_device *device, const struct coarse_params *params) {
+    const fnl_coarse_options *o = &params->options;
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_coarse_settings));
     if (!slice.data) return 0; /* the device remembers */
-    *(struct gpu_coarse_settings *)slice.data =
-        (struct gpu_coarse_settings){.depth_bound = o->depth_factor * (float)o->size * sqrtf(2),
-                                     .normal_chord = 2 * sinf(o->normal_degrees * (PI / 360)),
-                                     .tolerance = o->tolerance,
-                                     .albedo_tolerance = o->albedo_tolerance,
-                                     .ao_radius = o->ao_radius};
+    struct gpu_coarse_settings settings = {
+        .depth_bound = o->depth_factor * (float)o->size * sqrtf(2),
+        .normal_chord = 2 * sinf(o->normal_degrees * (PI / 360)),
+        .tolerance = o->tolerance,
+        .albedo_tolerance = o->albedo_tolerance,
+        .ao_radius = o->ao_radius,
+        .point = sampler(device, VK_FILTER_NEAREST, VK_SAMPLER_REDUCTION_MODE_WEIGHTED_AVERAGE)};
+    if (has_samplers(params)) {
+        settings.least = sampler(device, VK_FILTER_LINEAR, VK_SAMPLER_REDUCTION_MODE_MIN);
+        settings.greatest = sampler(device, VK_FILTER_LINEAR, VK_SAMPLER_REDUCTION_MODE_MAX);
+    }
+    *(struct gpu_coarse_settings *)slice.data = settings;
     return slice.address;
+}
+
+static void execute_tiles(const struct graph_context *context, const void *data) {
+    const struct coarse_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_coarse_tiles_comp};
+    struct gpu_coarse_tiles_push push = {.blocks = graph_address(context, d->blocks),
+                                         .counts = graph_address(context, d->counts),
+                                         .tile_count = d->groups_x * d->groups_y};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch_linear(context->commands, DIVIDE_UP(push.tile_count, 64));
+}
+
+/* Decides what each block is. */
+static void find_blocks(struct graph *graph, struct coarse_data data) {
+    struct graph_pass *pass = graph_add_pass(graph, "coarse clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &data, sizeof data);
+    graph_use_buffer(pass, data.counts, GRAPH_COPY_TO);
+    if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_COPY_TO);
+    data.shader = &shader_coarse_find_comp;
+    pass = add_pass(graph, &data, "coarse blocks");
+    graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
+    if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_WRITE_COMPUTE);
+    pass = graph_add_pass(graph, "coarse tiles", GRAPH_QUEUE_GRAPHICS, execute_tiles, &data, sizeof data);
+    graph_use_buffer(pass, data.blocks, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, data.counts, GRAPH_READ_WRITE_COMPUTE);
+}
+
+static graph_image find_openness(struct graph *graph, const struct shade_input *input, struct coarse_data data) {
+    struct graph_image_params image = {
+        .name = "coarse ao", .format = VK_FORMAT_R32_SFLOAT, .width = input->width, .height = input->height};
+    data.target = graph_create_image(graph, &image);
+    data.shader = &shader_coarse_ao_comp;
+    data.counts = data.words = (graph_buffer){0};
+    struct graph_pass *pass = add_pass(graph, &data, "coarse ao");
+    graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
+    graph_use_image(pass, data.target, GRAPH_WRITE_COMPUTE);
+    return data.target;
 }
 
 struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct shade_input *input,
                          const struct coarse_params *params, const struct gbuffer *gbuffer, graph_image radiance) {
-    struct coarse coarse = {.counts = graph_create_buffer(graph, "coarse counts", COARSE_COUNTS * 4)};
+    uint32_t side = 8 * params->options.size;
     struct coarse_data data = {.gbuffer = *gbuffer,
-                               .settings = write_settings(device, &params->options),
+                               .settings = write_settings(device, params),
                                .params = *params,
-                               .width = input->width,
-                               .height = input->height};
-    if (params->options.ao_radius > 0) {
-        coarse.ao_counts = graph_create_buffer(graph, "coarse ao counts", COARSE_COUNTS * 4);
-        struct graph_image_params image = {
-            .name = "coarse ao", .format = VK_FORMAT_R32_SFLOAT, .width = input->width, .height = input->height};
-        struct coarse_data ao = data;
-        ao.target = graph_create_image(graph, &image);
-        ao.counts = coarse.ao_counts;
-        ao.shader = &shader_coarse_ao_comp;
-        add_blocks(graph, &ao, NULL, "coarse ao clear", "coarse ao");
-        data.ao = ao.target;
-    }
-    if (params->words) coarse.words = graph_create_buffer(graph, "coarse words", (uint64_t)input->width * input->height * 4);
+                               .groups_x = DIVIDE_UP(input->width, side),
+                               .groups_y = DIVIDE_UP(input->height, side),
+                               .pixels = (uint64_t)input->width * input->height,
+                               .counts = graph_create_buffer(graph, "coarse counts", COARSE_COUNTS * 4)};
+    data.blocks = graph_create_buffer(graph, "coarse blocks", (uint64_t)data.groups_x * data.groups_y * COARSE_GROUP * 4);
+    if (params->words) data.words = graph_create_buffer(graph, "coarse words", data.pixels * 4);
+    struct coarse coarse = {.counts = data.counts, .words = data.words};
+    find_blocks(graph, data);
+    if (params->options.ao_radius > 0) data.ao = find_openness(graph, input, data);
     data.target = radiance;
-    data.counts = coarse.counts;
-    data.words = coarse.words;
+    data.counts = data.words = (graph_buffer){0};
     data.shader = &shader_coarse_comp;
     data.lights = input->lights->header;
     data.kind = input->lights->kind;
     data.counters = input->counters;
-    add_blocks(graph, &data, input, "coarse clear", "coarse");
+    struct graph_pass *pass = add_pass(graph, &data, "coarse");
+    graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
+    if (data.ao.id) graph_use_image(pass, data.ao, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(pass, data.target, GRAPH_READ_WRITE_COMPUTE);
+    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
+    if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_COMPUTE);
     return coarse;
 }

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Deferred shading at a coarse rate: blocks of pixels that are alike are lit once.
+// Deferred shading at a coarse rate: blocks of pixels that are alike are lit once, and other pixels each.
 #include "common.glsl"
 #include "shade.glsl"
 #include "passes/shade/coarse.glsl"
@@ -17,11 +17,19 @@ struct coarse_light {
 // Parts of the light: what blocks share, what each pixel has of its own.
 const uint PART_SLOW = 1u, PART_PIXEL = 2u;
 
-surface surface_at(ivec2 pixel, bool is_shared) {
+// The base colour of a block: filtered where it was sampled, or the mean of its pixels.
+vec3 shared_color(ivec2 first, vec3 own) {
+    if ((FLAGS & COARSE_COLOR) != 0u) return texelFetch(textures[push.color], first, 0).rgb;
+    if ((FLAGS & COARSE_MEAN) == 0u) return own;
+    for (uint i = 1u; i < SIZE * SIZE; i++)
+        own += texelFetch(textures[push.gbuffer.targets[0]], min(first + ivec2(i % SIZE, i / SIZE), coarse_last()), 0).rgb;
+    return own * (1.0 / float(SIZE * SIZE));
+}
+
+surface surface_at(ivec2 pixel, float view_depth, bool is_shared) {
     view_block v = push.gbuffer.view;
-    float view_depth = view_depth_of(v, gbuffer_depth(push.gbuffer, pixel));
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(v, pixel, view_depth), vec3(0.0));
-    if ((FLAGS & COARSE_COLOR) != 0u && is_shared) s.base_color = texelFetch(textures[push.color], pixel, 0).rgb;
+    if ((FLAGS & (COARSE_COLOR | COARSE_MEAN)) != 0u && is_shared) s.base_color = shared_color(pixel, s.base_color);
     if ((FLAGS & COARSE_AO) != 0u) s.occlusion *= texelFetch(textures[push.ao], pixel, 0).r;
     return s;
 }
@@ -120,16 +128,16 @@ void store(ivec2 pixel, vec3 light) {
 }
 
 // Writes what a block shares to its pixels, with what each has of its own.
-void spread(coarse_block block, coarse_light light) {
+void spread(ivec2 first, coarse_light light) {
     for (uint i = 0u; i < SIZE * SIZE; i++) {
-        ivec2 pixel = block.first + ivec2(i % SIZE, i / SIZE);
+        ivec2 pixel = first + ivec2(i % SIZE, i / SIZE);
         if (!coarse_inside(pixel)) continue;
         coarse_light own = light;
         vec3 color = vec3(0.0);
         if (SPLIT == COARSE_SPLIT_ALBEDO) color = texelFetch(textures[push.gbuffer.targets[0]], pixel, 0).rgb;
         if (SPLIT == COARSE_SPLIT_HIGHLIGHTS || SPLIT == COARSE_SPLIT_SHARP) {
             float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
-            coarse_light more = light_parts(surface_at(pixel, false), uvec2(pixel), view_depth, PART_PIXEL);
+            coarse_light more = light_parts(surface_at(pixel, view_depth, false), uvec2(pixel), view_depth, PART_PIXEL);
             own.by_color += more.by_color;
             own.rest += more.rest;
         }
@@ -138,16 +146,16 @@ void spread(coarse_block block, coarse_light light) {
 }
 
 void main() {
-    coarse_block block = coarse_find();
+    coarse_walk walk = coarse_begin();
     coarse_light kept;
-    uint turns = coarse_turns(), shaded = 0u;
-    for (uint turn = 0u; turn < turns; turn++) {
+    for (uint turn = 0u; turn < walk.turns; turn++) {
         ivec2 pixel;
-        if (coarse_work(block, turn, pixel)) {
-            shaded++;
-            bool is_shared = turn == 0u && block.kind == COARSE_SHARED;
-            float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
-            surface s = surface_at(pixel, is_shared);
+        float depth = 0.0;
+        if (coarse_work(walk, turn, pixel)) depth = gbuffer_depth(push.gbuffer, pixel);
+        if (depth > 0.0) {
+            bool is_shared = turn == 0u && walk.kind == COARSE_SHARED;
+            float view_depth = view_depth_of(push.gbuffer.view, depth);
+            surface s = surface_at(pixel, view_depth, is_shared);
             coarse_light light;
             if (SPLIT == COARSE_SPLIT_NONE)
                 light = coarse_light(vec3(0.0), shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth,
@@ -158,15 +166,8 @@ void main() {
                 kept = light;
             else
                 store(pixel, put_together(light, s.base_color));
-            if (is_shared && (FLAGS & COARSE_GATHER) == 0u) spread(block, light);
+            if (is_shared && (FLAGS & COARSE_GATHER) == 0u) spread(walk.first, light);
         }
     }
-    if (block.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u) spread(block, kept);
-    if ((FLAGS & COARSE_WORDS) != 0u && block.kind != COARSE_NOTHING)
-        for (uint i = 0u; i < SIZE * SIZE; i++) {
-            ivec2 at = block.first + ivec2(i % SIZE, i / SIZE);
-            if (coarse_inside(at) && gbuffer_depth(push.gbuffer, at) > 0.0)
-                push.words.at[uint(at.y) * push.gbuffer.view.view.size.x + uint(at.x)] = block.kind;
-        }
-    coarse_end(shaded);
+    if (walk.kind == COARSE_SHARED && (FLAGS & COARSE_GATHER) != 0u) spread(walk.first, kept);
 }

@@ -2,7 +2,7 @@
 /**
  * Deferred shading at a coarse rate: blocks of 2x2 or 4x4 pixels whose surfaces are alike are lit once, all other pixels each. The inverse of
  * multisampling: most of a picture needs less than one evaluation a pixel. After Sathe and Janczak, "Deferred Coarse Pixel Shading", GPU Pro 7
- * (2016), III.2. One pass finds the blocks and lights them: a thread has a block, then a pixel of those blocks that are not alike.
+ * (2016), III.2. One pass decides what each block is; the next lights them: a thread has a block, then pixels of those blocks that are not alike.
  */
 #ifndef FNL_PASSES_COARSE_H
 #define FNL_PASSES_COARSE_H
@@ -26,9 +26,8 @@ struct gbuffer coarse_gbuffer_add(struct graph *graph, const struct shade_input 
 uint32_t coarse_extra_bytes(const fnl_coarse_options *options);
 
 struct coarse {
-    graph_buffer counts;    /* COARSE_COUNTS uints: of the light */
-    graph_buffer ao_counts; /* of ambient occlusion; id 0: none */
-    graph_buffer words;     /* a COARSE_… kind for each pixel; id 0: none */
+    graph_buffer counts; /* COARSE_COUNTS uints */
+    graph_buffer words;  /* a COARSE_… kind for each pixel; id 0: none */
 };
 /** Lights the G-buffer of coarse_gbuffer_add(). `radiance` holds emission and background. */
 struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct shade_input *input,

@@ -17,39 +17,38 @@ vec3 view_position_at(ivec2 pixel, float depth) {
 }
 
 // 1: nothing is near; 0: closed.
-float openness(ivec2 pixel) {
+float openness(ivec2 pixel, float depth) {
     view_block v = push.gbuffer.view;
     float radius = push.settings.settings.ao_radius, radius2 = radius * radius;
-    vec3 position = view_position_at(pixel, gbuffer_depth(push.gbuffer, pixel));
-    vec3 normal = mat3(v.view.world_to_view) * coarse_material_at(pixel).normal;
+    vec3 position = view_position_at(pixel, depth);
+    vec3 normal = mat3(v.view.world_to_view) * gbuffer_normal(push.gbuffer, pixel);
     float spread = v.view.orthographic > 0.5 ? 1.0 : -position.z;
     float reach = min(radius * float(v.view.size.y) / max(2.0 * abs(v.view.ndc_scale.y) * spread, 1e-6), LARGEST);
     float sum = 0.0, bias = 0.002 * -position.z + 0.01 * radius;
     for (uint i = 0u; i < SAMPLES; i++) {
         float along = (float(i) + 0.5) / float(SAMPLES), turn = float(i) * GOLDEN_ANGLE;
         ivec2 at = clamp(pixel + ivec2(round(reach * along * vec2(cos(turn), sin(turn)))), ivec2(0), coarse_last());
-        float depth = gbuffer_depth(push.gbuffer, at);
-        vec3 to = view_position_at(at, depth) - position;
+        float d = gbuffer_depth(push.gbuffer, at);
+        vec3 to = view_position_at(at, d) - position;
         float distance2 = dot(to, to), rest = max(radius2 - distance2, 0.0) / radius2;
-        if (depth > 0.0) sum += rest * rest * rest * max(dot(to, normal) - bias, 0.0) / (distance2 + 0.01 * radius2);
+        if (d > 0.0) sum += rest * rest * rest * max(dot(to, normal) - bias, 0.0) / (distance2 + 0.01 * radius2);
     }
     return clamp(1.0 - 2.0 * radius / float(SAMPLES) * sum, 0.0, 1.0);
 }
 
 void main() {
-    coarse_block block = coarse_find();
-    uint turns = coarse_turns(), shaded = 0u;
-    for (uint turn = 0u; turn < turns; turn++) {
+    coarse_walk walk = coarse_begin();
+    for (uint turn = 0u; turn < walk.turns; turn++) {
         ivec2 pixel;
-        if (coarse_work(block, turn, pixel)) {
-            shaded++;
-            float open = openness(pixel);
-            uint side = turn == 0u && block.kind == COARSE_SHARED ? SIZE : 1u;
+        float depth = 0.0;
+        if (coarse_work(walk, turn, pixel)) depth = gbuffer_depth(push.gbuffer, pixel);
+        if (depth > 0.0) {
+            float open = openness(pixel, depth);
+            uint side = turn == 0u && walk.kind == COARSE_SHARED ? SIZE : 1u;
             for (uint i = 0u; i < side * side; i++) {
                 ivec2 at = pixel + ivec2(i % side, i / side);
                 if (coarse_inside(at)) imageStore(images[push.target], at, vec4(open));
             }
         }
     }
-    coarse_end(shaded);
 }

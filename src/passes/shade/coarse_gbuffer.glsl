@@ -8,10 +8,11 @@
 #include "decals_raster.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
+#include "passes/shade/coarse_gradient.glsl"
 
 layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };
 
-layout(constant_id = GBUFFER_EXTRA_CONSTANT) const float LEVEL_BIAS = 1.0; // log2 of a block's side in pixels
+layout(constant_id = GBUFFER_EXTRA_CONSTANT) const float LEVEL_BIAS = 1.0; // log2 of a block's side in pixels; < 0: no target for it
 
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_color;
@@ -19,15 +20,13 @@ layout(location = 2) out vec4 out_normal;
 layout(location = 3) out vec4 out_dielectric;
 #ifdef COARSE_IDS
 layout(location = 4) out uvec2 out_ids; // item + 1, triangle
-#else
-layout(location = 4) out vec2 out_gradient; // of the view depth, metres per pixel to the right and down
-#endif
-#ifdef COARSE_BOUNDS // the normal in numbers of which ranges mean something
-layout(location = 5) out float out_azimuth; // -pi .. pi round the y axis
-layout(location = 6) out float out_height;  // its cosine with that axis
-layout(location = 7) out vec4 out_coarse_color;
-#else
 layout(location = 5) out vec4 out_coarse_color;
+#elif defined(COARSE_BOUNDS) // the normal in numbers of which ranges mean something
+layout(location = 4) out float out_azimuth; // -pi .. pi round the y axis
+layout(location = 5) out float out_height;  // its cosine with that axis
+layout(location = 6) out vec4 out_coarse_color;
+#else
+layout(location = 4) out vec4 out_coarse_color;
 #endif
 
 // The base colour as a pixel of LEVEL_BIAS times the size sees it.
@@ -43,27 +42,28 @@ void main() {
     view_block v = push.geometry.view;
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
+#ifndef COARSE_IDS
     float view_depth = -(v.view.world_to_view * vec4(in_position, 1.0)).z;
-    vec2 gradient = vec2(dFdxCoarse(view_depth), dFdyCoarse(view_depth));
-    vec3 coarse_color = coarse_base_color(materials, in_ids.x), plain = s.base_color;
+    float gradient = gradient_encode(abs(dFdxCoarse(view_depth)) + abs(dFdyCoarse(view_depth)), view_depth);
+#endif
+    vec3 coarse_color = vec3(0.0), plain = s.base_color;
+    if (LEVEL_BIAS >= 0.0) coarse_color = coarse_base_color(materials, in_ids.x);
     decals_on_gbuffer(s, v, push.geometry.scene);
     // What decals and unlit materials make of the colour holds for blocks too.
     if (s.base_color != plain || (materials.at[in_ids.x].flags & GPU_MATERIAL_UNLIT) != 0u) coarse_color = s.base_color;
     if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
     gpu_material_entry entry;
-    vec3 position = gbuffer_position(v, pixel, view_depth_of(v, gl_FragCoord.z));
-    uint form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL);
-    gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(v, position), 0u, entry, vec3(0.0), pixel);
+    gbuffer_place place; // octahedral normals need none
+    gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL), s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));
     out_radiance = vec4(min(s.emissive, vec3(v.view.hdr_max)), 1.0);
     out_color = g.targets[0];
     out_normal = g.targets[1];
     out_dielectric = g.targets[2];
-    out_coarse_color = vec4(coarse_color, 1.0);
+    if (LEVEL_BIAS >= 0.0) out_coarse_color = vec4(coarse_color, 1.0);
 #ifdef COARSE_IDS
     out_ids = uvec2(in_ids.y + 1u, uint(gl_PrimitiveID));
 #else
-    out_gradient = clamp(gradient, -HALF_MAX, HALF_MAX);
+    out_color.a = gradient;
 #endif
 #ifdef COARSE_BOUNDS
     out_azimuth = dot(s.normal.xz, s.normal.xz) > 0.0 ? atan(s.normal.z, s.normal.x) : 0.0;

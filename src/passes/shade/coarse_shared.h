@@ -19,6 +19,8 @@
 #define COARSE_WORDS 4u    /* each pixel's kind goes to gpu_coarse_push.words */
 #define COARSE_SAMPLERS 8u /* criterion minmax: ranges come from samplers */
 #define COARSE_AO 16u      /* gpu_coarse_push.ao is read */
+#define COARSE_MEAN 32u    /* blocks have the mean of their pixels' base colours */
+#define COARSE_ALBEDO 64u  /* base colours are compared */
 
 /* What a block is, or, as debug views show it, each of its pixels. */
 #define COARSE_NOTHING 0u /* shows no surface */
@@ -28,12 +30,21 @@
 #define COARSE_OTHER 4u   /* roughness, metalness, occlusion, F0 or base colour are */
 #define COARSE_KINDS 5u
 
-/* Counts of a frame: blocks of each kind, then pixels that show a surface, then how often lighting was evaluated for a pixel or block. */
+/* Counts of a frame: blocks of each kind that show a surface, then pixels that do, then for how many pixels and blocks work is done. */
 #define COARSE_COUNT_PIXELS 5u
 #define COARSE_COUNT_SHADED 6u
 #define COARSE_COUNTS 7u
 
 #define COARSE_GROUP 64u /* threads, each of one block */
+
+/* gpu_coarse_push.blocks has a word for each block, 64 for each tile of 8 x 8: its kind and how many of its pixels show a surface; in the n-th
+   word of a tile the number, within the tile, of the n-th block whose pixels are lit each; in the first word how many such blocks there are. */
+#define COARSE_WORD_KIND 7u
+#define COARSE_WORD_PIXELS_SHIFT 3u
+#define COARSE_WORD_PIXELS 31u
+#define COARSE_WORD_FINE_SHIFT 8u
+#define COARSE_WORD_FINE 63u
+#define COARSE_WORD_COUNT_SHIFT 16u
 
 struct gpu_coarse_settings {
     float depth_bound;      /* of differences of the view depth: times the sum of the gradient's parts */
@@ -41,6 +52,8 @@ struct gpu_coarse_settings {
     float tolerance;        /* of roughness, metalness, occlusion, F90 and the root of F0 */
     float albedo_tolerance; /* of base colours */
     float ao_radius;        /* metres */
+    uint least, greatest;   /* samplers: of a range */
+    uint point;             /* sampler: of texels as they are */
 };
 
 #ifdef GL_core_profile
@@ -52,14 +65,18 @@ struct gpu_coarse_push {
     ADDRESS(uint_array) counters;
     STRUCT(gpu_gbuffer) gbuffer;
     ADDRESS(coarse_settings_block) settings;
-    ADDRESS(uint_array) counts; /* COARSE_COUNTS */
+    ADDRESS(uint_array) blocks; /* COARSE_WORD_… */
     ADDRESS(uint_array) words;  /* a COARSE_… kind for each pixel */
     uint target;                /* storage: radiance, emission in; or openness out */
     uint color;                 /* sampled: base colour of blocks */
-    uint geometry;              /* sampled: gradient of view depth, or ids */
+    uint geometry;              /* sampled: ids, criterion id */
     uint azimuth, height;       /* sampled: criterion minmax */
     uint ao;                    /* sampled: openness */
-    uint least, greatest;       /* samplers */
+};
+
+struct gpu_coarse_tiles_push {
+    ADDRESS(uint_array) blocks, counts; /* COARSE_WORD_…; COARSE_COUNTS */
+    uint tile_count;
 };
 
 #endif
