@@ -366,6 +366,12 @@ void shot_free(struct shot *shot) {
     for (uint32_t i = 0; i < COUNT_OF(images); i++) fnl_image_free(gpu_host(test_device), images[i]);
 }
 
+bool harness_tries(fnl_shading shading, fnl_light_lists lists, uint32_t step) {
+    if (!fnl_lists_supported(shading, lists)) return false;
+    if (shading == FNL_SHADING_DEFERRED || ((uint32_t)lists + (uint32_t)shading) % step == 0) return true;
+    return shading < FNL_SHADING_DEFERRED && !fnl_lists_supported(FNL_SHADING_DEFERRED, lists);
+}
+
 uint64_t count_differing(const fnl_image *a, const fnl_image *b) {
     if (a->width != b->width || a->height != b->height || a->format != b->format || !a->pixels || !b->pixels)
         return UINT64_MAX;

@@ -54,6 +54,12 @@ struct shot {
 struct shot stage_shoot(struct stage *stage, const fnl_frame *frame);
 void shot_free(struct shot *shot);
 
+/**
+ * Whether a test that does not care for the pair tries it: deferred shading with all its lists, forward shading with those of objects, and
+ * of the other pairs that go together, which use lists alike, every `step`-th.
+ */
+bool harness_tries(fnl_shading shading, fnl_light_lists lists, uint32_t step);
+
 /** Number of pixels whose bytes differ; UINT64_MAX when size or format do. */
 uint64_t count_differing(const fnl_image *a, const fnl_image *b);
 /** Greatest difference of a channel of two RGBA8 pictures, 0 .. 255. */

@@ -173,14 +173,6 @@ static void test_recording_does_not_grow_with_instances(void **state) {
     assert_true(least[1] < 2 * least[0] + 0.1 && least[2] < 2 * least[0] + 0.1);
 }
 
-/* Pairs that go together: deferred with all its lists, forward with those of objects; of the other pairs, which use lists alike, every
-   seventh. */
-static bool is_tried(fnl_shading shading, fnl_light_lists lists) {
-    if (!fnl_lists_supported(shading, lists)) return false;
-    if (shading == FNL_SHADING_DEFERRED || ((uint32_t)lists + (uint32_t)shading) % 7 == 0) return true;
-    return shading < FNL_SHADING_DEFERRED && !fnl_lists_supported(FNL_SHADING_DEFERRED, lists);
-}
-
 static void test_steady_state_allocates_nothing(void **state) {
     UNUSED(state);
     enum { WARM = 3 * GPU_FRAMES_IN_FLIGHT, FRAMES = 2 }; /* pools grow after the first */
@@ -193,7 +185,7 @@ static void test_steady_state_allocates_nothing(void **state) {
             frame.width = frame.height = 24;
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!is_tried(frame.shading, frame.lists)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 7)) continue;
             frame.exposure = FNL_EXPOSURE_AUTO;
             frame.timers = frame.count_lights = true;
             frame.record_threads = lists % 2 ? 0 : 1;
@@ -467,7 +459,7 @@ static void test_empty_scene(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!is_tried(frame.shading, frame.lists)) continue;
+            if (!harness_tries(frame.shading, frame.lists, 7)) continue;
             fnl_scene *scene = test_scene();
             assert_int_equal(fnl_scene_set_background(scene, (vec3){0.5f, 1, 2}), FNL_OK);
             fnl_image radiance = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);

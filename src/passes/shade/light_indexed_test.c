@@ -20,9 +20,10 @@ static void check_indexed(struct stage *stage, const char *what) {
                          (unsigned long long)count_differing(&forward.radiance, &shot.radiance));
             assert_int_equal(shot.stats.evaluations_useful, forward.stats.evaluations_useful);
             assert_true(shot.stats.evaluations <= forward.stats.evaluations);
+            shot_free(&shot);
+            if (layers != 4) continue;
             struct shot again = order_shoot(stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_TILED);
             assert_int_equal(count_differing(&forward.radiance, &again.radiance), 0);
-            shot_free(&shot);
             shot_free(&again);
         }
     stage->frame.list_options.light_packing = FNL_LIGHT_PACKING_IDS;
@@ -104,14 +105,16 @@ static void check_layers(struct stage *stage, const char *what) {
     for (uint32_t layers = 1; layers <= 8; layers = layers == 1 ? 3 : layers + 5) {
         stage->frame.list_options.light_layers = layers;
         struct shot shot = order_shoot(stage, FNL_SHADING_ZIOMA, FNL_LISTS_ALL);
-        struct shot again = order_shoot(stage, FNL_SHADING_ZIOMA, FNL_LISTS_TILED);
         int difference = greatest_difference(&forward.color, &shot.color);
         print_message("  %s, %u layers: %d/255, %u pixels have more\n", what, layers, difference, shot.stats.overflow_cells);
         assert_int_equal(count_broken(&shot.radiance), 0);
         assert_true(difference <= 2);
-        assert_int_equal(count_differing(&shot.radiance, &again.radiance), 0);
+        if (layers == 3) {
+            struct shot again = order_shoot(stage, FNL_SHADING_ZIOMA, FNL_LISTS_TILED);
+            assert_int_equal(count_differing(&shot.radiance, &again.radiance), 0);
+            shot_free(&again);
+        }
         shot_free(&shot);
-        shot_free(&again);
     }
     stage->frame.list_options.light_layers = 4;
     shot_free(&forward);

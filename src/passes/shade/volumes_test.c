@@ -68,6 +68,7 @@ static void test_solids(void **state) {
 
 /* Whatever is drawn instead of solids: the same picture, again without a light missing anywhere, none twice. */
 static void check_shapes(struct stage *stage, const struct shot *all, const struct shot *solids, const char *what) {
+    static uint32_t shapes_checked;
     uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT] = {solids->stats.evaluations};
     fnl_frame frame = stage->frame;
     frame.count_lights = true;
@@ -75,7 +76,7 @@ static void check_shapes(struct stage *stage, const struct shot *all, const stru
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
     for (uint32_t i = 1; i < FNL_VOLUME_SHAPE_COUNT; i++) {
         frame.list_options.volume_shape = (fnl_volume_shape)i;
-        struct shot shape = stage_shoot(stage, &frame), again = stage_shoot(stage, &frame);
+        struct shot shape = stage_shoot(stage, &frame);
         evaluations[i] = shape.stats.evaluations;
         print_message("  %s, %s: %d/255, %llu evaluations\n", what, fnl_volume_shape_name((fnl_volume_shape)i),
                       greatest_difference(&all->color, &shape.color), (unsigned long long)shape.stats.evaluations);
@@ -84,13 +85,17 @@ static void check_shapes(struct stage *stage, const struct shot *all, const stru
         assert_int_equal(shape.stats.evaluations_useful, all->stats.evaluations_useful);
         assert_true(shape.stats.evaluations >= shape.stats.evaluations_useful);
         assert_true(shape.stats.evaluations <= all->stats.evaluations);
-        assert_int_equal(count_differing(&shape.radiance, &again.radiance), 0);
+        if (i == 1 + shapes_checked % (FNL_VOLUME_SHAPE_COUNT - 1)) { /* two runs */
+            struct shot again = stage_shoot(stage, &frame);
+            assert_int_equal(count_differing(&shape.radiance, &again.radiance), 0);
+            shot_free(&again);
+        }
         /* The same solids in the same order: the bits, for what the stencil holds off is not lit. */
         if (i == FNL_VOLUME_STENCIL || i == FNL_VOLUME_DEPTH_BOUNDS)
             assert_int_equal(count_differing(&solids->radiance, &shape.radiance), 0);
         shot_free(&shape);
-        shot_free(&again);
     }
+    shapes_checked++;
     /* Whatever the view, one shape lies within the other. */
     assert_true(evaluations[FNL_VOLUME_FULLSCREEN] >= evaluations[FNL_VOLUME_QUADS]);
     assert_true(evaluations[FNL_VOLUME_QUADS] >= evaluations[FNL_VOLUME_ELLIPSE]);
