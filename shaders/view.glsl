@@ -24,6 +24,12 @@ vec3 view_position_of(view_block v, vec2 ndc, float view_depth) {
     return vec3((ndc * v.view.ndc_scale + v.view.ndc_offset) * spread, -view_depth);
 }
 
+// Metres that a pixel is wide at a view depth.
+float pixel_width(view_block v, float view_depth) {
+    vec2 size = 2.0 * abs(v.view.ndc_scale) * v.view.inverse_size * (v.view.orthographic > 0.5 ? 1.0 : view_depth);
+    return max(size.x, size.y);
+}
+
 // The pixel on which a point in view space is seen; those beyond the edge are moved to it.
 uvec2 pixel_of(view_block v, vec3 view_position) {
     float spread = v.view.orthographic > 0.5 ? 1.0 : -view_position.z;

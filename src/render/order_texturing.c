@@ -3,12 +3,18 @@
 
 #include "passes/texturing/texturing.h"
 
+static void shade(struct frame_state *f, struct shade_input *input, const struct texturing *texturing) {
+    f->gbuffer_bytes = (uint64_t)texturing->bytes * f->frame->width * f->frame->height;
+    order_add_lists(f, f->depth, NULL);
+    struct visible_list surfaces = texturing_shade_add(f->graph, input, texturing, f->radiance);
+    f->surfaces = surfaces.words;
+    f->edge_counts = surfaces.counts;
+}
+
 void order_texturing(struct frame_state *f, struct shade_input *input, bool prepass) {
     bool derived = f->frame->gradients == FNL_GRADIENTS_DERIVED;
     struct texturing texturing = texturing_add(f->graph, input, derived, prepass, f->depth);
-    f->gbuffer_bytes = (uint64_t)texturing.bytes * f->frame->width * f->frame->height;
-    order_add_lists(f, f->depth, NULL);
-    texturing_shade_add(f->graph, input, &texturing, f->radiance);
+    shade(f, input, &texturing);
 }
 
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
@@ -20,8 +26,6 @@ void order_virtual_texturing(struct frame_state *f, struct shade_input *input, b
     f->page_commands = pages.commands;
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
     texturing.shows_levels = r->show_levels;
-    f->gbuffer_bytes = (uint64_t)texturing.bytes * f->frame->width * f->frame->height;
-    order_add_lists(f, f->depth, NULL);
-    texturing_shade_add(f->graph, input, &texturing, f->radiance);
+    shade(f, input, &texturing);
     texturing_forward_add(f->graph, input, f->radiance, f->depth);
 }

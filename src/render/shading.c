@@ -87,8 +87,8 @@ static const struct order {
                                                 SHADING_SAMPLES},
     /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
     [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
-    [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE}, /* as above; normals are rounded */
-    [FNL_SHADING_VIRTUAL_TEXTURING] = {order_virtual_texturing, SHADING_FULL_RASTER | SHADING_APPROXIMATE},
+    [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_SAMPLES}, /* as above; normals are rounded */
+    [FNL_SHADING_VIRTUAL_TEXTURING] = {order_virtual_texturing, SHADING_FULL_RASTER | SHADING_APPROXIMATE | SHADING_SAMPLES},
     [FNL_SHADING_COARSE] = {order_coarse, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_APPROXIMATE},
     [FNL_SHADING_DAIS] = {order_dais, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES | SHADING_APPROXIMATE},
     [FNL_SHADING_MOBILE] = {order_mobile, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE},

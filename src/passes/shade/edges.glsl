@@ -20,10 +20,4 @@ vec3 surface_point(view_block v, gpu_gbuffer from, ivec2 pixel, uint samples, ou
     return view_position_of(v, ndc_of_pixel(v, vec2(pixel) + at * part), view_depth);
 }
 
-// Metres that a pixel is wide at a view depth.
-float pixel_width(view_block v, float view_depth) {
-    vec2 size = 2.0 * abs(v.view.ndc_scale) * v.view.inverse_size * (v.view.orthographic > 0.5 ? 1.0 : view_depth);
-    return max(size.x, size.y);
-}
-
 #endif

@@ -8,13 +8,43 @@
 
 layout(constant_id = 4) const uint FORM = 0u; // TEXTURING_…
 
+const bool HAS_ID = (FORM & (TEXTURING_VIRTUAL | TEXTURING_ITEMS)) != TEXTURING_VIRTUAL;
+const bool HAS_SAMPLES = (FORM & TEXTURING_SAMPLES) != 0u;
+
 #define TARGET_FRAME 0u
 #define TARGET_UV 1u
 #define TARGET_ID 2u
 const uint TARGET_GRADIENTS = (FORM & (TEXTURING_VIRTUAL | TEXTURING_ITEMS)) == TEXTURING_VIRTUAL ? 2u : 3u;
-const uint TARGET_SLOPES = TARGET_GRADIENTS + ((FORM & TEXTURING_GRADIENTS) != 0u ? 1u : 0u);
-const uint TARGET_COLORS = TARGET_SLOPES + ((FORM & TEXTURING_SLOPES) != 0u ? 1u : 0u);
+#define TWO_GRADIENTS (TEXTURING_GRADIENTS | TEXTURING_UV1 | TEXTURING_SAMPLES)
+const uint GRADIENT_TARGETS = ((FORM & TEXTURING_GRADIENTS) != 0u ? 1u : 0u) + ((FORM & TWO_GRADIENTS) == TWO_GRADIENTS ? 1u : 0u);
+const uint TARGET_SLOPES = TARGET_GRADIENTS + GRADIENT_TARGETS; // with samples they are the number's second word
+const uint TARGET_COLORS = TARGET_SLOPES + ((FORM & (TEXTURING_SLOPES | TEXTURING_SAMPLES)) == TEXTURING_SLOPES ? 1u : 0u);
 const uint TARGET_BIND = TARGET_COLORS + ((FORM & TEXTURING_COLORS) != 0u ? 1u : 0u);
+
+// With several samples: floats as they are, single words as bytes, pairs as parts of 65 535, from which the bits come back as they were.
+// The last word of TARGET_BIND, two halves, keeps the 12 upper bits of each, as a whole number.
+bool target_has_floats(uint i) {
+    return (i == TARGET_UV && (FORM & TEXTURING_VIRTUAL) == 0u) || (i == TARGET_BIND && (FORM & TEXTURING_BIND) != 0u);
+}
+
+bool target_is_word(uint i) {
+    return (i <= TARGET_UV && (FORM & TEXTURING_VIRTUAL) != 0u) || (i == TARGET_ID && HAS_ID && (FORM & TEXTURING_SLOPES) == 0u);
+}
+
+vec4 target_stored(uint i, uvec4 bits) {
+    if (target_is_word(i)) return unpackUnorm4x8(bits.x);
+    if (!target_has_floats(i)) return vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
+    if (i == TARGET_UV) return uintBitsToFloat(bits);
+    return vec4(uintBitsToFloat(bits.xyz), float(bits.w >> 4 & 0xfffu | bits.w >> 20 << 12));
+}
+
+uvec4 target_bits(uint i, vec4 stored) {
+    if (target_is_word(i)) return uvec4(packUnorm4x8(stored), 0u, 0u, 0u);
+    if (!target_has_floats(i)) return uvec4(packUnorm2x16(stored.xy), packUnorm2x16(stored.zw), 0u, 0u);
+    if (i == TARGET_UV) return floatBitsToUint(stored);
+    uint last = uint(stored.w);
+    return uvec4(floatBitsToUint(stored.xyz), (last & 0xfffu) << 4 | last >> 12 << 20);
+}
 
 // Two directions across a unit vector (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 void basis_of(vec3 n, out vec3 a, out vec3 b) {

@@ -20,6 +20,9 @@
 /* Virtual texturing: the tangent frame has 32 bits, coordinates are a place in the atlas, 2 x 16 bits; no gradients; a number only with
    ITEMS. */
 #define TEXTURING_VIRTUAL 64u
+/* Several samples a pixel: the same bits, in targets of other formats (texturing.glsl); the number has 32 bits, and with SLOPES a second word for
+   these; with UV1 gradients have two targets. */
+#define TEXTURING_SAMPLES 128u
 
 struct gpu_texturing_geometry_push {
     STRUCT(gpu_geometry_push) geometry;
@@ -36,6 +39,33 @@ struct gpu_texturing_push {
     uint depth;                      /* sampled */
     uint radiance;                   /* storage */
     vec3 background;
+};
+
+/* Tells the surfaces of a pixel's samples apart. */
+struct gpu_texturing_surfaces_push {
+    ADDRESS(view_block) view;
+    ADDRESS(uint_array) words;  /* as visible_surfaces_begin has them */
+    ADDRESS(uint_array) sums;
+    ADDRESS(uint_array) counts;
+    uint targets[TEXTURING_TARGETS]; /* sampled */
+    uint target_count;
+    uint depth; /* sampled */
+};
+
+/* Shades them. */
+struct gpu_texturing_samples_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(light_list_block) lights;
+    ADDRESS(uint_array) counters;
+    ADDRESS(virtual_block) pages;
+    ADDRESS(uint_array) words;
+    ADDRESS(uint_array) sums;
+    ADDRESS(uint_array) entries;
+    ADDRESS(uint_array) results;
+    ADDRESS(uint_array) counts;      /* with counters: EDGES_… */
+    uint targets[TEXTURING_TARGETS]; /* sampled */
+    uint depth;                      /* sampled */
 };
 
 #endif

@@ -12,14 +12,21 @@ layout(push_constant, scalar) uniform push_block { gpu_texturing_geometry_push p
 
 layout(location = 7) centroid in vec3 in_bind;
 
-layout(location = 0) out uvec4 out_0;
-layout(location = 1) out uvec4 out_1;
-layout(location = 2) out uvec4 out_2;
-layout(location = 3) out uvec4 out_3;
-layout(location = 4) out uvec4 out_4;
-layout(location = 5) out uvec4 out_5;
-layout(location = 6) out uvec4 out_6;
-layout(location = 7) out uvec4 out_7;
+#ifdef TARGETS_STORED // few devices have several samples of integers
+#define TARGET vec4
+#define TARGET_VALUE(i) target_stored(i, targets[i])
+#else
+#define TARGET uvec4
+#define TARGET_VALUE(i) targets[i]
+#endif
+layout(location = 0) out TARGET out_0;
+layout(location = 1) out TARGET out_1;
+layout(location = 2) out TARGET out_2;
+layout(location = 3) out TARGET out_3;
+layout(location = 4) out TARGET out_4;
+layout(location = 5) out TARGET out_5;
+layout(location = 6) out TARGET out_6;
+layout(location = 7) out TARGET out_7;
 
 struct changes {
     vec4 uv_dx, uv_dy;
@@ -55,18 +62,24 @@ void write_targets(changes c) {
     if ((FORM & TEXTURING_GRADIENTS) != 0u)
         targets[TARGET_GRADIENTS] =
             uvec4(pack_halves(c.uv_dx.xy), pack_halves(c.uv_dy.xy), pack_halves(c.uv_dx.zw), pack_halves(c.uv_dy.zw));
-    if ((FORM & TEXTURING_SLOPES) != 0u) targets[TARGET_SLOPES].x = pack_halves(c.depth);
+    if (GRADIENT_TARGETS == 2u) targets[TARGET_GRADIENTS + 1u].xy = targets[TARGET_GRADIENTS].zw;
+    if ((FORM & TEXTURING_SLOPES) != 0u) {
+        if (HAS_SAMPLES)
+            targets[TARGET_ID].y = pack_halves(c.depth);
+        else
+            targets[TARGET_SLOPES].x = pack_halves(c.depth);
+    }
     if ((FORM & TEXTURING_COLORS) != 0u) targets[TARGET_COLORS].xy = uvec2(packUnorm2x16(in_color.xy), packUnorm2x16(in_color.zw));
     if ((FORM & TEXTURING_BIND) != 0u) {
         targets[TARGET_BIND] = uvec4(floatBitsToUint(in_bind), pack_halves(vec2(c.bind_dx.z, c.bind_dy.z)));
         targets[TARGET_BIND + 1u].xy = uvec2(pack_halves(c.bind_dx.xy), pack_halves(c.bind_dy.xy));
     }
-    out_0 = targets[0];
-    out_1 = targets[1];
-    out_2 = targets[2];
-    out_3 = targets[3];
-    out_4 = targets[4];
-    out_5 = targets[5];
-    out_6 = targets[6];
-    out_7 = targets[7];
+    out_0 = TARGET_VALUE(0u);
+    out_1 = TARGET_VALUE(1u);
+    out_2 = TARGET_VALUE(2u);
+    out_3 = TARGET_VALUE(3u);
+    out_4 = TARGET_VALUE(4u);
+    out_5 = TARGET_VALUE(5u);
+    out_6 = TARGET_VALUE(6u);
+    out_7 = TARGET_VALUE(7u);
 }

@@ -27,11 +27,12 @@ virtual_point virtual_point_of(uint packed) {
 // holds what changes by less than 4 texels a pixel, but for the coarsest.
 bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, vec2 period, bool is_coarsest, out float distance) {
     distance = 1e30;
-    for (int way = -1; way <= 1; way += 2) {
-        ivec2 other = pixel + side * way;
+    for (int i = 0; i < 2 * SEEN_SAMPLES; i++) {
+        int at = i % SEEN_SAMPLES;
+        ivec2 other = pixel + side * (i < SEEN_SAMPLES ? -1 : 1);
         if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(uvec2(other), push.view.view.size))) continue;
-        if (depth_at(other) <= 0.0) continue;
-        uint packed = target(TARGET_UV, other).x;
+        if (depth_at(other, at) <= 0.0) continue;
+        uint packed = target(TARGET_UV, other, at).x;
         if (packed == VIRTUAL_NOWHERE) continue;
         virtual_point q = virtual_point_of(packed);
         if (q.material != p.material) continue;
@@ -43,8 +44,8 @@ bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, vec2 period, bool 
 }
 
 // Fills atlas_at and atlas_level; the material.
-uint virtual_find(ivec2 pixel) {
-    uint packed = target(TARGET_UV, pixel).x;
+uint virtual_find(ivec2 pixel, int at) {
+    uint packed = target(TARGET_UV, pixel, at).x;
     atlas_at = vec2(packed & 0xffffu, packed >> 16) * 0.125;
     virtual_point p = virtual_point_of(packed);
     atlas_tier = p.tier;

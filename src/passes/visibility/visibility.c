@@ -227,6 +227,6 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
     graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.results, GRAPH_WRITE_COMPUTE);
     if (input->counters.id) graph_use_buffer(pass, data.list.counts, GRAPH_READ_WRITE_COMPUTE);
-    visible_spread_add(graph, input, visibility, &data.list, data.results, radiance);
+    visible_spread_add(graph, input, &data.list, data.results, radiance);
     return (struct visibility_shaded){data.list.ranges, data.list.words, data.list.counts};
 }

@@ -29,12 +29,16 @@ static void set_constants(const struct visible_data *d, uint32_t *count, uint32_
     memcpy(constants, values, sizeof values);
 }
 
+static uint32_t places_of(const struct visible_data *d) {
+    return DIVIDE_UP(d->width, 8u) * DIVIDE_UP(d->height, 8u) * 64;
+}
+
 static struct gpu_visible_push push_of(const struct visible_data *d) {
     return (struct gpu_visible_push){.view = d->view,
                                      .scene = d->scene,
                                      .triangle_bits = d->visibility.triangle_bits,
                                      .material_bits = d->material_bits,
-                                     .places = DIVIDE_UP(d->width, 8u) * DIVIDE_UP(d->height, 8u) * 64,
+                                     .places = places_of(d),
                                      .background = {d->background[0], d->background[1], d->background[2]}};
 }
 
@@ -47,7 +51,7 @@ static void execute_pixels(const struct graph_context *context, const void *data
     struct gpu_visible_push push = push_of(d);
     push.sums = graph_address(context, d->list.sums);
     push.words = address_or_zero(context, d->list.words);
-    push.ids = graph_sampled(context, d->visibility.ids);
+    push.ids = d->visibility.ids.id ? graph_sampled(context, d->visibility.ids) : GPU_TEXTURE_NONE;
     push.ids_high = d->visibility.ids_high.id ? graph_sampled(context, d->visibility.ids_high) : GPU_TEXTURE_NONE;
     if (d->shader == &shader_visible_count_comp) {
         push.counts = address_or_zero(context, d->list.counts);
@@ -75,15 +79,13 @@ static void execute_ranges(const struct graph_context *context, const void *data
 }
 
 static void use_ids(struct graph_pass *pass, const struct visibility *visibility) {
-    graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
+    if (visibility->ids.id) graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
     if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
 }
 
-static struct visible_data data_of(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
-                                   graph_image radiance) {
+static struct visible_data data_of(struct graph *graph, const struct shade_input *input, graph_image radiance) {
     struct graph_image_params target = graph_image_info(graph, radiance);
-    return (struct visible_data){.visibility = *visibility,
-                                 .radiance = radiance,
+    return (struct visible_data){.radiance = radiance,
                                  .format = target.format,
                                  .view = input->view,
                                  .scene = input->scene->scene,
@@ -93,15 +95,15 @@ static struct visible_data data_of(struct graph *graph, const struct shade_input
                                  .background = {input->background[0], input->background[1], input->background[2]}};
 }
 
+static void create_counts(struct graph *graph, struct visible_data *data) {
+    data->list.sums = graph_create_buffer(graph, "visible places", (places_of(data) + 1ull) * 4);
+    if (data->samples == 1) return;
+    data->list.words = graph_create_buffer(graph, "visible words", (uint64_t)data->width * data->height * 4);
+    data->list.counts = graph_create_buffer(graph, "visible counts", EDGES_COUNTS * 4ull);
+    graph_add_clear(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data->list.counts}});
+}
+
 static void add_counting(struct graph *graph, struct visible_data *data) {
-    uint32_t places = DIVIDE_UP(data->width, 8u) * DIVIDE_UP(data->height, 8u) * 64;
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("visible");
-    data->list.sums = graph_create_buffer(graph, "visible places", (places + 1ull) * 4);
-    if (data->samples > 1) {
-        data->list.words = graph_create_buffer(graph, "visible words", (uint64_t)data->width * data->height * 4);
-        data->list.counts = graph_create_buffer(graph, "visible counts", EDGES_COUNTS * 4ull);
-        graph_add_clear(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data->list.counts}});
-    }
     data->shader = &shader_visible_count_comp;
     struct graph_pass *pass =
         graph_add_pass(graph, "visible count", GRAPH_QUEUE_GRAPHICS, execute_pixels, data, sizeof *data);
@@ -113,13 +115,44 @@ static void add_counting(struct graph *graph, struct visible_data *data) {
     } else {
         graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
     }
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
+}
+
+/* Sums up what has been counted, and lists it. */
+static void add_entries(struct graph *graph, struct visible_data *data) {
+    static const struct prefix_sum_names sum_names = PREFIX_SUM_NAMES("visible");
+    static const struct radix_sort_names sort_names = RADIX_SORT_NAMES("visible");
+    uint32_t places = places_of(data);
+    bool sorts = data->list.listed == VISIBLE_SORTED;
+    prefix_sum_add(graph, &sum_names, GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
+    data->list.entries = graph_create_buffer(graph, "visible entries", (uint64_t)data->list.capacity * (sorts ? 8 : 4));
+    data->shader = &shader_visible_fill_comp;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "visible fill", GRAPH_QUEUE_GRAPHICS, execute_pixels, data, sizeof *data);
+    use_ids(pass, &data->visibility);
+    graph_use_buffer(pass, data->list.sums, GRAPH_READ_COMPUTE);
+    if (data->list.words.id) graph_use_buffer(pass, data->list.words, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->list.entries, GRAPH_WRITE_COMPUTE);
+    if (sorts)
+        data->list.entries = radix_sort_add(graph, &(struct radix_sort_params){.names = &sort_names,
+                                                                               .queue = GRAPH_QUEUE_GRAPHICS,
+                                                                               .pairs = data->list.entries,
+                                                                               .capacity = data->list.capacity,
+                                                                               .bits = 4 + data->material_bits,
+                                                                               .count = data->list.sums,
+                                                                               .count_offset = places * 4ull});
+    data->list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
+    data->list.dispatches = graph_create_buffer(graph, "visible dispatches", GPU_CLASSES * 12ull);
+    pass = graph_add_pass(graph, "visible ranges", GRAPH_QUEUE_GRAPHICS, execute_ranges, data, sizeof *data);
+    graph_use_buffer(pass, data->list.sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->list.entries, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data->list.ranges, GRAPH_WRITE_COMPUTE);
+    graph_use_buffer(pass, data->list.dispatches, GRAPH_WRITE_COMPUTE);
 }
 
 struct visible_list visible_list_add(struct graph *graph, const struct shade_input *input,
                                      const struct visibility *visibility, enum visibility_sort sort, graph_image radiance) {
-    static const struct radix_sort_names names = RADIX_SORT_NAMES("visible");
-    struct visible_data data = data_of(graph, input, visibility, radiance);
+    struct visible_data data = data_of(graph, input, radiance);
+    data.visibility = *visibility;
     uint64_t capacity = (uint64_t)input->width * input->height * data.samples;
     bool sorts = sort != VISIBILITY_SORT_OFF && capacity < 1u << 31; /* what radix_sort_add takes */
     if (sort == VISIBILITY_SORT_MATERIAL) {
@@ -129,31 +162,27 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     data.list.capacity = (uint32_t)capacity;
     data.list.listed = sorts ? VISIBLE_SORTED : VISIBLE_LIST;
     data.list.classes = sorts ? input->scene->material_classes : 1;
+    create_counts(graph, &data);
     add_counting(graph, &data);
-    data.list.entries = graph_create_buffer(graph, "visible entries", capacity * (sorts ? 8 : 4));
-    data.shader = &shader_visible_fill_comp;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "visible fill", GRAPH_QUEUE_GRAPHICS, execute_pixels, &data, sizeof data);
-    use_ids(pass, visibility);
-    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
-    if (data.list.words.id) graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.entries, GRAPH_WRITE_COMPUTE);
-    if (sorts)
-        data.list.entries = radix_sort_add(graph, &(struct radix_sort_params){.names = &names,
-                                                                              .queue = GRAPH_QUEUE_GRAPHICS,
-                                                                              .pairs = data.list.entries,
-                                                                              .capacity = data.list.capacity,
-                                                                              .bits = 4 + data.material_bits,
-                                                                              .count = data.list.sums,
-                                                                              .count_offset = push_of(&data).places * 4ull});
-    data.list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
-    data.list.dispatches = graph_create_buffer(graph, "visible dispatches", GPU_CLASSES * 12ull);
-    pass = graph_add_pass(graph, "visible ranges", GRAPH_QUEUE_GRAPHICS, execute_ranges, &data, sizeof data);
-    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.entries, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.ranges, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.list.dispatches, GRAPH_WRITE_COMPUTE);
+    add_entries(graph, &data);
     return data.list;
+}
+
+struct visible_list visible_surfaces_begin(struct graph *graph, const struct shade_input *input, graph_image radiance) {
+    struct visible_data data = data_of(graph, input, radiance);
+    data.list.capacity = input->width * input->height * data.samples;
+    data.list.listed = VISIBLE_LIST;
+    data.list.classes = 1;
+    create_counts(graph, &data);
+    return data.list;
+}
+
+void visible_surfaces_end(struct graph *graph, const struct shade_input *input, graph_image radiance,
+                          struct visible_list *list) {
+    struct visible_data data = data_of(graph, input, radiance);
+    data.list = *list;
+    add_entries(graph, &data);
+    *list = data.list;
 }
 
 /* ---- spreading ---- */
@@ -176,9 +205,9 @@ static void execute_spread(const struct graph_context *context, const void *data
     gpu_draw(context->commands, 3, d->samples, 0, 0);
 }
 
-void visible_spread_add(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
-                        const struct visible_list *list, graph_buffer results, graph_image radiance) {
-    struct visible_data data = data_of(graph, input, visibility, radiance);
+void visible_spread_add(struct graph *graph, const struct shade_input *input, const struct visible_list *list,
+                        graph_buffer results, graph_image radiance) {
+    struct visible_data data = data_of(graph, input, radiance);
     data.list = *list;
     data.results = results;
     struct graph_pass *pass =

@@ -24,8 +24,17 @@ struct visible_list {
 struct visible_list visible_list_add(struct graph *graph, const struct shade_input *input,
                                      const struct visibility *visibility, enum visibility_sort sort, graph_image radiance);
 
-/** Gives each sample of `radiance` the result of its triangle, or the background; `results` as visibility_shade.comp.glsl writes them. */
-void visible_spread_add(struct graph *graph, const struct shade_input *input, const struct visibility *visibility,
-                        const struct visible_list *list, graph_buffer results, graph_image radiance);
+/**
+ * The same for surfaces that the caller tells apart, several samples a pixel: after `begin` a pass of the caller's fills `sums` (at visible.glsl's place
+ * of a pixel: how many surfaces it shows; 0 at places beyond the picture), `words` and, all but EDGES_SHADED, `counts`, which are cleared. `end` lists them.
+ */
+struct visible_list visible_surfaces_begin(struct graph *graph, const struct shade_input *input, graph_image radiance);
+void visible_surfaces_end(struct graph *graph, const struct shade_input *input, graph_image radiance,
+                          struct visible_list *list);
+
+/** Gives each sample of `radiance` the result of its triangle or surface, or the background; `results` in the order of unsorted entries, as
+ *  store_result of samples.glsl writes them. */
+void visible_spread_add(struct graph *graph, const struct shade_input *input, const struct visible_list *list,
+                        graph_buffer results, graph_image radiance);
 
 #endif
