@@ -44,7 +44,7 @@ typedef enum fnl_shading {
     FNL_SHADING_TEXTURING,
     /**
      * The same with 8 bytes a pixel: a place in an atlas, which tells the material too, and the tangent frame. The atlas is filled with the pages
-     * that frames want; those that do not fit show less detail. Close, not equal; no MSAA. docs/techniques/deferred-texturing.md
+     * that frames want; those that do not fit show less detail. Close, not equal. docs/techniques/deferred-texturing.md
      */
     FNL_SHADING_VIRTUAL_TEXTURING,
     /** Deferred, but blocks of pixels whose surfaces are alike are lit once: fnl_frame.coarse. Close, not equal; no MSAA. */
@@ -692,7 +692,7 @@ typedef struct fnl_frame_stats {
     /** With FNL_SHADING_VISIBILITY and fnl_visibility_options.sort or MSAA: classes that occur, and pixels, or triangles of pixels, to shade. */
     uint32_t visibility_classes, visibility_entries;
     uint32_t visibility_fragments; /**< how often the id pass wrote; known with count_lights */
-    /** With FNL_SHADING_DEFERRED and MSAA, and FNL_SHADING_VISIBILITY, where each triangle is a surface. */
+    /** With FNL_SHADING_DEFERRED and those of deferred texturing and MSAA, and FNL_SHADING_VISIBILITY, where each triangle is a surface. */
     uint32_t msaa_pixels,   /**< pixels that show a surface in some sample */
         msaa_edge_pixels;   /**< pixels whose samples show more than one thing, sky being one */
     uint64_t msaa_surfaces, /**< surfaces of all pixels; what msaa_groups and msaa_tolerance merge counts once */

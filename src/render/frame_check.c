@@ -136,6 +136,13 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
                   counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
         return FNL_ERROR_UNSUPPORTED;
     }
+    bool texturing = frame->shading == FNL_SHADING_TEXTURING || frame->shading == FNL_SHADING_VIRTUAL_TEXTURING;
+    if (texturing && frame->msaa > 1 &&
+        !gpu_format_supports(r->device, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BIT)) {
+        log_error(host, "this device cannot draw to R16G16B16A16_UNORM, which %s shading with MSAA needs",
+                  fnl_shading_name(frame->shading));
+        return FNL_ERROR_UNSUPPORTED;
+    }
     if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1 && frame->class_blocks) {
         log_error(host, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
         return FNL_ERROR_UNSUPPORTED;

@@ -18,6 +18,7 @@ static const struct order_case orders[] = {
     {FNL_SHADING_PRE_LIGHTING, 44, 2, true},  {FNL_SHADING_LOW_RES, 26, 6, false},
     {FNL_SHADING_INFERRED, 26, 6, false},     {FNL_SHADING_DEFERRED_VOLUMES, 44, 2, true},
     {FNL_SHADING_LIGHT_INDEXED, 60, 1, false}, {FNL_SHADING_ZIOMA, 60, 1, false},
+    {FNL_SHADING_TEXTURING, 44, 2, true},     {FNL_SHADING_VIRTUAL_TEXTURING, 44, 2, false},
 };
 
 static bool has_samples(void) {
@@ -70,7 +71,8 @@ static void check_inner(struct stage *stage, fnl_frame frame, const struct shot 
     }
     print_message("    %u pixels are no edges, %u of them off\n", inner, off);
     assert_true(inner > pixels / 5);
-    assert_int_equal(off, 0);
+    /* Gradients of stored coordinates beside silhouettes are those of the centroids that hardware takes, a square in its own way. */
+    assert_true(off * 100 <= (shading_is(frame.shading, SHADING_APPROXIMATE) ? inner : 0));
     assert_true(shot->stats.msaa_pixels > 0 && shot->stats.msaa_edge_pixels > 0);
     shot_free(&edges);
 }
@@ -78,6 +80,7 @@ static void check_inner(struct stage *stage, fnl_frame frame, const struct shot 
 static void test_scene(void **state) {
     if (!has_samples()) skip();
     struct stage stage = stage_open(*state, 0);
+    assert_int_equal(fnl_scene_set_anisotropy(stage.scene, 1), FNL_OK); /* drivers filter explicit gradients in ways of their own */
     fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
     struct shot forward = stage_shoot(&stage, &frame);
     for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
@@ -89,7 +92,8 @@ static void test_scene(void **state) {
         assert_int_equal(count_broken(&shot.radiance), 0);
         if (c->exact) check_inner(&stage, frame, &shot, &forward);
         assert_true(near > c->least);
-        if (shading_is(c->shading, SHADING_GBUFFER) && c->exact) {
+        bool texturing = c->shading == FNL_SHADING_TEXTURING || c->shading == FNL_SHADING_VIRTUAL_TEXTURING;
+        if ((shading_is(c->shading, SHADING_GBUFFER) && c->exact) || texturing) {
             frame.gbuffer_prepass = true; /* cutouts keep what the prepass has left of them */
             struct shot again = stage_shoot(&stage, &frame);
             assert_true(psnr(&again.color, &forward.color) > c->least);
@@ -250,6 +254,7 @@ static void test_cameras(void **state) {
     UNUSED(state);
     if (!has_samples()) skip();
     struct stage stage = stage_open("builtin:spheres?lights=60", 0);
+    assert_int_equal(fnl_scene_set_anisotropy(stage.scene, 1), FNL_OK);
     fnl_light_params light;
     assert_int_equal(fnl_scene_query_light(stage.scene, 5, &light), FNL_OK);
     for (uint32_t kind = 0; kind < 5; kind++) {

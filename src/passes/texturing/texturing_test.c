@@ -186,6 +186,38 @@ static void test_every_kind_by_the_atlas(void **state) {
     }
 }
 
+/* 4 samples: each has all that one has, in formats that devices have samples of. */
+static void test_every_kind_with_samples(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t kinds, bytes, paged; /* bytes of a sample */
+    } cases[] = {{0, 28, 8}, {WITH_UV1, 44, 8}, {WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS, 80, 48}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (int paged = 0; paged < 2; paged++) {
+            fnl_scene *scene = variety(cases[i].kinds | (paged ? WITH_LIKE_NORMALS : 0));
+            fnl_frame frame = wide_frame();
+            frame.msaa = 4;
+            uint32_t bytes;
+            double psnr =
+                psnr_against_forward(scene, frame, paged ? FNL_SHADING_VIRTUAL_TEXTURING : FNL_SHADING_TEXTURING, &bytes);
+            print_message("kinds %u, %s, 4 samples: %.1f dB, %u bytes a pixel\n", cases[i].kinds,
+                          paged ? "by the atlas" : "stored", psnr, bytes);
+            assert_int_equal(bytes, 4 * (paged ? cases[i].paged : cases[i].bytes));
+            assert_true(psnr > (paged ? 36 : 41));
+            fnl_scene_destroy(&scene);
+        }
+    fnl_scene *scene = variety(WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS);
+    fnl_frame frame = wide_frame();
+    frame.msaa = 4;
+    frame.gradients = FNL_GRADIENTS_DERIVED;
+    uint32_t bytes;
+    double psnr = psnr_against_forward(scene, frame, FNL_SHADING_TEXTURING, &bytes);
+    print_message("derived, 4 samples: %.1f dB, %u bytes a pixel\n", psnr, bytes);
+    assert_int_equal(bytes, 4 * 64);
+    assert_true(psnr > 36);
+    fnl_scene_destroy(&scene);
+}
+
 static void test_thousand_textures(void **state) {
     UNUSED(state);
     enum { ACROSS = 40, DOWN = 25 };
@@ -236,6 +268,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-76: surfaces of every kind as in forward shading", test_every_kind_of_surface, NULL, NULL, NULL},
         {"ES-70: surfaces of every kind by the atlas", test_every_kind_by_the_atlas, NULL, NULL, NULL},
+        {"ES-76, ES-70: surfaces of every kind with 4 samples", test_every_kind_with_samples, NULL, NULL, NULL},
         {"ES-76: 1000 textures", test_thousand_textures, NULL, NULL, NULL},
         {"ES-76, ES-79: the first pass reads no texture but the alpha of cutouts", test_first_pass_reads_alpha_alone, NULL,
          NULL, NULL}};
