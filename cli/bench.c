@@ -40,13 +40,14 @@ static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MO
 static const char *dais_name(int i) { return bench_way_name(BENCH_WAY_DAIS, i); }
 static const char *dais_multirate_name(int i) { return bench_way_name(BENCH_WAY_DAIS_MULTIRATE, i); }
 static const char *culling_name(int i) { return bench_way_name(BENCH_WAY_CULL, i); }
+static const char *geometry_name(int i) { return bench_way_name(BENCH_WAY_GEOMETRY, i); }
 static const char *occlusion_name(int i) { return bench_way_name(BENCH_WAY_OCCLUSION, i); }
 static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
                                                                msaa_method_name,   visibility_sort_name, barycentrics_name,
                                                                grid_name,
                                                                mobile_layout_name, mobile_lights_name,   mobile_gamma_name,
                                                                dais_name,          dais_multirate_name,
-                                                               culling_name,       occlusion_name};
+                                                               culling_name,       geometry_name,        occlusion_name};
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -78,6 +79,7 @@ static void print_help(void) {
          "  --dais KINDS|all           of dais: where references to triangles stand: target, list (target)\n"
          "  --dais-multirate KINDS|all of dais: ambient light once for four pixels of a triangle: off, on (off)\n"
          "  --cull KINDS|all           what is left out before it is drawn: instances clusters triangles (instances)\n"
+         "  --geometry KINDS|all       what draws the clusters that --cull leaves: vertex mesh (vertex)\n"
          "  --occlusion KINDS|all      and whether what others hide is: off, on (off)\n"
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours;\n"
@@ -210,6 +212,7 @@ enum {
     O_DAIS,
     O_DAIS_MULTIRATE,
     O_CULL,
+    O_GEOMETRY,
     O_OCCLUSION,
     O_LIST_OPTION,
     O_SUITE,
@@ -245,6 +248,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"dais", required_argument, NULL, O_DAIS},
                                              {"dais-multirate", required_argument, NULL, O_DAIS_MULTIRATE},
                                              {"cull", required_argument, NULL, O_CULL},
+                                             {"geometry", required_argument, NULL, O_GEOMETRY},
                                              {"occlusion", required_argument, NULL, O_OCCLUSION},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
@@ -307,6 +311,8 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_way(o, BENCH_WAY_DAIS_MULTIRATE, value);
     case O_CULL:
         return parse_way(o, BENCH_WAY_CULL, value);
+    case O_GEOMETRY:
+        return parse_way(o, BENCH_WAY_GEOMETRY, value);
     case O_OCCLUSION:
         return parse_way(o, BENCH_WAY_OCCLUSION, value);
     case O_LIST_OPTION:
@@ -392,6 +398,8 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
         return skip(plan, to, candidate, "this shading order has no MSAA");
     if (strstr(candidate->options, "visibility-barycentrics=on") && strstr(candidate->options, "visibility-grid=on"))
         return skip(plan, to, candidate, "the grid stores no barycentrics");
+    if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "cull="))
+        return skip(plan, to, candidate, "mesh shaders draw what culling by clusters or triangles leaves");
     struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
     if (!bigger) return false;
     to->candidates = bigger;

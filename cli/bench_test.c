@@ -155,7 +155,7 @@ static void test_files_round_trip(void **state) {
         json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,,,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
@@ -214,6 +214,20 @@ static void test_ways_and_list_options_are_one_text(void **state) {
     assert_string_equal(list_options, "gbuffer=siege"); /* culling leaves the picture as it is */
     assert_false(bench_ways_parse("gbuffer=nonsense", &again, list_options, sizeof list_options));
     assert_false(bench_ways_parse("decals", &again, list_options, 4)); /* no setting of ours, and too long */
+}
+
+static void test_geometry_way(void **state) {
+    (void)state;
+    struct bench_ways ways = bench_ways_default();
+    ways.values[BENCH_WAY_CULL] = FNL_CULLING_CLUSTERS;
+    ways.values[BENCH_WAY_GEOMETRY] = FNL_GEOMETRY_MESH;
+    char text[256];
+    bench_ways_print(&ways, "", text, sizeof text);
+    assert_string_equal(text, "cull=clusters,geometry=mesh");
+    fnl_frame frame = fnl_frame_default();
+    assert_true(frame.geometry == FNL_GEOMETRY_VERTEX && bench_ways_apply(text, &frame));
+    assert_true(frame.geometry == FNL_GEOMETRY_MESH && frame.culling == FNL_CULLING_CLUSTERS);
+    assert_false(bench_ways_apply("geometry=nonsense", &frame));
 }
 
 static void test_ways_that_an_order_heeds(void **state) {
@@ -436,6 +450,7 @@ int main(void) {
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_ways_and_list_options_are_one_text),
         cmocka_unit_test(test_ways_that_an_order_heeds),
+        cmocka_unit_test(test_geometry_way),
         cmocka_unit_test(test_suites),
         cmocka_unit_test(test_crossing_DI_15),
         cmocka_unit_test(test_suites_scale_their_clusters),

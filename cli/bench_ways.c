@@ -20,6 +20,7 @@ static const char *mobile_gamma_name(int i) { return fnl_mobile_gamma_name((fnl_
 
 static const char *dais_name(int i) { return fnl_dais_mode_name((fnl_dais_mode)i); }
 static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
+static const char *geometry_name(int i) { return i == FNL_GEOMETRY_AUTO ? NULL : fnl_geometry_name((fnl_geometry)i); }
 
 static const struct {
     const char *key, *column;
@@ -38,6 +39,7 @@ static const struct {
     [BENCH_WAY_DAIS] = {"dais", "dais", dais_name},
     [BENCH_WAY_DAIS_MULTIRATE] = {"dais-multirate", "dais_multirate", switch_name},
     [BENCH_WAY_CULL] = {"cull", "cull", culling_name},
+    [BENCH_WAY_GEOMETRY] = {"geometry", "geometry", geometry_name},
     [BENCH_WAY_OCCLUSION] = {"occlusion", "occlusion", switch_name},
 };
 
@@ -59,6 +61,7 @@ struct bench_ways bench_ways_default(void) {
                                           [BENCH_WAY_DAIS] = (int)frame.dais.mode,
                                           [BENCH_WAY_DAIS_MULTIRATE] = frame.dais.multirate,
                                           [BENCH_WAY_CULL] = (int)frame.culling,
+                                          [BENCH_WAY_GEOMETRY] = (int)frame.geometry,
                                           [BENCH_WAY_OCCLUSION] = frame.occlusion}};
 }
 
@@ -86,6 +89,7 @@ bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32
     case BENCH_WAY_DAIS_MULTIRATE:
         return shading == FNL_SHADING_DAIS;
     case BENCH_WAY_CULL:
+    case BENCH_WAY_GEOMETRY:
         return true;
     case BENCH_WAY_OCCLUSION:
         return shading != FNL_SHADING_LOW_RES && shading != FNL_SHADING_INFERRED;
@@ -145,6 +149,7 @@ bool bench_ways_apply(const char *options, fnl_frame *frame) {
     frame->dais.mode = (fnl_dais_mode)chosen.values[BENCH_WAY_DAIS];
     frame->dais.multirate = chosen.values[BENCH_WAY_DAIS_MULTIRATE];
     frame->culling = (fnl_culling)chosen.values[BENCH_WAY_CULL];
+    frame->geometry = (fnl_geometry)chosen.values[BENCH_WAY_GEOMETRY];
     frame->occlusion = chosen.values[BENCH_WAY_OCCLUSION];
     return argument_list_options("list-option", list_options, &frame->list_options);
 }

@@ -157,7 +157,7 @@ static void append_field(struct text *t, const json_t *value) {
 /* clang-format off */
 static const char *const columns[] = {
     "scene", "width", "height", "msaa", "shading", "lists", "options", "gbuffer", "transparency", "decals", "msaa_method",
-    "visibility_sort", "visibility_barycentrics", "visibility_grid", "mobile_layout", "mobile_lights", "mobile_gamma", "dais", "dais_multirate", "cull", "occlusion", "lights", "lights_in_view", "frames",
+    "visibility_sort", "visibility_barycentrics", "visibility_grid", "mobile_layout", "mobile_lights", "mobile_gamma", "dais", "dais_multirate", "cull", "geometry", "occlusion", "lights", "lights_in_view", "frames",
     "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
     "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
     "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",

@@ -94,36 +94,36 @@ static void print_help(void) {
         "                             (compact)\n"
         "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
         "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)");
-    puts(
-        "  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
-        "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
-        "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
-        "  --occlusion                leaves out what others hide, by hierarchical depth in two phases\n"
-        "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
-        "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
-        "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
-        "\n"
-        "Run\n"
-        "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures, in which "
-        "the\n"
-        "                             animation goes on by so much from each to the next (1/30)\n"
-        "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
-        "  --frames N                 renders N frames and reports medians (1)\n"
-        "  --stats FILE.json          writes the numbers\n"
-        "  --plan                     prints the frame graph\n"
-        "  --traffic                  prints what each pass moves between images and memory\n"
-        "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
-        "  --validate                 Vulkan validation; any message makes the command fail\n"
-        "  -q, --quiet                prints nothing but errors\n"
-        "  -h, --help                 prints this text\n"
-        "\n"
-        "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind.\n"
-        "\n"
-        "Examples:\n"
-        "  fanal render helmet.glb --lights 500 -o helmet.png\n"
-        "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
-        "city.png\n"
-        "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
+    puts("  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
+         "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
+         "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
+         "  --geometry KIND            what draws the clusters that are left: vertex mesh auto (vertex)\n"
+         "  --occlusion                leaves out what others hide, by hierarchical depth in two phases\n"
+         "  --transparency KIND        blended surfaces: sorted, weighted or linked (sorted)\n"
+         "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
+         "  --supersample N            the mean of N frames that sample pixels at different places: ground truth\n"
+         "\n"
+         "Run\n"
+         "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures, in which "
+         "the\n"
+         "                             animation goes on by so much from each to the next (1/30)\n"
+         "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
+         "  --frames N                 renders N frames and reports medians (1)\n"
+         "  --stats FILE.json          writes the numbers\n"
+         "  --plan                     prints the frame graph\n"
+         "  --traffic                  prints what each pass moves between images and memory\n"
+         "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
+         "  --validate                 Vulkan validation; any message makes the command fail\n"
+         "  -q, --quiet                prints nothing but errors\n"
+         "  -h, --help                 prints this text\n"
+         "\n"
+         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind.\n"
+         "\n"
+         "Examples:\n"
+         "  fanal render helmet.glb --lights 500 -o helmet.png\n"
+         "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
+         "city.png\n"
+         "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
 }
 
 /* ---- reading arguments ---- */
@@ -136,6 +136,7 @@ static const char *transparency_name(int i) { return fnl_transparency_name((fnl_
 static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
 static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
 static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
+static const char *geometry_name(int i) { return fnl_geometry_name((fnl_geometry)i); }
 static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
 static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
 static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
@@ -221,6 +222,7 @@ enum {
     O_DECALS,
     O_CULL,
     O_OCCLUSION,
+    O_GEOMETRY,
     O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
@@ -367,6 +369,10 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return parse_decals(value, &o->frame);
     case O_OCCLUSION:
         o->frame.occlusion = true;
+        return true;
+    case O_GEOMETRY:
+        if (!argument_name("geometry", value, geometry_name, &index)) return false;
+        o->frame.geometry = (fnl_geometry)index;
         return true;
     case O_CULL:
         if (!argument_name("cull", value, culling_name, &index)) return false;
@@ -528,6 +534,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"decals", required_argument, NULL, O_DECALS},
                                              {"occlusion", no_argument, NULL, O_OCCLUSION},
                                              {"cull", required_argument, NULL, O_CULL},
+                                             {"geometry", required_argument, NULL, O_GEOMETRY},
                                              {"mobile", required_argument, NULL, O_MOBILE},
                                              {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
                                              {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},

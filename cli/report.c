@@ -75,10 +75,10 @@ void report_print(const struct render_report *r) {
         double whole = 100 / (double)s->triangles_total;
         printf("  triangles drawn %" PRIu64 " of %" PRIu64
                " (%.1f%%); out of view %.1f%%, facing away %.1f%%, too small %.1f%%; clusters %" PRIu64 " of %" PRIu64
-               "; whole items %u\n",
+               "; whole items %u; by %s shaders\n",
                s->triangles_drawn, s->triangles_total, (double)s->triangles_drawn * whole,
                (double)s->triangles_outside * whole, (double)s->triangles_back * whole, (double)s->triangles_small * whole,
-               s->clusters_drawn, s->clusters_total, s->items_whole);
+               s->clusters_drawn, s->clusters_total, s->items_whole, fnl_geometry_name(s->geometry));
     }
     if (r->frame.occlusion)
         printf("  items hidden by others %" PRIu64 "; triangles, by clusters and items: %" PRIu64 "\n", s->items_occluded,
@@ -192,6 +192,7 @@ static void add_culling(json_t *json, const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     json_t *culling = json_object_get(json, "culling");
     json_object_set_new(culling, "kind", json_string(fnl_culling_name(r->frame.culling)));
+    json_object_set_new(culling, "geometry", json_string(fnl_geometry_name(s->geometry)));
     json_object_set_new(culling, "triangles_total", integer(s->triangles_total));
     json_object_set_new(culling, "triangles_drawn", integer(s->triangles_drawn));
     json_object_set_new(culling, "triangles_outside", integer(s->triangles_outside));

@@ -17,14 +17,14 @@ set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
 
 # fanal_shaders(fanal_passes lights/tiled_count.comp.glsl …) compiles each file (STEM.vert.glsl, .geom.glsl,
-# .frag.glsl or .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
+# .mesh.glsl, .frag.glsl or .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
 # directory that makes the target. Includes are looked for beside the including file, in shaders/ and in src/.
 # Shaders with includes enable GL_GOOGLE_include_directive (Debian 12's glslang has no preamble option for it).
 function(fanal_shaders target)
   foreach(file ${ARGN})
     cmake_path(GET file FILENAME filename)
-    if(NOT filename MATCHES "^([a-z0-9_]+)\\.(vert|geom|frag|comp)\\.glsl$")
-      message(FATAL_ERROR "${file}: shaders are called STEM.vert.glsl, STEM.geom.glsl, STEM.frag.glsl or STEM.comp.glsl")
+    if(NOT filename MATCHES "^([a-z0-9_]+)\\.(vert|geom|mesh|frag|comp)\\.glsl$")
+      message(FATAL_ERROR "${file}: shaders are called STEM.vert.glsl, STEM.geom.glsl, STEM.mesh.glsl, STEM.frag.glsl or STEM.comp.glsl")
     endif()
     set(stage ${CMAKE_MATCH_2})
     set(name ${CMAKE_MATCH_1}.${stage})

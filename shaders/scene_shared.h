@@ -85,6 +85,9 @@ struct gpu_cluster {
     float thinnest;    /* the smallest altitude of a triangle that has an area */
     uint first_triangle; /* of the primitive */
     uint triangle_count;
+    uint
+        first_word; /* in gpu_scene.cluster_words: the numbers of its vertices in the primitive, then for each triangle which three of these */
+    uint vertex_count; /* it has, 8 bits each */
 };
 
 /* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */
@@ -119,6 +122,7 @@ struct gpu_scene {
     ADDRESS(item_array) items;
     ADDRESS(group_array) groups;
     ADDRESS(cluster_array) clusters;
+    ADDRESS(const_uint_array) cluster_words; /* 0 where the device has no mesh shaders */
 };
 
 #endif

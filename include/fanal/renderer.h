@@ -290,6 +290,14 @@ typedef enum fnl_culling {
     FNL_CULLING_COUNT
 } fnl_culling;
 
+/** What draws the clusters that fnl_culling leaves. The picture is the same. docs/techniques/culling.md compares them. */
+typedef enum fnl_geometry {
+    FNL_GEOMETRY_VERTEX = 0, /**< vertex shaders, by indices that culling writes */
+    FNL_GEOMETRY_MESH, /**< mesh shaders, a work group for each cluster; needs fnl_device_info.mesh_shader and culling by clusters or triangles */
+    FNL_GEOMETRY_AUTO, /**< mesh where these are there and no CPU runs them, which takes several times as long; else vertex */
+    FNL_GEOMETRY_COUNT
+} fnl_geometry;
+
 /** What the order mobile keeps at a pixel, and in how many bits. */
 typedef enum fnl_mobile_layout {
     FNL_MOBILE_METALLIC_128 = 0, /**< light, depth, normal and roughness, colour and metalness; dielectrics reflect 4 % */
@@ -462,6 +470,7 @@ FNL_API const char *fnl_dais_mode_name(fnl_dais_mode mode);
 FNL_API const char *fnl_transparency_name(fnl_transparency transparency);
 FNL_API const char *fnl_decals_name(fnl_decals decals);
 FNL_API const char *fnl_culling_name(fnl_culling culling);
+FNL_API const char *fnl_geometry_name(fnl_geometry geometry);
 FNL_API const char *fnl_antialiasing_name(fnl_antialiasing aa);
 FNL_API const char *fnl_deferred_pass_name(fnl_deferred_pass pass);
 FNL_API const char *fnl_gbuffer_name(fnl_gbuffer layout);
@@ -555,6 +564,11 @@ typedef struct fnl_frame {
     float msaa_tolerance;
     fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances, which adds no passes: on the CPU driver it is as fast
                                         as any in scenes such as builtin:hall; larger ones gain by triangles, and most with occlusion */
+    /**
+     * Default vertex. Frames in which some pass has vertices in a way of its own are drawn by vertex shaders whatever this says: motion and taa, stored
+     * barycentrics of visibility, the lists batches and multipass, mesh decals. fnl_frame_stats.geometry tells what the frame had.
+     */
+    fnl_geometry geometry;
     /**
      * Opaque surfaces and cutouts that others hide are left out too, by depths of this very frame; the picture is the same, the debug view
      * overdraw shows less. Default false. Without effect with low-res, inferred and the grid of visibility, and with MSAA where a debug view or an output of
@@ -680,6 +694,7 @@ typedef struct fnl_frame_stats {
     uint64_t triangles_total, triangles_drawn, triangles_outside, triangles_back, triangles_small, triangles_occluded;
     uint64_t clusters_total, clusters_drawn; /**< clusters of all instances, those of which something is drawn */
     uint64_t items_occluded; /**< with occlusion: items in view that others hide */
+    fnl_geometry geometry;   /**< what drew the clusters: vertex or mesh */
     uint32_t items_whole; /**< visible items that were drawn as a whole because a pool was too small in this frame */
     /** With class_blocks: blocks by class, bit 0 some pixel has lights, 1 some is metal, 2 all are shaded; [8]: nothing to shade. */
     uint32_t shading_blocks[9];

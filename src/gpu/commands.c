@@ -152,6 +152,12 @@ void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct
                                                      sizeof(VkDrawIndexedIndirectCommand));
 }
 
+void gpu_draw_mesh_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset) {
+    if (!can_run(commands, VK_PIPELINE_BIND_POINT_GRAPHICS)) return;
+    commands->device->vk.CmdDrawMeshTasksIndirectEXT(commands->handle, buffer->handle, offset, 1,
+                                                     sizeof(VkDrawMeshTasksIndirectCommandEXT));
+}
+
 /* ---- copies ---- */
 
 void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t from_offset,

@@ -212,6 +212,11 @@ static fnl_result load_functions(gpu_device *device) {
         log_error(&device->host, "%s: the driver has no %s", device->info.name, missing);
         return FNL_ERROR_DEVICE;
     }
+    if (device->info.mesh_shader) {
+        GPU_DEVICE_MESH_FUNCTIONS(LOAD)
+        device->info.mesh_shader = !missing;
+    }
+    missing = NULL;
     /* Only where the instance has the extension: some loaders hand these out even if it is off. */
     if (device->instance.vk.CreateDebugUtilsMessengerEXT) {
         GPU_DEVICE_DEBUG_FUNCTIONS(LOAD)
@@ -279,16 +284,20 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
             .pQueuePriorities = priorities,
         };
     }
+    VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
+                                                    .pNext = &features.features,
+                                                    .meshShader = VK_TRUE};
     const char *extensions[4];
     uint32_t extension_count = 0;
     if (physical->info.conservative_raster)
         extensions[extension_count++] = VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME;
     if (physical->info.post_depth_coverage) extensions[extension_count++] = VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME;
+    if (physical->info.mesh_shader) extensions[extension_count++] = VK_EXT_MESH_SHADER_EXTENSION_NAME;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .enabledExtensionCount = extension_count,
         .ppEnabledExtensionNames = extensions,
-        .pNext = &features.features,
+        .pNext = physical->info.mesh_shader ? (const void *)&meshes : &features.features,
         .queueCreateInfoCount = same_family ? 1 : GPU_QUEUE_COUNT,
         .pQueueCreateInfos = queues,
     };

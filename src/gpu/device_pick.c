@@ -180,7 +180,12 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     info->conservative_raster = info->conservative_raster && conservative.degenerateTrianglesRasterized;
 
     gpu_features_clear(&out->supported);
+    VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
+                                                    .pNext = out->supported.features.pNext};
+    if (info->mesh_shader) out->supported.features.pNext = &meshes;
     instance->vk.GetPhysicalDeviceFeatures2(handle, &out->supported.features);
+    out->supported.features.pNext = meshes.pNext;
+    info->mesh_shader = info->mesh_shader && meshes.meshShader;
 #define CHECK(member, feature)                                                                                              \
     if (!out->supported.member.feature) add_missing(info, #feature);
     REQUIRED_FEATURES(CHECK)

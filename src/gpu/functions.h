@@ -54,6 +54,9 @@
                                                                     X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)            \
                                                                         GPU_SCOPE_FUNCTIONS(X)
 
+/* Present only with VK_EXT_mesh_shader. */
+#define GPU_DEVICE_MESH_FUNCTIONS(X) X(CmdDrawMeshTasksIndirectEXT)
+
 /* Present only with VK_EXT_debug_utils. */
 #define GPU_DEVICE_DEBUG_FUNCTIONS(X) X(SetDebugUtilsObjectNameEXT) X(CmdBeginDebugUtilsLabelEXT) X(CmdEndDebugUtilsLabelEXT)
 
@@ -64,6 +67,7 @@ struct gpu_instance_functions {
 };
 struct gpu_device_functions {
     GPU_DEVICE_FUNCTIONS(GPU_FUNCTION_MEMBER)
+    GPU_DEVICE_MESH_FUNCTIONS(GPU_FUNCTION_MEMBER)
     GPU_DEVICE_DEBUG_FUNCTIONS(GPU_FUNCTION_MEMBER)
 };
 #undef GPU_FUNCTION_MEMBER

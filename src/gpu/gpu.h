@@ -202,8 +202,9 @@ struct gpu_stencil {
 struct gpu_graphics_params {
     const struct gpu_shader *vertex, *fragment; /* fragment NULL: depth only */
     const struct gpu_shader *geometry;          /* or NULL; needs fnl_device_info.primitive_ids */
-    uint32_t features;                          /* specialisation constant GPU_FEATURES_ID of both stages */
-    uint32_t constant_count;                    /* the same constants go to both stages */
+    const struct gpu_shader *mesh;              /* in place of both, or NULL; needs fnl_device_info.mesh_shader */
+    uint32_t features;                          /* specialisation constant GPU_FEATURES_ID of all stages */
+    uint32_t constant_count;                    /* the same constants go to all stages */
     uint32_t constants[GPU_MAX_CONSTANTS];
     VkPrimitiveTopology topology;
     VkCullModeFlags cull; /* front faces are counter-clockwise as seen with +Y up */
@@ -255,6 +256,8 @@ void gpu_draw_indexed_indirect(struct gpu_commands *commands, const struct gpu_b
 /** The count is read from a buffer, at most `max_count`. */
 void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset,
                                      const struct gpu_buffer *count_buffer, uint64_t count_offset, uint32_t max_count);
+/** With a pipeline that has a mesh shader: one VkDrawMeshTasksIndirectCommandEXT of at most 65535 x 64 work groups. */
+void gpu_draw_mesh_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset);
 void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *from, uint64_t from_offset,
                      const struct gpu_buffer *to, uint64_t to_offset, uint64_t size);
 void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint64_t size,

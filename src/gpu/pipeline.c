@@ -236,27 +236,28 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
 }
 
 static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out) {
-    VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE, geometry = VK_NULL_HANDLE;
+    VkShaderModule first = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE, geometry = VK_NULL_HANDLE;
+    const struct gpu_shader *corners = params->mesh ? params->mesh : params->vertex;
     struct constants constants;
     describe_constants(params->constant_count, params->constants, params->features, &constants);
-    fnl_result result = create_module(device, params->vertex, &vertex);
+    fnl_result result = create_module(device, corners, &first);
     if (result == FNL_OK && params->fragment) result = create_module(device, params->fragment, &fragment);
     if (result == FNL_OK && params->geometry) result = create_module(device, params->geometry, &geometry);
     if (result == FNL_OK) {
-        VkPipelineShaderStageCreateInfo stages[3] = {stage_info(VK_SHADER_STAGE_VERTEX_BIT, vertex, &constants)};
+        VkPipelineShaderStageCreateInfo stages[3] = {
+            stage_info(params->mesh ? VK_SHADER_STAGE_MESH_BIT_EXT : VK_SHADER_STAGE_VERTEX_BIT, first, &constants)};
         uint32_t count = 1;
         if (params->geometry) stages[count++] = stage_info(VK_SHADER_STAGE_GEOMETRY_BIT, geometry, &constants);
         if (params->fragment) stages[count++] = stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants);
         VkResult vulkan = create_graphics_from(device, params, stages, count, out);
-        result = gpu_check(device, vulkan, "%s, %s: vkCreateGraphicsPipelines", params->vertex->name,
+        result = gpu_check(device, vulkan, "%s, %s: vkCreateGraphicsPipelines", corners->name,
                            params->fragment ? params->fragment->name : "no fragment shader");
     }
-    device->vk.DestroyShaderModule(device->handle, vertex, NULL);
+    device->vk.DestroyShaderModule(device->handle, first, NULL);
     device->vk.DestroyShaderModule(device->handle, fragment, NULL);
     device->vk.DestroyShaderModule(device->handle, geometry, NULL);
     if (result == FNL_OK)
-        gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out,
-                 (params->fragment ? params->fragment : params->vertex)->name);
+        gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out, (params->fragment ? params->fragment : corners)->name);
     return result;
 }
 
@@ -268,7 +269,8 @@ static fnl_result check_compute(const fnl_host *host, const struct gpu_compute_p
 
 static fnl_result check_graphics(const gpu_device *device, const struct gpu_graphics_params *params) {
     const fnl_host *host = &device->host;
-    REQUIRE(host, params->vertex != NULL);
+    REQUIRE(host, params->vertex != NULL || params->mesh != NULL);
+    REQUIRE(host, !params->mesh || (device->info.mesh_shader && !params->vertex && !params->geometry));
     REQUIRE(host, params->constant_count <= GPU_MAX_CONSTANTS);
     REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
     REQUIRE(host, !params->conservative || device->info.conservative_raster);

@@ -94,6 +94,7 @@ enum graph_use {
     GRAPH_WRITE_COMPUTE, /* what was there does not matter to the pass, but texels it does not write keep their values */
     GRAPH_READ_WRITE_COMPUTE,
     GRAPH_READ_VERTEX, /* buffer, by address, in vertex shaders */
+    GRAPH_READ_MESH,   /* the same in mesh shaders, on devices that have them */
     GRAPH_READ_FRAGMENT,
     GRAPH_READ_GRAPHICS,       /* buffer: in vertex and fragment shaders */
     GRAPH_WRITE_FRAGMENT,      /* buffer: as GRAPH_WRITE_COMPUTE */

@@ -37,6 +37,7 @@ struct upload {
     uint32_t *node_primitives;              /* of each node: its first own primitive, or SCENE_NONE */
     ARRAY(struct gpu_deform) deforms;
     gpu_cluster_list clusters;
+    gpu_word_list words; /* of the clusters, for mesh shaders */
 };
 
 static struct geometry_totals count_geometry(const fnl_scene *scene) {
@@ -70,7 +71,8 @@ static fnl_result upload_clusters(struct upload *u, const struct scene_primitive
     struct device_scene *d = u->d;
     uint32_t *indices = host_allocate(&d->host, p->index_count * 4ull);
     if (!indices) return FNL_ERROR_MEMORY;
-    fnl_result result = device_clusters_build(&d->host, p, &u->clusters, indices);
+    fnl_result result =
+        device_clusters_build(&d->host, p, &u->clusters, indices, gpu_info(d->device)->mesh_shader ? &u->words : NULL);
     if (result == FNL_OK)
         result = gpu_upload_buffer(d->device, &d->indices, first_index * 4ull, indices, p->index_count * 4ull);
     host_free(&d->host, indices, p->index_count * 4ull);
@@ -223,6 +225,7 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
     TRY(device_upload_array(d, "primitives", &d->primitives, u->primitives.data,
                             u->primitives.count * sizeof *u->primitives.data));
     TRY(device_upload_array(d, "clusters", &d->clusters, u->clusters.data, u->clusters.count * sizeof *u->clusters.data));
+    TRY(device_upload_array(d, "cluster words", &d->cluster_words, u->words.data, u->words.count * 4ull));
     TRY(device_upload_array(d, "deforms", &d->deforms, u->deforms.data, u->deforms.count * sizeof *u->deforms.data));
     TRY(device_items_upload(d, u->primitives.data, u->primitives.count, u->node_primitives));
     struct gpu_scene table = {.positions = d->positions.address,
@@ -232,7 +235,8 @@ static fnl_result upload_all(struct upload *u, const struct geometry_totals *tot
                               .materials = d->materials.address,
                               .items = d->items.address,
                               .groups = d->groups.address,
-                              .clusters = d->clusters.address};
+                              .clusters = d->clusters.address,
+                              .cluster_words = d->cluster_words.address};
     return device_upload_array(d, "scene table", &d->table, &table, sizeof table);
 }
 
@@ -258,5 +262,6 @@ fnl_result device_geometry_upload(struct device_scene *d) {
     array_free(&d->host, &u.primitives);
     array_free(&d->host, &u.deforms);
     array_free(&d->host, &u.clusters);
+    array_free(&d->host, &u.words);
     return result;
 }

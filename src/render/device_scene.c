@@ -18,10 +18,10 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
 }
 
 static void free_structure(struct device_scene *d) {
-    struct gpu_buffer *buffers[] = {&d->positions,  &d->attributes, &d->indices,          &d->instances, &d->primitives,
-                                    &d->materials,  &d->items,      &d->groups,           &d->table,     &d->deforms,
-                                    &d->influences, &d->morphs,     &d->material_entries, &d->previous,
-                                    &d->clusters};
+    struct gpu_buffer *buffers[] = {&d->positions,    &d->attributes, &d->indices,          &d->instances, &d->primitives,
+                                    &d->materials,    &d->items,      &d->groups,           &d->table,     &d->deforms,
+                                    &d->influences,   &d->morphs,     &d->material_entries, &d->previous,  &d->clusters,
+                                    &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);

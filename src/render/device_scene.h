@@ -52,7 +52,7 @@ struct device_scene {
     uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
     struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups,
-        table, deforms, influences, morphs, clusters;
+        table, deforms, influences, morphs, clusters, cluster_words;
     ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
     ARRAY(int16_t) image_blues;     /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;

@@ -82,6 +82,20 @@ static bool culls_hidden(const fnl_frame *frame) {
     return frame->occlusion && full_raster(frame) && (frame->msaa == 1 || !needs_aov(frame));
 }
 
+/*
+ * Vertex and mesh shaders put vertices in the same places, but Vulkan does not promise that depths are the same to the bit: all that is drawn of
+ * the opaque scene in a frame goes one way or the other. So no pass may have vertex shaders of its own, or a geometry shader.
+ */
+bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
+    bool stored = frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics,
+         regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
+         redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene.decals.draw_count > 0;
+    bool wanted = frame->geometry == FNL_GEOMETRY_MESH ||
+                  (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || r->auto_meshes));
+    return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !r->no_meshes &&
+           !stored && !regrouped && !redrawn && !temporal_needs_motion(frame);
+}
+
 static void cull(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
     const struct geometry_scene *scene = &f->scene->geometry;
@@ -97,6 +111,9 @@ static void cull(struct frame_state *f) {
                                      .samples = frame->msaa,
                                      .centers = true,
                                      .cluster_capacity = f->r->cluster_capacity,
+                                     .meshes = f->r->meshes,
+                                     .mesh_row = f->r->mesh_row ? f->r->mesh_row : 65535,
+                                     .mesh_rows = f->r->mesh_rows ? f->r->mesh_rows : 64,
                                      .occluders = occluders.levels.id ? &occluders : NULL};
     clusters_add(f->graph, f->r->device, scene, &f->view, f->view_address, &params, &f->draws);
 }
@@ -313,6 +330,7 @@ static void note_stats(struct frame_state *f) {
                            .items = scene->item_count,
                            .triangles_total = scene->triangle_count,
                            .clusters_total = scene->cluster_count,
+                           .geometry = f->draws.mesh_draws.id ? FNL_GEOMETRY_MESH : FNL_GEOMETRY_VERTEX,
                            .lists = f->drawn_lists};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);

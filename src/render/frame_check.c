@@ -86,6 +86,20 @@ static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
+static fnl_result check_geometry(const fnl_renderer *r, const fnl_frame *frame) {
+    REQUIRE(&r->host, (uint32_t)frame->geometry < FNL_GEOMETRY_COUNT);
+    if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
+    if (!gpu_info(r->device)->mesh_shader || r->no_meshes) {
+        log_error(&r->host, "this device has no mesh shaders; use geometry vertex or auto");
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (frame->culling == FNL_CULLING_INSTANCES) {
+        log_error(&r->host, "mesh shaders draw what culling by clusters or by triangles leaves, not that by instances");
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    return FNL_OK;
+}
+
 fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
@@ -100,6 +114,7 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
     REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
     REQUIRE(host, (uint32_t)frame->culling < FNL_CULLING_COUNT);
+    TRY(check_geometry(r, frame));
     REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
     REQUIRE(host, fabsf(frame->jitter.x) <= 8 && fabsf(frame->jitter.y) <= 8);
     REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);

@@ -85,6 +85,12 @@ const char *fnl_culling_name(fnl_culling culling) {
     return NAME_OF(names, culling);
 }
 
+const char *fnl_geometry_name(fnl_geometry geometry) {
+    static const char *const names[] = {"vertex", "mesh", "auto"};
+    _Static_assert(COUNT_OF(names) == FNL_GEOMETRY_COUNT, "each has a name");
+    return NAME_OF(names, geometry);
+}
+
 const char *fnl_antialiasing_name(fnl_antialiasing aa) {
     static const char *const names[] = {"none", "mlaa", "smaa", "taa"};
     _Static_assert(COUNT_OF(names) == FNL_ANTIALIASING_COUNT, "each has a name");

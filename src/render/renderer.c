@@ -142,14 +142,15 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                              const struct gpu_external_semaphores *external) {
     r->device_scene.keeps_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
-    r->device_scene.wanted_triangles = culls ? r->triangle_capacity : 0;
+    r->device_scene.wanted_triangles = 0;
     TRY(device_scene_prepare(&r->device_scene));
-    if (culls && r->device_scene.triangle_count > 0 && r->triangle_capacity == 0) { /* the scene's size is known now */
-        pools_grow_clusters(r, &(struct frame_counts){0});
-        r->device_scene.wanted_triangles = r->triangle_capacity;
+    choose(r, frame);
+    r->meshes = frame_draws_meshes(r, frame);
+    if (culls && r->device_scene.triangle_count > 0) {
+        if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
+        if (!r->meshes) r->device_scene.wanted_triangles = r->triangle_capacity;
         TRY(device_scene_prepare(&r->device_scene));
     }
-    choose(r, frame);
     TRY(prepare_buffers(r, frame));
     if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
         TRY(device_virtual_prepare(&r->device_scene, frame->atlas_size, &r->atlas));

@@ -63,6 +63,10 @@ struct fnl_renderer {
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
     bool cluster_limit;       /* tests: these stay as they are */
+    bool meshes;              /* mesh shaders draw the frame being made */
+    bool no_meshes;           /* tests: as on devices without mesh shaders */
+    bool auto_meshes;         /* tests: geometry auto as on devices that are no CPU */
+    uint32_t mesh_row, mesh_rows; /* tests: work groups of a draw by mesh shaders; 0: as many as every device takes */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
     struct gpu_buffer
         *mobile_tap;    /* tests: takes the targets of the order mobile as they are in the end, one after the other; NULL */
@@ -101,6 +105,9 @@ struct frame_target {
     const struct gpu_image *image;
     VkImageLayout initial_layout, final_layout;
 };
+
+/** Whether mesh shaders draw the clusters that culling leaves. The scene is prepared, nothing of the frame is auto. */
+bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame);
 
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/dais/dais.h"
 
+#include "passes/geometry/mesh_shared.h"
 #include "scene_shared.h"
 #include "shaders.h"
 
@@ -414,6 +415,11 @@ static void add_rest(struct graph *graph, const struct shade_input *input, const
         data.draws.draws = add_gate(graph, "dais gate", gate);
         gate = (struct gate_data){.counts = shade->dais.counts, .from = input->draws->totals, .stride = 1};
         if (input->draws->item_draws.id) data.draws.totals = add_gate(graph, "dais gate clusters", gate);
+        gate = (struct gate_data){.counts = shade->dais.counts,
+                                  .from = input->draws->mesh_draws,
+                                  .stride = sizeof(struct gpu_mesh_draw) / 4,
+                                  .place = offsetof(struct gpu_mesh_draw, groups) / 4};
+        if (input->draws->mesh_draws.id) data.draws.mesh_draws = add_gate(graph, "dais gate meshes", gate);
     }
     data.state = (struct gpu_graphics_params){.fragment = &shader_dais_rest_frag,
                                               .color_count = 1,

@@ -14,7 +14,7 @@ struct step_data {
         hidden;
     const struct gpu_shader *shader;
     uint32_t threads; /* 0: the dispatch is in totals */
-    bool by_triangle;
+    bool by_triangle, meshes;
 };
 
 static VkDeviceAddress address_of(const struct graph_context *context, graph_buffer buffer) {
@@ -27,6 +27,11 @@ static void execute_step(const struct graph_context *context, const void *data) 
     if (d->shader == &shader_clusters_fill_comp) {
         params.constant_count = 1;
         params.constants[0] = d->by_triangle;
+    } else if (d->meshes && (d->shader == &shader_clusters_cull_comp || d->shader == &shader_clusters_triangles_comp ||
+                             d->shader == &shader_clusters_meshes_comp)) {
+        params.constant_count = 2;
+        params.constants[0] = d->by_triangle;
+        params.constants[1] = true;
     }
     struct gpu_cluster_push push = {.view = d->view,
                                     .scene = d->scene->scene,
@@ -114,6 +119,11 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
         p.hierarchy_width = params->occluders->width;
         p.hierarchy_height = params->occluders->height;
     }
+    if (params->meshes) {
+        p.mesh_row = params->mesh_row;
+        p.mesh_rows = params->mesh_rows;
+        p.mesh_draws = (uint32_t)DIVIDE_UP(MAX(scene->cluster_count, 1u), (uint64_t)p.mesh_row * p.mesh_rows);
+    }
     if (params->full_raster && (params->samples == 1 || gpu_standard_samples(device))) {
         p.sample_count = sample_locations(params->samples, p.samples);
         if (params->centers && params->samples > 1) p.samples[p.sample_count++] = (vec2){0.5f, 0.5f};
@@ -149,14 +159,20 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
         .cluster_sums = graph_create_buffer(graph, "cluster sums", (items + 1) * 4ull),
         .slots = graph_create_buffer(graph, "cluster slots", MAX(capacity, 1u) * 4ull),
         .counts = graph_create_buffer(graph, "cluster counts", (capacity + 1) * 4ull),
-        .draw_sums = graph_create_buffer(graph, "item draw sums", (items + 1) * 4ull),
-        .draws = graph_create_buffer(graph, "item draws", items * sizeof(struct gpu_draw)),
         .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
         .indices = graph_import_buffer(graph, "indices", scene->indices),
-        .triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4),
         .hierarchy = params->occluders ? params->occluders->levels : (graph_buffer){0},
         .hidden = params->occluders ? draws->hidden : (graph_buffer){0},
-        .by_triangle = params->by_triangle};
+        .by_triangle = params->by_triangle,
+        .meshes = params->meshes};
+    if (params->meshes) {
+        d.draw_sums = graph_create_buffer(graph, "mesh list", MAX(capacity, 1u) * 4ull);
+        d.draws = graph_create_buffer(graph, "mesh draws", (uint64_t)buckets * p.mesh_draws * sizeof(struct gpu_mesh_draw));
+    } else {
+        d.draw_sums = graph_create_buffer(graph, "item draw sums", (items + 1) * 4ull);
+        d.draws = graph_create_buffer(graph, "item draws", items * sizeof(struct gpu_draw));
+        d.triangles = graph_create_buffer(graph, "kept triangles", (items + (uint64_t)scene->pool_triangles) * 4);
+    }
     if (params->by_triangle)
         d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
     graph_buffer vertices = scene->vertices;
@@ -174,6 +190,19 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
                  CHANGES(counts), WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE},
                  {d.totals, GRAPH_INDIRECT});
     prefix_sum_add(graph, &triangle_names, GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
+    draws->totals = d.totals;
+    if (params->meshes) {
+        ADD_STEP("cull clusters meshes", shader_clusters_meshes_comp, MAX(MAX(items, capacity), buckets * p.mesh_draws),
+                 READS(cluster_sums), READS(counts), READS(slots), READS(masks), WRITES(draw_sums), WRITES(draws),
+                 CHANGES(totals));
+        draws->mesh_draws = d.draws;
+        draws->mesh_list = d.draw_sums;
+        draws->mesh_slots = d.slots;
+        draws->mesh_sums = d.cluster_sums;
+        draws->mesh_masks = d.masks;
+        draws->mesh_draw_count = p.mesh_draws;
+        return;
+    }
     ADD_STEP("cull clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts),
              WRITES(draw_sums), CHANGES(totals));
     prefix_sum_add(graph, &draw_names, GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
@@ -182,7 +211,6 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     ADD_STEP("cull clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts),
              READS(masks), CHANGES(indices), WRITES(triangles), CHANGES(totals), {d.totals, GRAPH_INDIRECT});
     draws->item_draws = d.draws;
-    draws->totals = d.totals;
     draws->triangles = d.triangles;
     draws->indices = d.indices;
 }

@@ -25,12 +25,15 @@ struct clusters_params {
     uint32_t
         cluster_capacity; /* of the items in view; those that do not fit are drawn whole, as are those whose triangles do not */
     const struct hierarchy *occluders; /* or NULL */
+    /** For mesh shaders: no indices are written, and no triangle pool is needed; fnl_device_info.mesh_shader. */
+    bool meshes;
+    uint32_t mesh_row, mesh_rows; /* with meshes: work groups of a draw, in two dimensions: at most 65535 and 64 */
 };
 
 /**
  * Adds item_draws and what goes with them to `draws`, which cull_add made. `view` is `camera` on the device. Cost: of each visible item a few
  * reads, of each of its clusters a sphere and a cone against the view, of each triangle three vertices; 4 bytes for each cluster and each item,
- * 16 for each triangle drawn.
+ * 16 for each triangle drawn, or, with meshes, 4 more for each cluster and none for triangles.
  */
 void clusters_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene, const struct gpu_view *camera,
                   VkDeviceAddress view, const struct clusters_params *params, struct geometry_draws *draws);

@@ -5,6 +5,8 @@
 #include "passes/geometry/clusters.glsl"
 
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint BY_TRIANGLE = 0u;
+layout(constant_id = 1) const uint MESHES = 0u;
 
 // Whether all triangles face away. Rasterisers move vertices a little, which may turn a triangle that is thinner than that: clusters with one
 // such are kept (their triangles can be looked at one by one), so the cone is narrowed by SINE and the thinnest triangle must measure more.
@@ -88,6 +90,10 @@ void main() {
         uint reason = reason_of(item, primitive, cluster, bucket_flags(low, first));
         if (reason == CLUSTERS_DRAWN) count = cluster.triangle_count;
         else count_reason(reason, cluster.triangle_count);
+        if (MESHES != 0u && count > 0u) {
+            if (BY_TRIANGLE == 0u) count_reason(CLUSTERS_DRAWN, count);
+            count = 1u;
+        }
     }
     push.counts.at[slot] = count;
 }

@@ -3,12 +3,7 @@
 #ifndef FNL_PASSES_CLUSTERS_SHARED_H
 #define FNL_PASSES_CLUSTERS_SHARED_H
 
-#include "shared.h"
-
-#define CLUSTERS_MOST_VERTICES 64
-#define CLUSTERS_MOST_TRIANGLES 124
-#define CLUSTERS_MASK_WORDS 4 /* bits of the triangles that a cluster keeps */
-#define CLUSTERS_GROUP 64     /* threads that look at the triangles of one cluster */
+#include "passes/geometry/mesh_shared.h"
 
 /* Kinds of buckets. */
 #define CLUSTERS_BUCKET_CULLED 1u /* triangles of opaque and cutout materials: the others are drawn as items */
@@ -44,6 +39,9 @@ struct gpu_cluster_params {
     vec2 samples[9];      /* where a pixel is looked at */
     uint hierarchy_width; /* of struct gpu_hierarchy's first level; 0: there is none */
     uint hierarchy_height;
+    uint mesh_draws; /* of each bucket, of mesh_rows rows of mesh_row work groups at most */
+    uint mesh_row;
+    uint mesh_rows;
 };
 
 /* Written by the GPU; the numbers of draws of each bucket follow. */
@@ -66,10 +64,11 @@ struct gpu_cluster_push {
     ADDRESS(const_uint_array) visible_sums; /* of the items */
     ADDRESS(uint_array) cluster_sums;       /* of each item's clusters */
     ADDRESS(uint_array) slots;              /* item of each cluster */
-    ADDRESS(uint_array) counts;             /* triangles left of each cluster, then their sums */
+    ADDRESS(uint_array) counts; /* triangles left of each cluster, with meshes 1 where there are some; then their sums */
     ADDRESS(uint_array) masks;
-    ADDRESS(uint_array) draw_sums; /* of the items that draw something */
-    ADDRESS(draw_array) draws;     /* those of a bucket from its first item on */
+    ADDRESS(uint_array) draw_sums; /* of the items that draw something; with meshes gpu_mesh_draw.list */
+    ADDRESS(draw_array)
+    draws; /* those of a bucket from its first item on; with meshes struct gpu_mesh_draw, mesh_draws of each bucket */
     ADDRESS(cluster_totals_block) totals;
     ADDRESS(uint_array) indices; /* of the scene, and the pool */
     ADDRESS(uint_array)

@@ -489,7 +489,7 @@ static void test_cutting(void **state) {
     const struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh].first_primitive];
     gpu_cluster_list clusters = {0};
     uint32_t *indices = malloc(p->index_count * sizeof *indices), count = p->index_count / 3, seen = 0;
-    assert_int_equal(device_clusters_build(&host, p, &clusters, indices), FNL_OK);
+    assert_int_equal(device_clusters_build(&host, p, &clusters, indices, NULL), FNL_OK);
     bool *found = calloc(count, sizeof *found);
     for (uint32_t c = 0; c < clusters.count; c++) {
         const struct gpu_cluster *cluster = &clusters.data[c];

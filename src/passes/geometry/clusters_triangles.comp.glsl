@@ -5,6 +5,7 @@
 #include "passes/geometry/clusters.glsl"
 
 layout(local_size_x = CLUSTERS_GROUP) in;
+layout(constant_id = 1) const uint MESHES = 0u;
 
 shared uint kept[CLUSTERS_MASK_WORDS];
 shared uint lost[CLUSTERS_REASONS];
@@ -64,6 +65,7 @@ void main() {
     if (thread == 0u) {
         uint count = 0u;
         for (uint i = 0u; i < CLUSTERS_MASK_WORDS; i++) count += bitCount(kept[i]);
-        push.counts.at[slot] = count;
+        if (MESHES != 0u) count_reason(CLUSTERS_DRAWN, count);
+        push.counts.at[slot] = MESHES != 0u ? min(count, 1u) : count;
     }
 }

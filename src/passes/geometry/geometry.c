@@ -24,6 +24,13 @@ static void use_vertices(struct graph_pass *pass, const struct geometry_scene *s
         graph_use_buffer(pass, draws->indices, GRAPH_INDEX);
         graph_use_buffer(pass, draws->triangles, GRAPH_READ_FRAGMENT);
     }
+    if (draws->mesh_draws.id) {
+        graph_use_buffer(pass, draws->mesh_draws, GRAPH_INDIRECT);
+        const graph_buffer read[] = {scene->vertices,   draws->mesh_draws, draws->mesh_list,
+                                     draws->mesh_slots, draws->mesh_sums,  draws->mesh_masks};
+        for (uint32_t i = 0; i < COUNT_OF(read); i++)
+            if (read[i].id) graph_use_buffer(pass, read[i], GRAPH_READ_MESH);
+    }
     if (set == GEOMETRY_BLEND && draws->blend_draws.id) {
         graph_use_buffer(pass, draws->blend_visible, GRAPH_READ_VERTEX);
         graph_use_buffer(pass, draws->blend_draws, GRAPH_INDIRECT);
@@ -47,6 +54,27 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
     geometry_draw_with(context, scene, draws, set, state, mask_fragment, &push, sizeof push);
 }
 
+/* The shader that makes the corners of triangles. `own`, or NULL, is that of the caller. */
+static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes) {
+    params->mesh = !meshes ? NULL : params->fragment ? &shader_geometry_mesh : &shader_depth_mesh;
+    params->vertex = own || meshes ? own : params->fragment ? &shader_geometry_vert : &shader_depth_vert;
+}
+
+/* The clusters of a bucket, by mesh shaders. */
+static void draw_meshes(const struct graph_context *context, const struct geometry_draws *draws, uint32_t bucket,
+                        const struct gpu_graphics_params *params, struct gpu_geometry_push *push, uint32_t size) {
+    VkDeviceAddress visible = push->visible;
+    gpu_bind(context->commands, graph_pipeline(context, params));
+    for (uint32_t i = 0; i < draws->mesh_draw_count; i++) {
+        uint64_t offset = ((uint64_t)bucket * draws->mesh_draw_count + i) * sizeof(struct gpu_mesh_draw);
+        push->visible = graph_address(context, draws->mesh_draws) + offset;
+        gpu_push(context->commands, push, size);
+        gpu_draw_mesh_indirect(context->commands, graph_get_buffer(context, draws->mesh_draws),
+                               offset + offsetof(struct gpu_mesh_draw, groups));
+    }
+    push->visible = visible;
+}
+
 void geometry_draw_with(const struct graph_context *context, const struct geometry_scene *scene,
                         const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,
                         const struct gpu_shader *mask_fragment, struct gpu_geometry_push *push, uint32_t size) {
@@ -64,9 +92,14 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
                       : bucket->mirrored   ? VK_CULL_MODE_FRONT_BIT
                                            : VK_CULL_MODE_BACK_BIT;
         params.fragment = bucket->mask && mask_fragment ? mask_fragment : state->fragment;
-        if (!state->vertex) params.vertex = params.fragment ? &shader_geometry_vert : &shader_depth_vert;
-        bool compacted = draws->item_draws.id && geometry_bucket_clustered(bucket);
+        bool clustered = geometry_bucket_clustered(bucket), compacted = draws->item_draws.id && clustered;
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
+        bool meshes = draws->mesh_draws.id && clustered;
+        set_corners(&params, state->vertex, meshes);
+        if (meshes) {
+            draw_meshes(context, draws, i, &params, push, size);
+            continue;
+        }
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);
         if (compacted) {
@@ -85,7 +118,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;
-        if (!state->vertex) params.vertex = params.fragment ? &shader_geometry_vert : &shader_depth_vert;
+        set_corners(&params, state->vertex, false);
         push->visible = graph_address(context, draws->blend_visible);
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);

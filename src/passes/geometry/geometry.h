@@ -53,6 +53,9 @@ struct geometry_draws {
     graph_buffer blend_visible, blend_draws; /* id 0 when nothing blends */
     /* Of clusters_add; id 0: opaque triangles are drawn as items. */
     graph_buffer item_draws, totals, triangles, indices;
+    graph_buffer mesh_draws, mesh_list, mesh_slots, mesh_sums,
+        mesh_masks;           /* in place of item_draws, triangles and indices */
+    uint32_t mesh_draw_count; /* of each bucket */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
 
@@ -79,7 +82,8 @@ void geometry_use_features(struct graph_pass *pass, const struct geometry_scene 
 
 /**
  * Inside a pass: draws a set. `state` gives everything but culling and topology; `state->fragment` may be NULL for depth only.
- * A geometry shader takes triangles alone. Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
+ * A geometry shader takes triangles alone. Where draws->mesh_draws is there, mesh shaders draw the clusters: `state` may have no vertex or
+ * geometry shader of its own then. Cutouts use `mask_fragment` where it is not NULL. push->visible is filled in here.
  */
 void geometry_draw(const struct graph_context *context, const struct geometry_scene *scene,
                    const struct geometry_draws *draws, enum geometry_set set, const struct gpu_graphics_params *state,

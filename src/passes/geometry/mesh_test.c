@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Drawing clusters by mesh shaders: pictures and counts against those of vertex shaders. Sizes are powers of two where pictures are compared to the
+ * bit: Mesa's CPU driver scales to pixels with one rounding after vertex shaders and with two after mesh shaders, which is the same there alone.
+ */
+#include "passes/geometry/clusters_shared.h"
+#include "render/device_clusters.h"
+#include "render/render_test.h"
+#include "render/shading.h"
+
+static uint32_t add_shape(fnl_scene *scene, struct scene_primitive primitive) {
+    assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+    uint32_t mesh = scene_add_mesh(scene, "", &primitive, 1);
+    assert_int_not_equal(mesh, SCENE_NONE);
+    return mesh;
+}
+
+/* A fan of leaves, half of each cut away. */
+static uint32_t leaf_mesh(fnl_scene *scene, uint32_t material) {
+    static const vec3 positions[6] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, 1, 1}};
+    static const vec4 colors[6] = {{1, 1, 1, 0},    {1, 0.5f, 1, 1}, {1, 1, 0.5f, 1},
+                                   {0.5f, 1, 1, 0}, {1, 1, 1, 1},    {1, 0, 1, 0}};
+    static const uint32_t indices[12] = {0, 1, 2, 0, 2, 3, 4, 1, 2, 4, 2, 5};
+    return add_shape(scene, (struct scene_primitive){.material = material,
+                                                     .vertex_count = 6,
+                                                     .index_count = 12,
+                                                     .indices = indices,
+                                                     .positions = positions,
+                                                     .colors = colors});
+}
+
+static uint32_t line_mesh(fnl_scene *scene, uint32_t material) {
+    static const vec3 positions[4] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}};
+    static const uint32_t indices[4] = {0, 1, 2, 3};
+    return add_shape(scene, (struct scene_primitive){.material = material,
+                                                     .topology = SCENE_TOPOLOGY_LINES,
+                                                     .vertex_count = 4,
+                                                     .index_count = 4,
+                                                     .indices = indices,
+                                                     .positions = positions});
+}
+
+/*
+ * Spheres of many clusters and leaves of one, in random places: opaque, cutout and blended, single- and double-sided, mirrored, stretched; lines;
+ * a floor that reaches behind the camera, twice, so that of equal depths the last one drawn shows.
+ */
+static fnl_scene *garden(uint32_t count) {
+    fnl_scene *scene = test_scene();
+    struct random_state random = {11};
+    uint32_t meshes[6];
+    for (uint32_t i = 0; i < COUNT_OF(meshes); i++) {
+        struct scene_material material = scene_material_default();
+        material.base_color = (vec4){0.1f + 0.15f * (float)i, 0.6f, 0.9f - 0.15f * (float)i, i == 5 ? 0.5f : 1};
+        material.alpha_mode = i == 5 ? FNL_ALPHA_BLEND : i & 1 ? FNL_ALPHA_MASK : FNL_ALPHA_OPAQUE;
+        material.double_sided = i & 2;
+        material.roughness = 0.5f;
+        material.metallic = 0;
+        uint32_t m = scene_add_material(scene, &material);
+        meshes[i] = i == 4 ? line_mesh(scene, m) : i & 1 ? leaf_mesh(scene, m) : test_sphere_mesh(scene, m, 6 + 5 * i);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        vec3 axis =
+            vec3_normalize((vec3){random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)});
+        float size = random_range(&random, 0.2f, 1);
+        mat4 matrix =
+            mat4_from_trs((vec3){random_range(&random, -7, 7), random_range(&random, -3, 3), random_range(&random, -7, 7)},
+                          quat_axis_angle(axis, random_range(&random, 0, 6)),
+                          (vec3){i & 1 ? size : -size, i % 5 ? size : size * random_range(&random, 0.3f, 2), size});
+        scene_add_node(scene, "", SCENE_NONE, &matrix, meshes[i % COUNT_OF(meshes)]);
+    }
+    mat4 ground = mat4_from_trs((vec3){0, -2, 0}, quat_axis_angle((vec3){1, 0, 0}, -PI / 2), (vec3){30, 30, 1});
+    for (uint32_t i = 0; i < 2; i++) {
+        struct scene_material material = scene_material_default();
+        material.base_color = (vec4){i ? 0.1f : 0.9f, 0.5f, i ? 0.9f : 0.1f, 1};
+        scene_add_node(scene, "", SCENE_NONE, &ground, test_quad_mesh(scene, scene_add_material(scene, &material)));
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        fnl_light_params light = test_point((vec3){random_range(&random, -6, 6), 2, random_range(&random, -6, 6)}, 30, 12);
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    }
+    assert_int_equal(fnl_scene_set_ambient(scene, (vec3){0.2f, 0.2f, 0.3f}, (vec3){0.1f, 0.1f, 0.1f}), FNL_OK);
+    return scene;
+}
+
+enum { VIEW_PLAIN, VIEW_SHIFTED, VIEW_ORTHOGRAPHIC, VIEW_INSIDE, VIEW_COUNT };
+
+static fnl_frame garden_frame(uint32_t view) {
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.width = 64;
+    frame.height = 64;
+    frame.shading = FNL_SHADING_VISIBILITY;
+    frame.culling = FNL_CULLING_TRIANGLES;
+    frame.camera = fnl_camera_default();
+    frame.camera.position = (vec3){1, 2, 11};
+    frame.camera.target = (vec3){0, -0.5f, 0};
+    if (view == VIEW_SHIFTED) {
+        frame.camera.shift = (vec2){0.3f, -0.4f};
+        frame.jitter = (vec2){0.31f, -0.22f};
+    }
+    if (view == VIEW_ORTHOGRAPHIC) {
+        frame.camera.orthographic = true;
+        frame.camera.vertical_extent = 8;
+        frame.camera.near_distance = 6;
+        frame.camera.far_distance = 30;
+    }
+    if (view == VIEW_INSIDE) {
+        frame.camera.position = (vec3){0.5f, 0, 1};
+        frame.camera.near_distance = 0.3f;
+    }
+    return frame;
+}
+
+static fnl_frame_stats stats_of(fnl_renderer *renderer) {
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    return stats;
+}
+
+static fnl_image shoot(fnl_renderer *renderer, fnl_frame frame, fnl_geometry geometry, fnl_frame_stats *out) {
+    frame.geometry = geometry;
+    test_render_frame(renderer, &frame);
+    *out = stats_of(renderer);
+    return test_read(renderer, FNL_OUTPUT_RADIANCE);
+}
+
+static void check_counts(const fnl_frame_stats *a, const fnl_frame_stats *b) {
+    assert_int_equal(a->triangles_drawn, b->triangles_drawn);
+    assert_int_equal(a->triangles_outside, b->triangles_outside);
+    assert_int_equal(a->triangles_back, b->triangles_back);
+    assert_int_equal(a->triangles_small, b->triangles_small);
+    assert_int_equal(a->triangles_occluded, b->triangles_occluded);
+    assert_int_equal(a->clusters_drawn, b->clusters_drawn);
+    assert_int_equal(b->triangles_drawn + b->triangles_outside + b->triangles_back + b->triangles_small +
+                         b->triangles_occluded,
+                     b->triangles_total);
+}
+
+/* Radiance and counts of the frame by vertex and by mesh shaders. */
+static void compare(fnl_renderer *renderer, fnl_frame frame, const char *what) {
+    fnl_frame_stats vertex, mesh;
+    fnl_image expected = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex),
+              drawn = shoot(renderer, frame, FNL_GEOMETRY_MESH, &mesh);
+    if (!test_equal(&expected, &drawn))
+        fail_msg("%s, %s, %u samples, culling by %s: mesh shaders change the picture by %g", what,
+                 fnl_shading_name(frame.shading), frame.msaa, fnl_culling_name(frame.culling),
+                 test_difference(&expected, &drawn));
+    assert_int_equal(vertex.geometry, FNL_GEOMETRY_VERTEX);
+    assert_int_equal(mesh.geometry, FNL_GEOMETRY_MESH);
+    assert_int_equal(mesh.items_whole, 0);
+    assert_true(mesh.triangles_drawn > 0 && mesh.triangles_drawn < mesh.triangles_total);
+    check_counts(&vertex, &mesh);
+    free_picture(&expected);
+    free_picture(&drawn);
+}
+
+static bool has_meshes(void) {
+    if (gpu_info(harness_device())->mesh_shader) return true;
+    print_message("this device has no mesh shaders\n");
+    return false;
+}
+
+static void test_orders(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(60);
+    fnl_renderer *renderer = test_renderer(scene);
+    renderer->poison = true;
+    for (uint32_t shading = 0; shading < FNL_SHADING_AUTO; shading++)
+        for (uint32_t samples = 1; samples <= 4; samples += 3) {
+            if (samples > 1 && !shading_is((fnl_shading)shading, SHADING_SAMPLES)) continue;
+            fnl_frame frame = garden_frame(shading % VIEW_COUNT);
+            frame.shading = (fnl_shading)shading;
+            frame.msaa = samples;
+            frame.culling = shading & 1 ? FNL_CULLING_CLUSTERS : FNL_CULLING_TRIANGLES;
+            compare(renderer, frame, "an order");
+        }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_views(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(80);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const char *const views[] = {"plain", "off-axis", "orthographic", "inside"};
+    for (uint32_t view = 0; view < VIEW_COUNT; view++)
+        for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++)
+            for (uint32_t occlusion = 0; occlusion < 2; occlusion++) {
+                fnl_frame frame = garden_frame(view);
+                frame.culling = (fnl_culling)culling;
+                frame.occlusion = occlusion;
+                compare(renderer, frame, views[view]);
+            }
+    /* The view of clusters, which goes by the numbers of triangles. */
+    fnl_frame frame = garden_frame(VIEW_PLAIN);
+    frame.outputs = FNL_OUTPUT_COLOR;
+    frame.debug = FNL_DEBUG_CLUSTERS;
+    fnl_image images[2];
+    for (int i = 0; i < 2; i++) {
+        frame.geometry = i ? FNL_GEOMETRY_MESH : FNL_GEOMETRY_VERTEX;
+        test_render_frame(renderer, &frame);
+        images[i] = test_read(renderer, FNL_OUTPUT_COLOR);
+    }
+    assert_true(test_equal(&images[0], &images[1]));
+    free_picture(&images[0]);
+    free_picture(&images[1]);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_skinned(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = test_load("Fox.glb", true);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = garden_frame(VIEW_PLAIN);
+    frame.camera.position = (vec3){120, 90, 160};
+    frame.camera.target = (vec3){0, 40, 0};
+    for (int step = 0; step < 3; step++) {
+        assert_int_equal(fnl_scene_set_time(scene, 0, 0.3 * step), FNL_OK);
+        frame.shading = step == 1 ? FNL_SHADING_FORWARD : FNL_SHADING_VISIBILITY;
+        frame.msaa = step == 1 ? 4 : 1;
+        compare(renderer, frame, "Fox");
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* At other sizes the rasteriser may see some vertices a rounding error away, no more. */
+static void test_odd_sizes(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(60);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const uint32_t sizes[][2] = {{1, 1}, {77, 53}, {131, 45}};
+    static const fnl_shading orders[] = {FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DAIS, FNL_SHADING_LIGHT_PREPASS};
+    for (uint32_t i = 0; i < COUNT_OF(sizes) * COUNT_OF(orders); i++) {
+        fnl_frame frame = garden_frame(VIEW_PLAIN);
+        frame.width = sizes[i / COUNT_OF(orders)][0];
+        frame.height = sizes[i / COUNT_OF(orders)][1];
+        frame.shading = orders[i % COUNT_OF(orders)];
+        fnl_frame_stats vertex, mesh;
+        fnl_image a = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex),
+                  b = shoot(renderer, frame, FNL_GEOMETRY_MESH, &mesh);
+        check_counts(&vertex, &mesh);
+        uint32_t different = 0;
+        for (uint32_t y = 0; y < frame.height; y++)
+            for (uint32_t x = 0; x < frame.width; x++)
+                for (uint32_t c = 0; c < 3; c++)
+                    if (!(fabsf(test_pixel(&a, x, y)[c] - test_pixel(&b, x, y)[c]) <= 1e-4f)) {
+                        different++;
+                        break;
+                    }
+        print_message("%s, %u x %u: %u pixels differ, by %g at most\n", fnl_shading_name(frame.shading), frame.width,
+                      frame.height, different, test_difference(&a, &b));
+        assert_true(different * 100 <= frame.width * frame.height);
+        free_picture(&a);
+        free_picture(&b);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* A pool of clusters that is too small: what does not fit is drawn whole, in its place, and it grows. */
+static void test_overflow(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(60);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const uint32_t capacities[] = {1, 7, 60};
+    for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {
+        fnl_frame frame = garden_frame(VIEW_PLAIN);
+        frame.culling = (fnl_culling)culling;
+        fnl_frame_stats vertex, mesh;
+        fnl_image expected = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex);
+        for (uint32_t i = 0; i < COUNT_OF(capacities); i++) {
+            fnl_renderer *own = test_renderer(scene);
+            own->poison = true;
+            own->cluster_limit = true;
+            own->cluster_capacity = capacities[i];
+            own->triangle_capacity = 1; /* which mesh shaders do without */
+            fnl_image drawn = shoot(own, frame, FNL_GEOMETRY_MESH, &mesh);
+            assert_true(test_equal(&expected, &drawn));
+            assert_true(mesh.items_whole > 0 && mesh.triangles_drawn > vertex.triangles_drawn);
+            if (i == 0) assert_true(mesh.items_whole > 20);
+            assert_int_equal(mesh.triangles_drawn + mesh.triangles_outside + mesh.triangles_back + mesh.triangles_small,
+                             mesh.triangles_total);
+            free_picture(&drawn);
+            own->cluster_limit = false;
+            for (int k = 0; k < 3; k++) { /* its counts are heeded when its slot comes round */
+                drawn = shoot(own, frame, FNL_GEOMETRY_MESH, &mesh);
+                assert_true(test_equal(&expected, &drawn));
+                free_picture(&drawn);
+            }
+            assert_int_equal(mesh.items_whole, 0);
+            check_counts(&vertex, &mesh);
+            fnl_renderer_destroy(&own);
+        }
+        free_picture(&expected);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* More work groups than a row of them takes, more than a draw takes; and more than any device takes in one dimension. */
+static void test_many_groups(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(60);
+    fnl_renderer *renderer = test_renderer(scene);
+    static const uint32_t rows[][2] = {{1, 1}, {3, 2}, {5, 64}};
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
+        renderer->mesh_row = rows[i][0];
+        renderer->mesh_rows = rows[i][1];
+        fnl_frame frame = garden_frame(VIEW_PLAIN);
+        frame.culling = i & 1 ? FNL_CULLING_CLUSTERS : FNL_CULLING_TRIANGLES;
+        compare(renderer, frame, "short rows");
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+    scene = test_scene();
+    uint32_t quad = test_quad_mesh(scene, SCENE_NONE);
+    for (uint32_t i = 0; i < 66000; i++) {
+        vec3 at = {((float)(i % 300) - 150) * 0.1f, ((float)(i / 300 % 220) - 110) * 0.1f, -0.001f * (float)(i % 7)};
+        test_place(scene, quad, at, (vec3){0.8f, 0.8f, 0.8f});
+    }
+    renderer = test_renderer(scene);
+    fnl_frame frame = garden_frame(VIEW_PLAIN);
+    frame.culling = FNL_CULLING_CLUSTERS;
+    frame.camera.position = (vec3){0, 0, 30};
+    frame.camera.target = (vec3){0, 0, 0};
+    fnl_frame_stats vertex, mesh;
+    fnl_image a, b;
+    for (int i = 0; i < 3; i++) { /* the pool grows */
+        if (i) free_picture(&b);
+        b = shoot(renderer, frame, FNL_GEOMETRY_MESH, &mesh);
+    }
+    a = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex);
+    assert_true(mesh.clusters_drawn > 65535);
+    assert_int_equal(mesh.items_whole, 0);
+    assert_true(test_equal(&a, &b));
+    check_counts(&vertex, &mesh);
+    free_picture(&a);
+    free_picture(&b);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* DAIS shades by a second draw of the scene what its pools cannot hold. */
+static void test_gates(void **state) {
+    UNUSED(state);
+    if (!has_meshes()) skip();
+    fnl_scene *scene = garden(60);
+    fnl_frame frame = garden_frame(VIEW_PLAIN);
+    frame.shading = FNL_SHADING_DAIS;
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame_stats stats;
+    renderer->dais_capacity = 8; /* for next to nothing */
+    fnl_image cut = shoot(renderer, frame, FNL_GEOMETRY_MESH, &stats);
+    assert_true(stats.dais.overflow > 0);
+    assert_int_equal(stats.geometry, FNL_GEOMETRY_MESH);
+    frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    fnl_image forward = shoot(renderer, frame, FNL_GEOMETRY_MESH, &stats);
+    print_message("%g from forward shading\n", test_difference(&cut, &forward));
+    assert_true(test_difference(&cut, &forward) < 2e-3);
+    free_picture(&cut);
+    free_picture(&forward);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* What has no mesh shaders, or cannot have them in a frame, is drawn by vertex shaders or refused. */
+static void test_fallback(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = garden(40);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = garden_frame(VIEW_PLAIN);
+    fnl_frame_stats stats;
+    renderer->no_meshes = true;
+    fnl_image expected = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &stats),
+              drawn = shoot(renderer, frame, FNL_GEOMETRY_AUTO, &stats);
+    assert_true(test_equal(&expected, &drawn));
+    assert_int_equal(stats.geometry, FNL_GEOMETRY_VERTEX);
+    assert_int_equal(stats.items_whole, 0);
+    free_picture(&drawn);
+    frame.geometry = FNL_GEOMETRY_MESH;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(test_device_memory.last_error, "mesh shaders"));
+    frame.geometry = FNL_GEOMETRY_COUNT;
+    assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
+    renderer->no_meshes = false;
+    if (has_meshes()) {
+        frame.geometry = FNL_GEOMETRY_MESH;
+        frame.culling = FNL_CULLING_INSTANCES;
+        assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(test_device_memory.last_error, "instances"));
+        drawn = shoot(renderer, frame, FNL_GEOMETRY_AUTO, &stats);
+        assert_int_equal(stats.geometry, FNL_GEOMETRY_VERTEX);
+        assert_true(test_equal(&expected, &drawn));
+        free_picture(&drawn);
+        frame.culling = FNL_CULLING_TRIANGLES;
+        for (int i = 0; i < 2; i++) {
+            drawn = shoot(renderer, frame, FNL_GEOMETRY_AUTO, &stats);
+            bool cpu = gpu_info(harness_device())->type == FNL_DEVICE_CPU && i == 0;
+            assert_int_equal(stats.geometry, cpu ? FNL_GEOMETRY_VERTEX : FNL_GEOMETRY_MESH);
+            assert_true(test_equal(&expected, &drawn));
+            free_picture(&drawn);
+            renderer->auto_meshes = true;
+        }
+        for (int i = 0; i < 4; i++) {
+            fnl_frame other = frame;
+            if (i == 0) other.visibility.barycentrics = true;
+            if (i == 1) other.outputs |= FNL_OUTPUT_MOTION;
+            if (i == 2) other.aa = FNL_ANTIALIASING_TAA;
+            if (i == 3) other.shading = FNL_SHADING_FORWARD_PREPASS, other.lists = FNL_LISTS_BATCHES;
+            drawn = shoot(renderer, other, FNL_GEOMETRY_MESH, &stats);
+            assert_int_equal(stats.geometry, FNL_GEOMETRY_VERTEX);
+            assert_int_equal(stats.items_whole, 0);
+            assert_true(stats.triangles_drawn < stats.triangles_total);
+            free_picture(&drawn);
+        }
+    }
+    free_picture(&expected);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+/* The words of a cluster tell its indices again. */
+static void test_words(void **state) {
+    UNUSED(state);
+    fnl_host host = test_host(&test_device_memory);
+    fnl_scene *scene = test_scene();
+    uint32_t mesh = test_sphere_mesh(scene, SCENE_NONE, 40);
+    const struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh].first_primitive];
+    gpu_cluster_list clusters = {0};
+    gpu_word_list words = {0};
+    uint32_t *indices = malloc(p->index_count * sizeof *indices);
+    assert_int_equal(device_clusters_build(&host, p, &clusters, indices, &words), FNL_OK);
+    uint32_t end = 0;
+    for (uint32_t c = 0; c < clusters.count; c++) {
+        const struct gpu_cluster *cluster = &clusters.data[c];
+        assert_int_equal(cluster->first_word, end);
+        assert_in_range(cluster->vertex_count, 3, CLUSTERS_MOST_VERTICES);
+        end += cluster->vertex_count + cluster->triangle_count;
+        for (uint32_t i = 0; i < cluster->triangle_count * 3; i++) {
+            uint32_t word = words.data[cluster->first_word + cluster->vertex_count + i / 3],
+                     corner = word >> i % 3 * 8 & 255;
+            assert_true(word < 1u << 24 && corner < cluster->vertex_count);
+            assert_int_equal(words.data[cluster->first_word + corner], indices[cluster->first_triangle * 3 + i]);
+        }
+    }
+    assert_int_equal(words.count, end);
+    print_message("%u triangles, %.1f bytes each\n", p->index_count / 3, (double)words.count * 4 * 3 / p->index_count);
+    free(indices);
+    array_free(&host, &clusters);
+    array_free(&host, &words);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        {"the words of clusters", test_words, NULL, NULL, NULL},
+        {"ES-77: mesh shaders draw the same picture in every shading order", test_orders, NULL, NULL, NULL},
+        {"ES-77, ES-79: mesh shaders in every view, with occlusion", test_views, NULL, NULL, NULL},
+        {"ES-77: mesh shaders draw skinned figures", test_skinned, NULL, NULL, NULL},
+        {"ES-77: mesh shaders at odd sizes", test_odd_sizes, NULL, NULL, NULL},
+        {"ES-77: an overflowing pool draws items whole by mesh shaders", test_overflow, NULL, NULL, NULL},
+        {"ES-77: more work groups than a draw takes", test_many_groups, NULL, NULL, NULL},
+        {"ES-77: mesh shaders draw what DAIS has no room for", test_gates, NULL, NULL, NULL},
+        {"ES-77: without mesh shaders", test_fallback, NULL, NULL, NULL},
+    };
+    return cmocka_run_group_tests(tests, test_group_begin, test_group_end);
+}
