@@ -1,52 +1,18 @@
 /* SPDX-License-Identifier: MIT */
+#include "command_capture.h"
 #include "commands.h"
 
 #include "base/base.h"
 #include "base/file.h"
 #include "fanal/image.h"
 
-#include <fcntl.h>
 #include <jansson.h>
-#include <setjmp.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cmocka.h>
 
 static char folder[64];
-static char out[8192], err[8192]; /* what the last run printed */
-
-static void read_back(const char *name, char *text, size_t capacity) {
-    FILE *stream = fopen(name, "rb");
-    assert_non_null(stream);
-    text[fread(text, 1, capacity - 1, stream)] = 0;
-    fclose(stream);
-}
-
-/* Runs the command in a process of its own, in the folder of the pictures. */
 static int run(const char *line) {
-    char words[512], *argv[16], *rest = words;
-    int argc = 0;
+    char words[512];
     snprintf(words, sizeof words, "compare %s", line);
-    for (char *word; (word = strtok_r(rest, " ", &rest));) argv[argc++] = word;
-    argv[argc] = NULL;
-    fflush(NULL);
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        const char *names[] = {"out", "err"};
-        for (int i = 0; i < 2; i++)
-            if (dup2(open(names[i], O_WRONLY | O_CREAT | O_TRUNC, 0600), 1 + i) < 0) _exit(99);
-        int code = command_compare(argc, argv);
-        fflush(NULL);
-        _exit(code);
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    read_back("out", out, sizeof out);
-    read_back("err", err, sizeof err);
-    return WEXITSTATUS(status);
+    return capture(command_compare, words);
 }
 
 static void save(const char *name, uint32_t width, fnl_pixel_format format, int step) {

@@ -4,28 +4,6 @@
 
 /* ---- host ---- */
 
-enum { SIZE_HEADER = 16 }; /* before each block, to check the sizes that come back */
-
-static void *reallocate(void *user, void *old, size_t old_size, size_t new_size) {
-    struct test_memory *memory = user;
-    char *block = old ? (char *)old - SIZE_HEADER : NULL;
-    size_t known = 0;
-    if (block) memcpy(&known, block, sizeof known);
-    if (known != old_size) atomic_fetch_add(&memory->wrong_sizes, 1);
-    if (new_size == 0) {
-        free(block);
-        atomic_fetch_sub(&memory->live_bytes, (long long)known);
-        return NULL;
-    }
-    long long number = atomic_fetch_add(&memory->allocations, 1) + 1, fail_at = atomic_load(&memory->fail_at);
-    if (fail_at && number >= fail_at) return NULL;
-    block = realloc(block, new_size + SIZE_HEADER);
-    assert_non_null(block);
-    memcpy(block, &new_size, sizeof new_size);
-    atomic_fetch_add(&memory->live_bytes, (long long)new_size - (long long)known);
-    return block + SIZE_HEADER;
-}
-
 static void log_line(void *user, fnl_log_level level, const char *line) {
     struct test_memory *memory = user;
     if (strncmp(line, "validation: ", 12) == 0) print_error("%s\n", line);
@@ -37,7 +15,7 @@ static void log_line(void *user, fnl_log_level level, const char *line) {
 fnl_host test_host(struct test_memory *memory) {
     fnl_host host = fnl_host_default();
     host.user = memory;
-    host.reallocate = reallocate;
+    host.reallocate = test_memory_reallocate;
     host.log = log_line;
     host.thread_count = 2;
     return host;

@@ -4,18 +4,8 @@
 #define FNL_GPU_TEST_H
 
 #include "gpu/gpu_internal.h"
+#include "tests/test_memory.h"
 
-#include <setjmp.h>
-
-#include <cmocka.h>
-
-/** A host that counts allocations and checks the sizes that are given back. */
-struct test_memory {
-    atomic_llong live_bytes, allocations; /* allocations: new or bigger blocks */
-    atomic_llong fail_at;                 /* this allocation and all after it fail; 0: none */
-    atomic_int wrong_sizes, errors;       /* errors: lines logged as such */
-    char last_error[512];
-};
 fnl_host test_host(struct test_memory *memory);
 
 /** A device with validation and no cache folder; NULL memory: the default host. Fails the test if there is none. */

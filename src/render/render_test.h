@@ -9,17 +9,8 @@
 #include "fanal/renderer.h"
 #include "scene/scene.h"
 #include "tests/render_harness.h"
+#include "tests/test_memory.h"
 
-#include <stdatomic.h>
-
-/** A host that counts, can be made to fail, and keeps the last error. */
-struct test_memory {
-    atomic_llong live_bytes, allocations; /* allocations: new or bigger blocks */
-    atomic_llong fail_at;                 /* this allocation and all after it fail; 0: none */
-    atomic_int wrong_sizes, errors;
-    bool loud; /* prints warnings and errors; validation messages are printed in any case */
-    char last_error[512];
-};
 fnl_host test_host(struct test_memory *memory);
 /** With validation, two threads and no cache folder. Fails the test if there is no device. */
 fnl_device *test_device_create(struct test_memory *memory);

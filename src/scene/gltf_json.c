@@ -38,28 +38,33 @@ static void clean(char *text) {
         if ((unsigned char)*text < 0x20 || (unsigned char)*text == 0x7f) *text = '?';
 }
 
-void gltf_warn(struct gltf *g, const struct at *at, const char *format, ...) {
+struct message {
     char pointer[256], text[512];
-    gltf_pointer(at, pointer, sizeof pointer);
+};
+
+static void compose(struct message *out, const struct at *at, const char *format, va_list arguments) {
+    gltf_pointer(at, out->pointer, sizeof out->pointer);
+    vsnprintf(out->text, sizeof out->text, format, arguments);
+    clean(out->pointer);
+    clean(out->text);
+}
+
+void gltf_warn(struct gltf *g, const struct at *at, const char *format, ...) {
+    struct message m;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    compose(&m, at, format, arguments);
     va_end(arguments);
-    clean(pointer);
-    clean(text);
-    scene_add_message(g->scene, "%s: %s: %s", g->name, pointer, text);
+    scene_add_message(g->scene, "%s: %s: %s", g->name, m.pointer, m.text);
 }
 
 void gltf_fail(struct gltf *g, fnl_result result, const struct at *at, const char *format, ...) {
-    char pointer[256], text[512];
-    gltf_pointer(at, pointer, sizeof pointer);
+    struct message m;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    compose(&m, at, format, arguments);
     va_end(arguments);
-    clean(pointer);
-    clean(text);
-    log_error(g->host, "%s: %s: %s; the file is not loaded", g->name, pointer, text);
+    log_error(g->host, "%s: %s: %s; the file is not loaded", g->name, m.pointer, m.text);
     if (g->result == FNL_OK) g->result = result;
 }
 

@@ -72,23 +72,6 @@ struct scene_texture scene_texture_none(void) {
     return (struct scene_texture){.image = SCENE_NONE, .transform = {1, 0, 0, 0, 1, 0}};
 }
 
-struct scene_material scene_material_default(void) {
-    struct scene_material material = {
-        .base_color = {1, 1, 1, 1},
-        .metallic = 1,
-        .roughness = 1,
-        .normal_scale = 1,
-        .occlusion_strength = 1,
-        .ior = 1.5f,
-        .specular = 1,
-        .specular_color = {1, 1, 1},
-        .alpha_mode = FNL_ALPHA_OPAQUE,
-        .alpha_cutoff = 0.5f,
-    };
-    for (int i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) material.textures[i] = scene_texture_none();
-    return material;
-}
-
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image) {
     if (!array_push(&scene->host, &scene->images, *image)) return SCENE_NONE;
     scene->structure_version++;

@@ -74,6 +74,31 @@ fnl_material_params fnl_material_params_default(void) {
     };
 }
 
+/* Without textures or a name. */
+static struct scene_material material_of(const fnl_material_params *p) {
+    struct scene_material material = {0};
+    for (int i = 0; i < SCENE_TEXTURE_SLOT_COUNT; i++) material.textures[i] = scene_texture_none();
+    material.base_color = vec4_make(p->base_color[0], p->base_color[1], p->base_color[2], p->base_color[3]);
+    material.metallic = p->metallic;
+    material.roughness = p->roughness;
+    material.normal_scale = p->normal_scale;
+    material.occlusion_strength = p->occlusion_strength;
+    material.emissive = vec3_make(p->emissive[0], p->emissive[1], p->emissive[2]);
+    material.ior = p->ior;
+    material.specular = p->specular;
+    material.specular_color = vec3_make(p->specular_color[0], p->specular_color[1], p->specular_color[2]);
+    material.alpha_mode = p->alpha_mode;
+    material.alpha_cutoff = p->alpha_cutoff;
+    material.double_sided = p->double_sided;
+    material.unlit = p->unlit;
+    return material;
+}
+
+struct scene_material scene_material_default(void) {
+    fnl_material_params params = fnl_material_params_default();
+    return material_of(&params);
+}
+
 static bool image_id_valid(const fnl_scene *scene, fnl_image_id id) {
     return (id.index == 0 && id.generation == 0) || (id.generation == FIXED_GENERATION && id.index < scene->images.count);
 }
@@ -106,21 +131,8 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
     REQUIRE(host, image_id_valid(scene, p->occlusion_image));
     REQUIRE(host, image_id_valid(scene, p->emissive_image));
 
-    struct scene_material material = scene_material_default();
+    struct scene_material material = material_of(p);
     material.name = "";
-    material.base_color = vec4_make(p->base_color[0], p->base_color[1], p->base_color[2], p->base_color[3]);
-    material.metallic = p->metallic;
-    material.roughness = p->roughness;
-    material.normal_scale = p->normal_scale;
-    material.occlusion_strength = p->occlusion_strength;
-    material.emissive = vec3_make(p->emissive[0], p->emissive[1], p->emissive[2]);
-    material.ior = p->ior;
-    material.specular = p->specular;
-    material.specular_color = vec3_make(p->specular_color[0], p->specular_color[1], p->specular_color[2]);
-    material.alpha_mode = p->alpha_mode;
-    material.alpha_cutoff = p->alpha_cutoff;
-    material.double_sided = p->double_sided;
-    material.unlit = p->unlit;
     set_image(&material, SCENE_TEXTURE_BASE_COLOR, p->base_color_image);
     set_image(&material, SCENE_TEXTURE_METALLIC_ROUGHNESS, p->metallic_roughness_image);
     set_image(&material, SCENE_TEXTURE_NORMAL, p->normal_image);

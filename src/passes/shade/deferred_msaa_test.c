@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred shading with several samples a pixel: the methods against one another, against forward shading, and counts against geometry. */
-#include "tests/render_harness.h"
-
-static bool has_samples(uint32_t samples) {
-    fnl_device_info info;
-    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
-    return (info.msaa_counts & samples) != 0;
-}
+#include "passes/shade/msaa_cases.h"
 
 static fnl_frame msaa_frame(const struct stage *stage, uint32_t samples) {
     fnl_frame frame = stage->frame;
@@ -20,18 +14,6 @@ static fnl_frame msaa_frame(const struct stage *stage, uint32_t samples) {
 static struct shot shoot_method(struct stage *stage, fnl_frame frame, fnl_msaa_method method) {
     frame.msaa_method = method;
     return stage_shoot(stage, &frame);
-}
-
-/* In decibels, of 8-bit pictures; 99 when equal. */
-static double psnr(const fnl_image *a, const fnl_image *b) {
-    const uint8_t *p = a->pixels, *q = b->pixels;
-    double sum = 0, count = 0;
-    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) {
-        if (i % 4 == 3) continue;
-        sum += (p[i] - q[i]) * (p[i] - q[i]);
-        count++;
-    }
-    return sum > 0 ? 10 * log10(255.0 * 255.0 * count / sum) : 99;
 }
 
 /* Invocations when every sample of edge pixels is shaded that shows a surface, and one of all others: pixels + (N - 1) edges where there is
@@ -87,13 +69,13 @@ static void test_exact(void **state) {
     stage.frame.width = c->width;
     stage.frame.height = c->height;
     for (uint32_t samples = 2; samples <= 8; samples *= 2)
-        if (has_samples(samples)) check_exact(&stage, msaa_frame(&stage, samples), c->walls_all_round);
+        if (msaa_has(samples)) check_exact(&stage, msaa_frame(&stage, samples), c->walls_all_round);
     stage_close(&stage);
 }
 
 static void test_cameras(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:spheres?lights=20", 0);
     for (uint32_t kind = 0; kind < 4; kind++) {
         fnl_frame frame = msaa_frame(&stage, 4);
@@ -119,37 +101,6 @@ static void test_cameras(void **state) {
 
 /* ---- edges against geometry ---- */
 
-static fnl_scene *empty_scene(void) {
-    fnl_scene *scene;
-    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
-    return scene;
-}
-
-static fnl_material_id add_material(fnl_scene *scene, float r, float g, float b) {
-    fnl_material_params params = fnl_material_params_default();
-    fnl_material_id id;
-    params.base_color[0] = r;
-    params.base_color[1] = g;
-    params.base_color[2] = b;
-    params.metallic = 0;
-    params.roughness = 0.6f;
-    assert_int_equal(fnl_scene_add_material(scene, &params, &id), FNL_OK);
-    return id;
-}
-
-/* A square from -1 to 1 that faces +Z, turned, scaled and moved. */
-static void add_square(fnl_scene *scene, fnl_material_id material, float angle, float size, vec3 at) {
-    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    fnl_mesh_params mesh = {
-        .vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices, .material = material};
-    fnl_mesh_id mesh_id;
-    fnl_instance_id instance;
-    assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &mesh_id), FNL_OK);
-    fnl_mat4 matrix = mat4_from_trs(at, quat_axis_angle(vec3_make(0, 0, 1), angle), vec3_make(size, size, 1));
-    assert_int_equal(fnl_scene_add_instance(scene, mesh_id, &matrix, &instance), FNL_OK);
-}
-
 static void look_down(fnl_frame *frame) {
     frame->width = 61;
     frame->height = 61;
@@ -172,10 +123,10 @@ static void test_edges_of_one_material(void **state) {
                                           {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}}};
     const float angle = 0.4f, size = 0.55f;
     for (uint32_t wall = 0; wall < 2; wall++) { /* before sky, and before the wall */
-        fnl_scene *scene = empty_scene();
-        fnl_material_id material = add_material(scene, 0.8f, 0.7f, 0.6f);
-        add_square(scene, material, angle, size, vec3_make(0.03f, -0.02f, 1));
-        if (wall) add_square(scene, material, 0, 3, vec3_make(0, 0, 0));
+        fnl_scene *scene = msaa_scene();
+        fnl_material_id material = msaa_material(scene, 0.8f, 0.7f, 0.6f, 0.6f);
+        msaa_square(scene, material, angle, size, vec3_make(0.03f, -0.02f, 1));
+        if (wall) msaa_square(scene, material, 0, 3, vec3_make(0, 0, 0));
         fnl_light_params light = fnl_light_params_default();
         fnl_light_id id;
         light.position = vec3_make(0.3f, 0.2f, 0.5f);
@@ -184,7 +135,7 @@ static void test_edges_of_one_material(void **state) {
         struct stage stage = stage_open_scene(scene);
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t samples = 2u << k;
-            if (!has_samples(samples)) continue;
+            if (!msaa_has(samples)) continue;
             fnl_frame frame = msaa_frame(&stage, samples);
             look_down(&frame);
             uint32_t certain = 0, uncertain = 0;
@@ -224,9 +175,9 @@ static void test_edges_of_one_material(void **state) {
  * lavapipe takes 1 / w from another point than what it divides where it interpolates at centroids. */
 static void test_slopes_have_no_edges(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
-    fnl_scene *scene = empty_scene();
-    fnl_material_id material = add_material(scene, 0.6f, 0.5f, 0.4f);
+    if (!msaa_has(4)) skip();
+    fnl_scene *scene = msaa_scene();
+    fnl_material_id material = msaa_material(scene, 0.6f, 0.5f, 0.4f, 0.6f);
     static const float positions[] = {-80, -80, 0, 240, -80, 0, -80, 240, 0};
     static const uint32_t indices[] = {0, 1, 2};
     fnl_mesh_params mesh = {
@@ -260,7 +211,7 @@ struct forward_case {
 /* Pixels that are no edges are lit at their centre by both; at edges forward takes a point of the covered part, wherever it is hidden. */
 static void test_forward(void **state) {
     const struct forward_case *c = *state;
-    if (!has_samples(4)) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open(c->source, 0);
     fnl_frame frame = msaa_frame(&stage, 4);
     frame.count_lights = false;
@@ -283,7 +234,7 @@ static void test_forward(void **state) {
         off += difference > 2;
         inner++;
     }
-    double near = psnr(&deferred.color, &forward.color), near_prepass = psnr(&deferred.color, &prepass.color);
+    double near = msaa_psnr(&deferred.color, &forward.color), near_prepass = msaa_psnr(&deferred.color, &prepass.color);
     print_message("%u of %u pixels are no edges, worst %d/255, %u beyond 2; all: %.1f dB, from forward-prepass %.1f dB\n",
                   inner, pixels, worst, off, near, near_prepass);
     assert_true(near_prepass > near - 4); /* cutouts keep what the prepass has left of them */
@@ -301,8 +252,8 @@ static void test_forward(void **state) {
  * smooth because samples are tone-mapped first. */
 static void test_resolve(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
-    fnl_scene *scene = empty_scene();
+    if (!msaa_has(4)) skip();
+    fnl_scene *scene = msaa_scene();
     fnl_material_params params = fnl_material_params_default();
     fnl_material_id bright, dark;
     params.unlit = true;
@@ -310,8 +261,8 @@ static void test_resolve(void **state) {
     assert_int_equal(fnl_scene_add_material(scene, &params, &bright), FNL_OK);
     params.base_color[0] = params.base_color[1] = params.base_color[2] = 0.0002f;
     assert_int_equal(fnl_scene_add_material(scene, &params, &dark), FNL_OK);
-    add_square(scene, bright, 0.3f, 0.5f, vec3_make(0, 0, 1));
-    add_square(scene, dark, 0, 3, vec3_make(0, 0, 0));
+    msaa_square(scene, bright, 0.3f, 0.5f, vec3_make(0, 0, 1));
+    msaa_square(scene, dark, 0, 3, vec3_make(0, 0, 0));
     struct stage stage = stage_open_scene(scene);
     fnl_frame frame = msaa_frame(&stage, 4);
     look_down(&frame);
@@ -345,7 +296,7 @@ static void test_rough(void **state) {
     const struct rough_case *c = *state;
     struct stage stage = stage_open(c->source, 0);
     for (uint32_t samples = 4; samples <= 8; samples *= 2) {
-        if (!has_samples(samples)) continue;
+        if (!msaa_has(samples)) continue;
         fnl_frame frame = msaa_frame(&stage, samples);
         struct shot all = shoot_method(&stage, frame, FNL_MSAA_ALL),
                     coverage = shoot_method(&stage, frame, FNL_MSAA_COVERAGE);
@@ -354,8 +305,8 @@ static void test_rough(void **state) {
         struct shot three = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
         frame.msaa = 1;
         struct shot one = stage_shoot(&stage, &frame);
-        double from[4] = {psnr(&all.color, &one.color), psnr(&all.color, &coverage.color), psnr(&all.color, &two.color),
-                          psnr(&all.color, &three.color)};
+        double from[4] = {msaa_psnr(&all.color, &one.color), msaa_psnr(&all.color, &coverage.color), msaa_psnr(&all.color, &two.color),
+                          msaa_psnr(&all.color, &three.color)};
         print_message("%u samples: 1 sample %.1f dB, coverage %.1f dB, aggregate %.1f dB, of three %.1f dB; shades a pixel: "
                       "all %.2f, coverage %.2f, aggregate %.2f and %.2f\n",
                       samples, from[0], from[1], from[2], from[3], (double)all.stats.msaa_shaded / all.stats.msaa_pixels,
@@ -382,7 +333,7 @@ static void test_rough(void **state) {
 /* A tolerance merges what is nearly alike. */
 static void test_tolerance(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:spheres?lights=20", 0);
     fnl_frame frame = msaa_frame(&stage, 4);
     struct shot exact = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
@@ -391,7 +342,7 @@ static void test_tolerance(void **state) {
         frame.msaa_tolerance = i == 1 ? 0.02f : 0.1f;
         struct shot merged = shoot_method(&stage, frame, FNL_MSAA_COMPACT),
                     tiles = shoot_method(&stage, frame, FNL_MSAA_TILES);
-        double near = psnr(&exact.color, &merged.color);
+        double near = msaa_psnr(&exact.color, &merged.color);
         print_message("tolerance %g: %llu surfaces of %llu, %.1f dB\n", (double)frame.msaa_tolerance,
                       (unsigned long long)merged.stats.msaa_surfaces, (unsigned long long)before, near);
         assert_true(merged.stats.msaa_surfaces < before && near > (i == 1 ? 45 : 38));
@@ -409,7 +360,7 @@ static void test_tolerance(void **state) {
 /* Sprites and glass over the samples: bit-equal between the exact methods, close to forward. */
 static void test_drawn_afterwards(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:glass?lights=40", 0);
     fnl_frame frame = msaa_frame(&stage, 4);
     frame.light_lod = 12;
@@ -417,7 +368,7 @@ static void test_drawn_afterwards(void **state) {
     struct shot deferred = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
     frame.shading = FNL_SHADING_FORWARD;
     struct shot forward = stage_shoot(&stage, &frame);
-    double near = psnr(&deferred.color, &forward.color);
+    double near = msaa_psnr(&deferred.color, &forward.color);
     print_message("glass and sprites: %.1f dB from forward\n", near);
     assert_true(near > 40);
     shot_free(&deferred);
@@ -427,7 +378,7 @@ static void test_drawn_afterwards(void **state) {
 
 static void test_refused(void **state) {
     UNUSED(state);
-    if (!has_samples(4)) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:spheres?lights=2", 0);
     fnl_frame good = msaa_frame(&stage, 4), bad = good;
     good.width = good.height = 8;

@@ -3,8 +3,8 @@
  * The shading orders with four samples a pixel, each against forward-prepass with as many: pixels that show one surface to 2/255, pictures by
  * decibels, surfaces whose light hardly changes within a pixel at their silhouettes too, where light that bleeds would show.
  */
+#include "passes/shade/msaa_cases.h"
 #include "render/shading.h"
-#include "tests/render_harness.h"
 
 struct order_case {
     fnl_shading shading;
@@ -20,24 +20,6 @@ static const struct order_case orders[] = {
     {FNL_SHADING_LIGHT_INDEXED, 60, 1, false}, {FNL_SHADING_ZIOMA, 60, 1, false},
     {FNL_SHADING_TEXTURING, 44, 2, true},     {FNL_SHADING_VIRTUAL_TEXTURING, 44, 2, false},
 };
-
-static bool has_samples(void) {
-    fnl_device_info info;
-    assert_int_equal(fnl_device_query_info(harness_device(), &info), FNL_OK);
-    return (info.msaa_counts & 4) != 0;
-}
-
-/* In decibels, of 8-bit pictures; 99 when equal. */
-static double psnr(const fnl_image *a, const fnl_image *b) {
-    const uint8_t *p = a->pixels, *q = b->pixels;
-    double sum = 0, count = 0;
-    for (size_t i = 0; i < (size_t)a->width * a->height * 4; i++) {
-        if (i % 4 == 3) continue;
-        sum += (p[i] - q[i]) * (p[i] - q[i]);
-        count++;
-    }
-    return sum > 0 ? 10 * log10(255.0 * 255.0 * count / sum) : 99;
-}
 
 static fnl_frame frame_of(const struct stage *stage, fnl_shading shading) {
     fnl_frame frame = stage->frame;
@@ -78,7 +60,7 @@ static void check_inner(struct stage *stage, fnl_frame frame, const struct shot 
 }
 
 static void test_scene(void **state) {
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open(*state, 0);
     assert_int_equal(fnl_scene_set_anisotropy(stage.scene, 1), FNL_OK); /* drivers filter explicit gradients in ways of their own */
     fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
@@ -87,7 +69,7 @@ static void test_scene(void **state) {
         const struct order_case *c = &orders[i];
         frame = frame_of(&stage, c->shading);
         struct shot shot = stage_shoot(&stage, &frame);
-        double near = psnr(&shot.color, &forward.color);
+        double near = msaa_psnr(&shot.color, &forward.color);
         print_message("  %s: %.1f dB\n", fnl_shading_name(c->shading), near);
         assert_int_equal(count_broken(&shot.radiance), 0);
         if (c->exact) check_inner(&stage, frame, &shot, &forward);
@@ -96,7 +78,7 @@ static void test_scene(void **state) {
         if ((shading_is(c->shading, SHADING_GBUFFER) && c->exact) || texturing) {
             frame.gbuffer_prepass = true; /* cutouts keep what the prepass has left of them */
             struct shot again = stage_shoot(&stage, &frame);
-            assert_true(psnr(&again.color, &forward.color) > c->least);
+            assert_true(msaa_psnr(&again.color, &forward.color) > c->least);
             shot_free(&again);
         }
         shot_free(&shot);
@@ -106,31 +88,6 @@ static void test_scene(void **state) {
 }
 
 /* ---- silhouettes ---- */
-
-static fnl_material_id add_material(fnl_scene *scene, float r, float g, float b) {
-    fnl_material_params params = fnl_material_params_default();
-    fnl_material_id id;
-    params.base_color[0] = r;
-    params.base_color[1] = g;
-    params.base_color[2] = b;
-    params.metallic = 0;
-    params.roughness = 0.9f;
-    assert_int_equal(fnl_scene_add_material(scene, &params, &id), FNL_OK);
-    return id;
-}
-
-/* A square from -1 to 1 that faces +Z, turned, scaled and moved. */
-static void add_square(fnl_scene *scene, fnl_material_id material, float angle, float size, vec3 at) {
-    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    fnl_mesh_params mesh = {
-        .vertex_count = 4, .index_count = 6, .positions = positions, .indices = indices, .material = material};
-    fnl_mesh_id mesh_id;
-    fnl_instance_id instance;
-    assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &mesh_id), FNL_OK);
-    fnl_mat4 matrix = mat4_from_trs(at, quat_axis_angle(vec3_make(0, 0, 1), angle), vec3_make(size, size, 1));
-    assert_int_equal(fnl_scene_add_instance(scene, mesh_id, &matrix, &instance), FNL_OK);
-}
 
 static void add_light(fnl_scene *scene, vec3 position, float intensity, float range) {
     fnl_light_params light = fnl_light_params_default();
@@ -146,12 +103,11 @@ static void add_light(fnl_scene *scene, vec3 position, float intensity, float ra
  * What each shows hardly changes from pixel to pixel, so all orders agree at silhouettes, wherever within a pixel they light it.
  */
 static fnl_scene *silhouettes(void) {
-    fnl_scene *scene;
-    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
-    fnl_material_id white = add_material(scene, 0.8f, 0.8f, 0.8f), red = add_material(scene, 0.8f, 0.2f, 0.1f);
-    add_square(scene, red, 0.4f, 0.35f, vec3_make(-0.4f, 0.1f, 2));
-    add_square(scene, white, 0.2f, 0.3f, vec3_make(0.4f, -0.1f, 2));
-    add_square(scene, white, 0.1f, 0.8f, vec3_make(0, -0.25f, -4));
+    fnl_scene *scene = msaa_scene();
+    fnl_material_id white = msaa_material(scene, 0.8f, 0.8f, 0.8f, 0.9f), red = msaa_material(scene, 0.8f, 0.2f, 0.1f, 0.9f);
+    msaa_square(scene, red, 0.4f, 0.35f, vec3_make(-0.4f, 0.1f, 2));
+    msaa_square(scene, white, 0.2f, 0.3f, vec3_make(0.4f, -0.1f, 2));
+    msaa_square(scene, white, 0.1f, 0.8f, vec3_make(0, -0.25f, -4));
     for (int i = 0; i < 9; i++) add_light(scene, vec3_make(0.6f * (float)(i % 3 - 1), 0.6f * (float)(i / 3 - 1), -1), 8, 5);
     for (int i = 0; i < 4; i++) add_light(scene, vec3_make((float)(i % 2) - 0.5f, (float)(i / 2) - 0.5f, 4.5f), 0.4f, 4.5f);
     assert_int_equal(fnl_scene_set_background(scene, (vec3){0.3f, 0.3f, 0.9f}), FNL_OK);
@@ -171,7 +127,7 @@ static void look_down(fnl_frame *frame) {
 
 static void test_silhouettes(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open_scene(silhouettes());
     fnl_frame frame = frame_of(&stage, FNL_SHADING_FORWARD_PREPASS);
     look_down(&frame);
@@ -199,7 +155,7 @@ static void test_silhouettes(void **state) {
 /* Every layout, encoding and chroma; what a layout cannot hold is lit forward, on its own samples alone. */
 static void test_layouts(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:spheres?lights=40", 0);
     fnl_frame frame = small_frame(&stage, FNL_SHADING_FORWARD_PREPASS);
     struct shot forward = stage_shoot(&stage, &frame);
@@ -213,7 +169,7 @@ static void test_layouts(void **state) {
             frame.normals = chroma ? FNL_NORMALS_LAYOUT : (fnl_normal_encoding)n;
             frame.chroma = chroma;
             struct shot shot = stage_shoot(&stage, &frame);
-            double near = psnr(&shot.color, &forward.color);
+            double near = msaa_psnr(&shot.color, &forward.color);
             print_message("  %s, normals %s%s: %.1f dB\n", fnl_gbuffer_name((fnl_gbuffer)g),
                           fnl_normal_encoding_name(frame.normals), chroma ? ", chroma" : "", near);
             assert_int_equal(count_broken(&shot.radiance), 0);
@@ -252,7 +208,7 @@ static void check_indexed(struct stage *stage, fnl_frame frame, const char *what
 
 static void test_cameras(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:spheres?lights=60", 0);
     assert_int_equal(fnl_scene_set_anisotropy(stage.scene, 1), FNL_OK);
     fnl_light_params light;
@@ -282,7 +238,7 @@ static void test_cameras(void **state) {
             if (!orders[i].exact || orders[i].shading == FNL_SHADING_DEFERRED) continue;
             frame.shading = orders[i].shading;
             struct shot shot = stage_shoot(&stage, &frame);
-            double near = psnr(&deferred.color, &shot.color);
+            double near = msaa_psnr(&deferred.color, &shot.color);
             /* Where light alone is asked for, surfaces that differ in colour are one. */
             assert_int_equal(count_broken(&shot.radiance), 0);
             if (kind < 4 && near < (frame.shading == FNL_SHADING_DEFERRED_VOLUMES ? 55 : 40))
@@ -297,7 +253,7 @@ static void test_cameras(void **state) {
 /* Volumes of all shapes light the same. */
 static void test_shapes(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:hall?lights=64", 0);
     struct shot solids = {0};
     for (uint32_t v = 0; v < FNL_VOLUME_SHAPE_COUNT; v++) {
@@ -324,7 +280,7 @@ static void test_shapes(void **state) {
 
 static void test_glass(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     struct stage stage = stage_open("builtin:glass?lights=20", 0);
     for (uint32_t t = 0; t < FNL_TRANSPARENCY_COUNT; t++) {
         fnl_frame frame = small_frame(&stage, FNL_SHADING_FORWARD_PREPASS);
@@ -334,7 +290,7 @@ static void test_glass(void **state) {
             frame.shading = orders[i].shading;
             frame.debug = FNL_DEBUG_NONE;
             struct shot shot = stage_shoot(&stage, &frame);
-            double near = psnr(&forward.color, &shot.color);
+            double near = msaa_psnr(&forward.color, &shot.color);
             print_message("  %s, transparency %u: %.1f dB\n", fnl_shading_name(frame.shading), t, near);
             assert_int_equal(count_broken(&shot.radiance), 0);
             assert_true(near > orders[i].least);
