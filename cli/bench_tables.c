@@ -72,8 +72,7 @@ static double spread_of(const json_t *result, const char *key) {
 static json_t *real_or_null(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 static json_t *add_table(json_t *tables, const char *name, const char *title) {
-    json_t *table =
-        json_pack("{s:s,s:s,s:[],s:[],s:[]}", "name", name, "title", title, "columns", "rows", "lines");
+    json_t *table = json_pack("{s:s,s:s,s:[],s:[],s:[]}", "name", name, "title", title, "columns", "rows", "lines");
     json_array_append_new(tables, table);
     return table;
 }
@@ -110,10 +109,11 @@ static void add_growth(json_t *table, const json_t *results, const json_t *first
     if (small != first || small == large) return;
     char text[1024];
     double spread = fmax(spread_of(small, "frame_ms"), spread_of(large, "frame_ms"));
-    int used = snprintf(text, sizeof text, "%s: %.3g times the triangles, %.3g times those drawn, %.3g times the frame's time", label,
-                        bench_number(large, "triangles", 0) / bench_number(small, "triangles", 0),
-                        bench_number(large, "triangles_drawn", 0) / fmax(bench_number(small, "triangles_drawn", 0), 1),
-                        bench_median(large, "frame_ms") / bench_median(small, "frame_ms"));
+    int used =
+        snprintf(text, sizeof text, "%s: %.3g times the triangles, %.3g times those drawn, %.3g times the frame's time",
+                 label, bench_number(large, "triangles", 0) / bench_number(small, "triangles", 0),
+                 bench_number(large, "triangles_drawn", 0) / fmax(bench_number(small, "triangles_drawn", 0), 1),
+                 bench_median(large, "frame_ms") / bench_median(small, "frame_ms"));
     snprintf(text + used, sizeof text - (size_t)used, spread > UNSETTLED ? " (unsettled: times spread by %.0f %%)." : ".",
              100 * spread);
     add_line(table, text);
@@ -122,8 +122,9 @@ static void add_growth(json_t *table, const json_t *results, const json_t *first
 void bench_table_geometry(const struct bench_data *data, json_t *tables) {
     const json_t *results = json_object_get(data->root, "results"), *result;
     json_t *table = add_table(tables, "geometry", "What is left out, and what the rest takes");
-    static const char *const names[] = {"<scene",    "<size",     "MSAA",  "<drawn by",    "triangles",          "drawn",
-                                        "culled, %", "frame, ms", "+-, %", "geometry, ms", "million triangles/s", "ns/drawn"};
+    static const char *const names[] = {
+        "<scene",    "<size",     "MSAA",  "<drawn by",    "triangles",           "drawn",
+        "culled, %", "frame, ms", "+-, %", "geometry, ms", "million triangles/s", "ns/drawn"};
     for (size_t c = 0; c < sizeof names / sizeof *names; c++) add_column(table, names[c]);
     size_t i;
     json_array_foreach(results, i, result) {
@@ -169,9 +170,9 @@ struct wins {
 
 static void note_win(struct wins *wins, const json_t *where, bool clear) {
     size_t used = strlen(wins->text);
-    snprintf(wins->text + used, sizeof wins->text - used, "%s%s %.0fx%.0f %.0fx%s", used ? ", " : "", string_of(where, "scene"),
-             bench_number(where, "width", 0), bench_number(where, "height", 0), bench_number(where, "msaa", 1),
-             clear ? "" : " (within the spread)");
+    snprintf(wins->text + used, sizeof wins->text - used, "%s%s %.0fx%.0f %.0fx%s", used ? ", " : "",
+             string_of(where, "scene"), bench_number(where, "width", 0), bench_number(where, "height", 0),
+             bench_number(where, "msaa", 1), clear ? "" : " (within the spread)");
     *(clear ? &wins->clear : &wins->close) += 1;
 }
 
@@ -248,7 +249,8 @@ void bench_table_orders(const struct bench_data *data, json_t *tables) {
         add_line(table, text);
     }
     table = add_table(tables, "ids", "Drawing ids against drawing a G-buffer; the bound is for four fragments a pixel");
-    static const char *const names[] = {"<scene", "<size", "MSAA", "ids, ms", "G-buffer, ms", "ratio", "at most", "<verdict"};
+    static const char *const names[] = {"<scene",       "<size", "MSAA",    "ids, ms",
+                                        "G-buffer, ms", "ratio", "at most", "<verdict"};
     for (size_t c = 0; c < sizeof names / sizeof *names; c++) add_column(table, names[c]);
     for (uint32_t i = 0; i < case_count; i++) add_ids(table, results, cases[i]);
     for (uint32_t i = 0; i < count; i++) free(labels[i]);

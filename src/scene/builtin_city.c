@@ -298,7 +298,8 @@ static void place_far_block(struct city *c, float x, float z, struct budget budg
     if (take_one(c, &budget)) builtin_place(c->b, m->far_block, builtin_at(x, 0, z, 0, 1));
     for (int i = 0; i < 4; i++) {
         float sx = i & 1 ? 14.5f : -14.5f, sz = i & 2 ? 14.5f : -14.5f;
-        if (take_one(c, &budget)) builtin_place(c->b, m->shells[choose(c, CITY_SHELLS)], builtin_at(x + sx, 0, z + sz, 0, 1));
+        if (take_one(c, &budget))
+            builtin_place(c->b, m->shells[choose(c, CITY_SHELLS)], builtin_at(x + sx, 0, z + sz, 0, 1));
     }
     for (int i = 0; i < 16 && take_one(c, &budget); i++) {
         struct frame f = side_frame(x, z, i % 4);

@@ -47,7 +47,8 @@ static uint32_t list_pieces(const fnl_scene *scene, vec3 eye, vec3 axis, struct 
                         vec3 sum = {0, 0, 0};
                         for (int c = 0; c < 3; c++)
                             sum = vec3_add(sum, transform(&matrix, primitive->positions[primitive->indices[k + c]]));
-                        out[count] = (struct piece){n, i, p, k, count, vec3_dot(vec3_sub(vec3_scale(sum, 1.0f / 3), eye), axis)};
+                        out[count] =
+                            (struct piece){n, i, p, k, count, vec3_dot(vec3_sub(vec3_scale(sum, 1.0f / 3), eye), axis)};
                     }
                     count++;
                 }

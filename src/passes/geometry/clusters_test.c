@@ -278,6 +278,159 @@ static void test_counts(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- counts by clusters ---- */
+
+/* Spheres before, beside and beyond the edges of the view, some of them mirrored; and small ones whose clusters lie between pixels. */
+static fnl_scene *shoal(void) {
+    fnl_scene *scene = test_scene();
+    struct random_state random = {5};
+    uint32_t sphere = test_sphere_mesh(scene, SCENE_NONE, 24);
+    for (uint32_t i = 0; i < 60; i++) {
+        bool small = i % 2;
+        float size = small ? random_range(&random, 0.03f, 0.06f) : random_range(&random, 0.7f, 1.2f);
+        test_place(scene, sphere,
+                   (vec3){random_range(&random, -10, 10), random_range(&random, -6, 6), random_range(&random, -2, 4)},
+                   (vec3){i % 4 < 2 ? size : -size, size, size});
+    }
+    return scene;
+}
+
+enum { SAYS_OUTSIDE, SAYS_BACK, SAYS_SMALL, SAYS_COUNT };
+
+static int certain(double value, double doubt) { return value > doubt ? 1 : value < -doubt ? -1 : 0; }
+
+/* Beyond a plane of the view by its half size along that plane's normal? */
+static int says_outside(const struct gpu_view *view, vec3 center, vec3 half) {
+    int beyond = -1;
+    for (int i = 0; i < 5; i++) {
+        const vec4 *p = &view->planes[i];
+        double distance = (double)p->x * center.x + (double)p->y * center.y + (double)p->z * center.z + p->w,
+               reach = fabs((double)p->x) * half.x + fabs((double)p->y) * half.y + fabs((double)p->z) * half.z;
+        beyond = MAX(beyond, certain(-distance - reach, 2e-3 * reach + 1e-4));
+    }
+    return beyond;
+}
+
+/* What the rules say of a cluster of a sphere (1: so, -1: not so, 0: too near to say) that is placed without being turned. */
+static void classify_cluster(const struct gpu_view *view, const struct gpu_cluster *cluster, vec3 place, vec3 size,
+                             int out[SAYS_COUNT]) {
+    const double scale = fabs((double)size.y), sine = 0.1, cosine = sqrt(1 - 0.01), slack = 1.0 / 256;
+    vec3 center = {place.x + size.x * cluster->center.x, place.y + size.y * cluster->center.y,
+                   place.z + size.z * cluster->center.z};
+    double radius = cluster->radius * scale;
+    int beyond = -1;
+    for (int i = 0; i < 5; i++) {
+        const vec4 *p = &view->planes[i];
+        double distance = (double)p->x * center.x + (double)p->y * center.y + (double)p->z * center.z + p->w;
+        beyond = MAX(beyond, certain(-distance - radius, 2e-3 * radius + 1e-4));
+    }
+    out[SAYS_OUTSIDE] = beyond;
+    double cutoff =
+        cluster->cone_cutoff * cosine + sqrt(fmax(1 - (double)cluster->cone_cutoff * cluster->cone_cutoff, 0)) * sine;
+    double pixels =
+        0.5 * fmin(fabs(view->size.x / (double)view->ndc_scale.x), fabs(view->size.y / (double)view->ndc_scale.y));
+    double away, reach = pixels;
+    if (view->orthographic > 0.5f) {
+        vec3 d = {-view->back.x * size.x / (float)scale, -view->back.y, -view->back.z};
+        away = vec3_dot(d, cluster->cone_axis) - cutoff;
+    } else {
+        vec3 eye = {(view->eye.x - place.x) / size.x, (view->eye.y - place.y) / size.y, (view->eye.z - place.z) / size.z};
+        vec3 to = vec3_sub(cluster->center, eye);
+        away = (vec3_dot(to, cluster->cone_axis) - cluster->radius) / vec3_length(to) - cutoff;
+        reach = pixels / (vec3_distance(center, view->eye) + radius);
+    }
+    out[SAYS_BACK] = MIN(certain(away, 3e-3), certain(cluster->thinnest * scale * reach * sine - 8 * slack, 2e-4));
+    vec3 seen = mat4_point(&view->world_to_view, center);
+    double low[2], high[2], z = -seen.z, near = 0.02;
+    const float at[2] = {seen.x, seen.y}, scales[2] = {view->ndc_scale.x, view->ndc_scale.y},
+                offsets[2] = {view->ndc_offset.x, view->ndc_offset.y};
+    const uint32_t sizes[2] = {view->size.x, view->size.y};
+    int small = -1;
+    for (int k = 0; k < 2; k++) {
+        low[k] = at[k] - radius;
+        high[k] = at[k] + radius;
+        if (view->orthographic < 0.5f) {
+            low[k] = fmin(low[k] / (z - radius), low[k] / (z + radius));
+            high[k] = fmax(high[k] / (z - radius), high[k] / (z + radius));
+        }
+        double p = ((low[k] - offsets[k]) / scales[k] * (k ? -0.5 : 0.5) + 0.5) * sizes[k],
+               q = ((high[k] - offsets[k]) / scales[k] * (k ? -0.5 : 0.5) + 0.5) * sizes[k];
+        low[k] = fmin(p, q) - 0.5;
+        high[k] = fmax(p, q) - 0.5;
+        int between = floor(high[k] + near) < ceil(low[k] - near)    ? 1
+                      : floor(high[k] - near) >= ceil(low[k] + near) ? -1
+                                                                     : 0;
+        small = MAX(small, between);
+    }
+    out[SAYS_SMALL] = z - radius > view->near_distance * 1.01 ? small
+                      : z - radius < view->near_distance      ? -1
+                                                              : MIN(small, 0);
+}
+
+/* Of each test of clusters at least what the CPU is sure of goes, and at most what it cannot rule out. */
+static void test_cluster_counts(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = shoal();
+    fnl_renderer *renderer = test_renderer(scene);
+    const struct scene_primitive *p = &scene->primitives.data[0];
+    fnl_host host = test_host(&test_device_memory);
+    gpu_cluster_list clusters = {0};
+    uint32_t *indices = malloc(p->index_count * sizeof *indices);
+    assert_int_equal(device_clusters_build(&host, p, &clusters, indices, NULL), FNL_OK);
+    for (uint32_t v = 0; v < VIEW_INSIDE; v++) {
+        fnl_frame frame = crowd_frame(v);
+        frame.width = 240;
+        frame.height = 150;
+        frame.jitter = (vec2){0, 0};
+        if (v == VIEW_ORTHOGRAPHIC) frame.camera.near_distance = 9; /* it cuts through them */
+        frame.shading = FNL_SHADING_VISIBILITY;
+        frame.culling = FNL_CULLING_CLUSTERS;
+        fnl_image image = shoot(renderer, &frame);
+        free_picture(&image);
+        fnl_frame_stats stats = stats_of(renderer);
+        struct gpu_view view = view_from_camera(&frame.camera, frame.width, frame.height);
+        uint64_t least[SAYS_COUNT + 1] = {0}, most[SAYS_COUNT + 1] = {0}, total = 0;
+        for (uint32_t n = 0; n < scene->nodes.count; n++) {
+            const struct scene_node *node = &scene->nodes.data[n];
+            if (node->mesh == SCENE_NONE) continue;
+            const float *m = node->world.m;
+            vec3 size = {m[0], m[5], m[10]}, place = {m[12], m[13], m[14]};
+            int item = says_outside(&view, place, (vec3){fabsf(size.x), size.y, size.z});
+            for (uint32_t c = 0; c < clusters.count; c++) {
+                int says[SAYS_COUNT];
+                uint32_t triangles = clusters.data[c].triangle_count;
+                classify_cluster(&view, &clusters.data[c], place, size, says);
+                says[SAYS_OUTSIDE] = MAX(says[SAYS_OUTSIDE], item);
+                bool earlier_sure = false, earlier_maybe = false; /* went already; may have */
+                for (int k = 0; k < SAYS_COUNT; k++) {
+                    if (says[k] > 0 && !earlier_maybe) least[k] += triangles;
+                    if (says[k] >= 0 && !earlier_sure) most[k] += triangles;
+                    earlier_sure = earlier_sure || says[k] > 0;
+                    earlier_maybe = earlier_maybe || says[k] >= 0;
+                }
+                least[SAYS_COUNT] += earlier_maybe ? 0 : triangles;
+                most[SAYS_COUNT] += earlier_sure ? 0 : triangles;
+                total += triangles;
+            }
+        }
+        const uint64_t counts[SAYS_COUNT + 1] = {stats.triangles_outside, stats.triangles_back, stats.triangles_small,
+                                                 stats.triangles_drawn};
+        static const char *const names[SAYS_COUNT + 1] = {"out of view", "facing away", "too small", "drawn"};
+        assert_int_equal(stats.triangles_total, total);
+        check_sum(&stats);
+        for (int k = 0; k <= SAYS_COUNT; k++) {
+            print_message("view %u: %llu of %llu triangles %s, %llu to %llu expected\n", v, (unsigned long long)counts[k],
+                          (unsigned long long)total, names[k], (unsigned long long)least[k], (unsigned long long)most[k]);
+            if (counts[k] < least[k] || counts[k] > most[k]) fail_msg("view %u: %s", v, names[k]);
+            assert_true(most[k] - least[k] < total / 25 && least[k] > total / 50);
+        }
+    }
+    free(indices);
+    array_free(&host, &clusters);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* Pools that are too small: what does not fit is drawn whole, in its place, and they grow. */
 static void test_overflow(void **state) {
     UNUSED(state);
@@ -376,6 +529,21 @@ static void compare_occlusion(fnl_renderer *hides, fnl_renderer *shows, fnl_fram
     free_picture(&left);
 }
 
+/*
+ * What a frame without a past hides, since all that is in view occludes, a frame with one hides too: what the last frame shows of this one
+ * leaves out hidden things alone, and where it shows nothing all occlude.
+ */
+static void check_hidden(fnl_scene *scene, fnl_renderer *hides, fnl_frame frame, const char *what) {
+    fnl_renderer *fresh = test_renderer(scene);
+    frame.occlusion = true;
+    fnl_image image = shoot(fresh, &frame);
+    free_picture(&image);
+    uint64_t all = stats_of(fresh).items_occluded, hidden = stats_of(hides).items_occluded;
+    print_message("%s: %llu items hidden, %llu without a past\n", what, (unsigned long long)hidden, (unsigned long long)all);
+    if (hidden > all || hidden * 20 < all * 19) fail_msg("%s: the last frame misleads", what);
+    fnl_renderer_destroy(&fresh);
+}
+
 /* Whatever camera and objects do between frames, nothing visible goes. */
 static void test_occlusion_moves(void **state) {
     UNUSED(state);
@@ -398,13 +566,18 @@ static void test_occlusion_moves(void **state) {
         for (int i = 0; i < 4; i++) { /* a fast pan: a third of the picture a frame */
             frame.camera.target = (vec3){4.0f * (float)i - 6, -0.5f, 0};
             compare_occlusion(hides, shows, frame, "a pan");
+            if (culling == 0) check_hidden(scene, hides, frame, "a pan");
         }
         frame.camera.position = (vec3){-1, 1, -12};
         frame.camera.target = (vec3){0, 0, 0};
         compare_occlusion(hides, shows, frame, "a jump to the other side");
+        if (culling == 0) check_hidden(scene, hides, frame, "a jump to the other side");
+        frame.camera.target = (vec3){-1, 8, -40}; /* the next frame knows nothing */
+        compare_occlusion(hides, shows, frame, "nothing in view");
         frame = crowd_frame(VIEW_PLAIN);
         frame.culling = (fnl_culling)culling;
         compare_occlusion(hides, shows, frame, "a jump back");
+        if (culling == 0) check_hidden(scene, hides, frame, "a jump back");
         for (int i = 0; i < 3; i++) { /* the wall gives way */
             mat4 matrix = mat4_from_trs((vec3){-3.5f, 3.0f * (float)i, 8}, quat_identity(), (vec3){4, 3.5f, 1});
             scene_move_node(scene, wall, &matrix);
@@ -424,6 +597,70 @@ static void test_occlusion_moves(void **state) {
         fnl_renderer_destroy(&shows);
         fnl_scene_destroy(&scene);
     }
+}
+
+/* A square that is moved and stretched along X and Y, or, turned, along Y and X. */
+static void move_flat(fnl_scene *scene, uint32_t node, float x, float y, float z, float width, float height, bool turned) {
+    mat4 matrix = mat4_from_trs((vec3){turned ? y : x, turned ? x : y, z}, quat_identity(),
+                                (vec3){turned ? height : width, turned ? width : height, 1});
+    scene_move_node(scene, node, &matrix);
+}
+
+/*
+ * Bars of many lengths behind two walls: what shows through the gap between them stays, however coarse the level that a bar is looked up in,
+ * and all go when the gap closes. Of a sphere that a wall hides in part some clusters go.
+ */
+static void test_occlusion_gaps(void **state) {
+    UNUSED(state);
+    enum { BARS = 6 };
+    fnl_scene *scene = test_scene();
+    struct scene_material material = scene_material_default();
+    material.double_sided = true;
+    material.emissive = (vec3){1, 2, 3};
+    uint32_t quad = test_quad_mesh(scene, scene_add_material(scene, &material));
+    uint32_t sphere = test_place(scene, test_sphere_mesh(scene, SCENE_NONE, 24), (vec3){0, 0, 60}, (vec3){1, 1, 1});
+    uint32_t walls[2] = {test_place(scene, quad, (vec3){-11, 0, 2}, (vec3){10, 10, 1}),
+                         test_place(scene, quad, (vec3){11, 0, 2}, (vec3){10, 10, 1})};
+    uint32_t bars[BARS];
+    for (uint32_t i = 0; i < BARS; i++) bars[i] = test_place(scene, quad, (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    fnl_renderer *hides = test_renderer(scene), *shows = test_renderer(scene);
+    fnl_frame frame = crowd_frame(VIEW_PLAIN);
+    frame.width = 250;
+    frame.height = 141;
+    frame.camera.position = (vec3){0, 0, 11};
+    frame.camera.target = (vec3){0, 0, 0};
+    for (int i = 0; i < 36; i++) {
+        bool turned = i >= 18, closed = i % 9 == 8; /* turned: the gap runs across */
+        for (int k = 0; k < BARS; k++)
+            move_flat(scene, bars[k], 0, 1.2f * (float)k - 3, 0, 0.4f * (float)(1 << k), 0.1f, turned);
+        /* With samples, half a pixel: some samples look through, the others of their pixels do not. */
+        frame.msaa = i % 18 < 9 ? 1 : 4;
+        float gap = closed ? -0.5f : frame.msaa == 1 ? 0.08f : 0.012f, at = (turned ? 0.61f : 0.91f) * (float)(i % 9 - 4);
+        for (int k = 0; k < 2; k++) move_flat(scene, walls[k], at + (k ? 10 + gap : -10 - gap), 0, 2, 10, 10, turned);
+        compare_occlusion(hides, shows, frame, "a gap");
+        uint64_t hidden = stats_of(hides).items_occluded;
+        if (closed)
+            assert_int_equal(hidden, BARS);
+        else
+            assert_true(hidden < BARS); /* the longest shows */
+    }
+    frame.msaa = 1;
+    mat4 matrix = mat4_from_trs((vec3){-4, 0, -4}, quat_identity(), (vec3){3.8f, 3.8f, 3.8f});
+    scene_move_node(scene, sphere, &matrix);
+    move_flat(scene, walls[0], -10, 0, 2, 10, 10, false);
+    move_flat(scene, walls[1], 30, 0, 2, 10, 10, false);
+    for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {
+        frame.culling = (fnl_culling)culling;
+        compare_occlusion(hides, shows, frame, "half a sphere");
+        fnl_frame_stats stats = stats_of(hides);
+        uint64_t squares = 2ull * stats.items_occluded;
+        print_message("%llu triangles of a sphere of 2304 and %llu items hidden\n",
+                      (unsigned long long)(stats.triangles_occluded - squares), (unsigned long long)stats.items_occluded);
+        assert_true(stats.triangles_occluded - squares > 600 && stats.triangles_occluded - squares < 2304);
+    }
+    fnl_renderer_destroy(&hides);
+    fnl_renderer_destroy(&shows);
+    fnl_scene_destroy(&scene);
 }
 
 static void test_occlusion_orders(void **state) {
@@ -520,8 +757,10 @@ int main(void) {
         {"ES-77: every shading order draws the same picture", test_orders, NULL, NULL, NULL},
         {"ES-77: skinned figures", test_skinned, NULL, NULL, NULL},
         {"ES-77: counts against the CPU", test_counts, NULL, NULL, NULL},
+        {"ES-77: counts by clusters against the CPU", test_cluster_counts, NULL, NULL, NULL},
         {"ES-77: overflowing pools draw items whole", test_overflow, NULL, NULL, NULL},
         {"ES-79: pans, jumps and moving walls drop nothing", test_occlusion_moves, NULL, NULL, NULL},
+        {"ES-79: gaps show what is behind them", test_occlusion_gaps, NULL, NULL, NULL},
         {"ES-79: every shading order draws the same picture", test_occlusion_orders, NULL, NULL, NULL},
         {"the view of clusters", test_view, NULL, NULL, NULL},
         {"ES-77: two runs, and nothing to cull", test_repeats, NULL, NULL, NULL},
