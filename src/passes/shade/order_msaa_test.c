@@ -150,6 +150,29 @@ static void test_silhouettes(void **state) {
     stage_close(&stage);
 }
 
+/*
+ * Lights that are written into pixels are looked for where any of their samples lies: surfaces at silhouettes, of which some samples see one and
+ * some the other, find theirs there too, and do not go through all lights.
+ */
+static void test_indexed_counts(void **state) {
+    UNUSED(state);
+    if (!has_samples()) skip();
+    fnl_scene *scene = silhouettes();
+    for (int i = 0; i < 100; i++) /* in the air */
+        add_light(scene, vec3_make(0.2f * (float)(i % 10) - 0.9f, 0.2f * (float)(i / 10) - 0.9f, 1), 1, 0.1f);
+    struct stage stage = stage_open_scene(scene);
+    fnl_frame frame = frame_of(&stage, FNL_SHADING_LIGHT_INDEXED);
+    look_down(&frame);
+    frame.list_options.light_layers = 16;
+    frame.count_lights = true;
+    struct shot shot = stage_shoot(&stage, &frame);
+    double indexed = (double)shot.stats.evaluations, useful = (double)shot.stats.evaluations_useful;
+    print_message("  %.0f evaluations, %.3f of the useful ones\n", indexed, indexed / useful);
+    assert_true(indexed >= useful && indexed < 1.035 * useful); /* a pixel has the lights of both its surfaces */
+    shot_free(&shot);
+    stage_close(&stage);
+}
+
 /* ---- G-buffers of deferred shading ---- */
 
 /* Every layout, encoding and chroma; what a layout cannot hold is lit forward, on its own samples alone. */
@@ -315,10 +338,12 @@ int main(void) {
         SCENE("builtin:spheres?lights=30"),
         SCENE("builtin:grass?lights=40"),
         {"ES-20, ES-23: no light bleeds over silhouettes", test_silhouettes, NULL, harness_check, NULL},
+        {"ES-26: lights of silhouettes are found by samples", test_indexed_counts, NULL, harness_check, NULL},
         {"ES-25, ES-26: cameras, packings and room", test_cameras, NULL, harness_check, NULL},
         {"ES-14, ES-18: volumes of all shapes", test_shapes, NULL, harness_check, NULL},
         {"ES-44: glass in three ways, and views", test_glass, NULL, harness_check, NULL},
         {"ES-10, ES-12, ES-13, FP-8: G-buffers with 4 samples", test_layouts, NULL, harness_check, NULL},
     };
+    if (getenv("F")) cmocka_set_test_filter(getenv("F"));
     return cmocka_run_group_tests_name("shading orders with samples", tests, harness_begin, harness_end);
 }
