@@ -156,7 +156,7 @@ static void test_silhouettes(void **state) {
  */
 static void test_indexed_counts(void **state) {
     UNUSED(state);
-    if (!has_samples()) skip();
+    if (!msaa_has(4)) skip();
     fnl_scene *scene = silhouettes();
     for (int i = 0; i < 100; i++) /* in the air */
         add_light(scene, vec3_make(0.2f * (float)(i % 10) - 0.9f, 0.2f * (float)(i / 10) - 0.9f, 1), 1, 0.1f);
