@@ -42,7 +42,7 @@ static const struct {
     FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
     FEATURE(barycentrics, "not used: visibility shading stores weights without it"),
-    FEATURE(mesh_shader, "triangle culling in mesh shaders"),
+    FEATURE(mesh_shader, "clusters of triangles drawn by mesh shaders"),
     FEATURE(ray_query, "not used yet"),
     FEATURE(sample_locations, "not used: the grid of visibility shading takes the standard places"),
     FEATURE(fragment_shading_rate, "not used: coarse shading needs none"),
