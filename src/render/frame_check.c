@@ -3,8 +3,6 @@
 #include "passes/visibility/visibility.h"
 #include "render/shading.h"
 
-enum { SIDE_MAX = 16384 };
-
 static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
@@ -62,17 +60,17 @@ static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *fra
 
 static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
-    const fnl_coarse_options *o = &frame->coarse;
-    REQUIRE(host, o->size == 1 || o->size == 2 || o->size == 4);
-    REQUIRE(host, (uint32_t)o->criterion < FNL_COARSE_CRITERION_COUNT);
-    REQUIRE(host, (uint32_t)o->split < FNL_COARSE_SPLIT_COUNT);
-    REQUIRE(host, (uint32_t)o->filter < FNL_COARSE_FILTER_COUNT);
-    REQUIRE(host, o->depth_factor >= 0 && isfinite(o->depth_factor));
-    REQUIRE(host, o->normal_degrees >= 0 && o->normal_degrees <= 180);
-    REQUIRE(host, o->tolerance >= 0 && o->tolerance <= 1 && o->albedo_tolerance >= 0 && o->albedo_tolerance <= 1);
-    REQUIRE(host, o->ao_radius >= 0 && isfinite(o->ao_radius));
+    const fnl_coarse_options *coarse = &frame->coarse;
+    REQUIRE(host, coarse->size == 1 || coarse->size == 2 || coarse->size == 4);
+    REQUIRE(host, (uint32_t)coarse->criterion < FNL_COARSE_CRITERION_COUNT);
+    REQUIRE(host, (uint32_t)coarse->split < FNL_COARSE_SPLIT_COUNT);
+    REQUIRE(host, (uint32_t)coarse->filter < FNL_COARSE_FILTER_COUNT);
+    REQUIRE(host, coarse->depth_factor >= 0 && isfinite(coarse->depth_factor));
+    REQUIRE(host, coarse->normal_degrees >= 0 && coarse->normal_degrees <= 180);
+    REQUIRE(host, coarse->tolerance >= 0 && coarse->tolerance <= 1 && coarse->albedo_tolerance >= 0 && coarse->albedo_tolerance <= 1);
+    REQUIRE(host, coarse->ao_radius >= 0 && isfinite(coarse->ao_radius));
     REQUIRE(host, frame->shade_cost <= 100000);
-    if (frame->shading == FNL_SHADING_COARSE && o->criterion == FNL_COARSE_CRITERION_ID &&
+    if (frame->shading == FNL_SHADING_COARSE && coarse->criterion == FNL_COARSE_CRITERION_ID &&
         !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which coarse.criterion id needs; use z");
         return FNL_ERROR_UNSUPPORTED;
@@ -102,8 +100,12 @@ static fnl_result check_geometry(const fnl_renderer *r, const fnl_frame *frame) 
 
 fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
-    REQUIRE(host, frame->width >= 1 && frame->width <= SIDE_MAX && frame->height >= 1 && frame->height <= SIDE_MAX);
-    REQUIRE(host, camera_valid(&frame->camera));
+    REQUIRE(host, frame->width >= 1 && frame->width <= 16384 && frame->height >= 1 && frame->height <= 16384);
+    if (!camera_valid(&frame->camera)) {
+        log_error(host, "the camera cannot be used: its numbers must be finite, position and target differ, near_distance be above 0, "
+                        "vertical_fov within 0 .. pi, or vertical_extent above 0 and far_distance above near_distance");
+        return FNL_ERROR_INVALID;
+    }
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
     REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
     TRY(lists_check(host, &frame->list_options));

@@ -22,9 +22,10 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
 
 fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
-    uint32_t buckets = frame->dais.cache_buckets;
-    REQUIRE(host, (uint32_t)frame->dais.mode < FNL_DAIS_MODE_COUNT);
-    REQUIRE(host, buckets >= 1 && buckets <= 1u << 22 && (buckets & (buckets - 1)) == 0);
+    const fnl_dais_options *dais = &frame->dais;
+    REQUIRE(host, (uint32_t)dais->mode < FNL_DAIS_MODE_COUNT);
+    REQUIRE(host, dais->cache_buckets >= 1 && dais->cache_buckets <= 1u << 22);
+    REQUIRE(host, (dais->cache_buckets & (dais->cache_buckets - 1)) == 0); /* a power of two */
     if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES &&
         frame->shading != FNL_SHADING_DAIS) {
         log_error(host, "the view %s shows what dais shading stores", fnl_debug_view_name(frame->debug));
