@@ -43,12 +43,7 @@ void main() {
         float depth = 0.0;
         if (coarse_work(walk, turn, pixel)) depth = gbuffer_depth(push.gbuffer, pixel);
         if (depth > 0.0) {
-            float open = openness(pixel, depth);
-            uint side = turn == 0u && walk.kind == COARSE_SHARED ? SIZE : 1u;
-            for (uint i = 0u; i < side * side; i++) {
-                ivec2 at = pixel + ivec2(i % side, i / side);
-                if (coarse_inside(at)) imageStore(images[push.target], at, vec4(open));
-            }
+            imageStore(images[push.target], pixel, vec4(openness(pixel, depth))); // of a block that is alike no other pixel is read
         }
     }
 }

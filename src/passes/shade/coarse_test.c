@@ -692,6 +692,21 @@ static void test_views_CP_16(void **state) {
     stage_close(&stage);
 }
 
+/* The estimator of coarse_ao.comp.glsl in the valley z = 0.8 |x|, in the middle of a pixel of the view of front_frame(). */
+static double valley_openness(uint32_t x, uint32_t y, double radius) {
+    double px = (x + 0.5) / 32 - 1, py = 1 - (y + 0.5) / 32, pz = 0.8 * fabs(px), length = sqrt(0.8 * 0.8 + 1), sum = 0;
+    double normal[2] = {px < 0 ? 0.8 / length : -0.8 / length, 1 / length}, reach = radius * 32;
+    double bias = 0.002 * (5 - pz) + 0.01 * radius;
+    for (int i = 0; i < 16; i++) {
+        double along = (i + 0.5) / 16, turn = i * 2.39996323;
+        double u = fmin(fmax(x + round(reach * along * cos(turn)), 0), 63), v = fmin(fmax(y + round(reach * along * sin(turn)), 0), 63);
+        double qx = (u + 0.5) / 32 - 1, to[3] = {qx - px, 1 - (v + 0.5) / 32 - py, 0.8 * fabs(qx) - pz};
+        double distance2 = to[0] * to[0] + to[1] * to[1] + to[2] * to[2], rest = fmax(1 - distance2 / (radius * radius), 0);
+        sum += rest * rest * rest * fmax(to[0] * normal[0] + to[2] * normal[1] - bias, 0) / (distance2 + 0.01 * radius * radius);
+    }
+    return fmin(fmax(1 - 2 * radius / 16 * sum, 0), 1);
+}
+
 static void test_occlusion_at_coarse_rate_CP_17(void **state) {
     UNUSED(state);
     fnl_scene *scene = empty_scene();
@@ -714,9 +729,16 @@ static void test_occlusion_at_coarse_rate_CP_17(void **state) {
             float distance = fabsf(((float)x + 0.5f) / 32 - 1);
             if (distance < 0.05f) assert_true(b[i] < 0.9f * a[i]);
             if (distance > 0.5f) assert_true(b[i] > 0.99f * a[i]);
+            assert_true(fabs((double)b[i] / a[i] - valley_openness(x, y, 0.4)) < 3e-3); /* there is but ambient light */
         }
     for (uint32_t size = 2; size <= 4; size += 2) {
         frame.coarse.size = size;
+        frame.coarse.depth_factor = 0; /* no block is alike */
+        struct shot fine = stage_shoot(&stage, &frame);
+        assert_int_equal(fine.stats.coarse_ao_shaded, 64 * 64);
+        assert_int_equal(count_differing(&fine.radiance, &full.radiance), 0);
+        shot_free(&fine);
+        frame.coarse.depth_factor = 1;
         struct shot shot = stage_shoot(&stage, &frame);
         assert_int_equal(shot.stats.coarse_ao_shaded, shot.stats.coarse_shaded);
         assert_true(shot.stats.coarse_ao_shaded < 64 * 64 / 3);
@@ -724,10 +746,47 @@ static void test_occlusion_at_coarse_rate_CP_17(void **state) {
         print_message("size %u: occlusion found %u times for 4096 pixels, %.1f dB\n", size, shot.stats.coarse_ao_shaded,
                       near);
         assert_true(near > 28);
+        /* Blocks have the occlusion of their first pixels, whatever else they share. */
+        assert_true(worst_ratio(&shot.radiance, &full.radiance, size) < 1e-6);
+        frame.coarse.split = FNL_COARSE_SPLIT_ALBEDO;
+        struct shot split = stage_shoot(&stage, &frame);
+        assert_true(worst_ratio(&split.radiance, &shot.radiance, 1) < 2e-3);
+        frame.coarse.split = FNL_COARSE_SPLIT_NONE;
+        shot_free(&split);
         shot_free(&shot);
     }
     shot_free(&off);
     shot_free(&full);
+    stage_close(&stage);
+}
+
+/* What is not seen and not drawn changes nothing, triangle numbers included. */
+static void test_culling_changes_nothing_CP_8_ES_79(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:hall?lights=32", 0);
+    fnl_frame frame = hall_frame(&stage, 161, 91);
+    for (uint32_t criterion = 0; criterion < FNL_COARSE_CRITERION_COUNT; criterion++)
+        for (uint32_t size = 2; size <= 4; size += 2) {
+            frame.coarse.criterion = (fnl_coarse_criterion)criterion;
+            frame.coarse.size = size;
+            frame.culling = FNL_CULLING_INSTANCES;
+            frame.occlusion = false;
+            struct shot whole = stage_shoot(&stage, &frame);
+            frame.culling = FNL_CULLING_TRIANGLES;
+            for (int occlusion = 0; occlusion < 2; occlusion++) {
+                frame.occlusion = occlusion;
+                struct shot first = stage_shoot(&stage, &frame); /* the second knows what hid what */
+                struct shot shot = stage_shoot(&stage, &frame);
+                assert_int_equal(count_differing(&first.radiance, &whole.radiance), 0);
+                assert_int_equal(count_differing(&shot.radiance, &whole.radiance), 0);
+                assert_int_equal(shot.stats.coarse_shared, whole.stats.coarse_shared);
+                assert_int_equal(shot.stats.coarse_shaded, whole.stats.coarse_shaded);
+                assert_true(shot.stats.triangles_back > 0 && (!occlusion || shot.stats.triangles_occluded > 0 || shot.stats.items_occluded > 0));
+                shot_free(&first);
+                shot_free(&shot);
+            }
+            shot_free(&whole);
+        }
     stage_close(&stage);
 }
 
@@ -784,6 +843,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_cost_changes_time_alone_CP_15, harness_check),
         cmocka_unit_test_teardown(test_views_CP_16, harness_check),
         cmocka_unit_test_teardown(test_occlusion_at_coarse_rate_CP_17, harness_check),
+        cmocka_unit_test_teardown(test_culling_changes_nothing_CP_8_ES_79, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
