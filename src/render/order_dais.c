@@ -17,7 +17,8 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
                                 .buckets = frame->dais.cache_buckets,
                                 .capacity = MAX(r->dais_capacity, 64u),
                                 .node_capacity = MAX(r->dais_node_capacity, 2u),
-                                .probe = r->dais_probe};
+                                .probe = r->dais_probe,
+                                .attempts = r->dais_impatient ? 0 : DAIS_ATTEMPTS};
 }
 
 fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {

@@ -77,6 +77,7 @@ struct fnl_renderer {
     uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
     uint64_t dais_bytes;                        /* of the last frame: what the pools do not hold */
     uint32_t dais_probe;                        /* tests: DAIS_SHOW_… */
+    bool dais_impatient; /* tests: nobody locks a bucket, so that each fragment stores its triangle */
     bool dais_plain; /* tests: as on devices without coverage after the depth test or values shared by four pixels */
     const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
     bool show_levels;         /* tests: virtual texturing gives levels of detail in place of radiance */

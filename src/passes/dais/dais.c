@@ -57,10 +57,11 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
     struct visibility_data data = {
         .scene = input->scene, .draws = *input->draws, .dais = *dais, .cache = cache, .view = input->view};
     data.state = (struct gpu_graphics_params){.fragment = visibility_shader(&dais->params),
-                                              .constant_count = 10,
+                                              .constant_count = 11,
                                               .constants = {[7] = dais->params.shared_samples,
                                                             [8] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
-                                                            [9] = dais->sample_count},
+                                                            [9] = dais->sample_count,
+                                                            [10] = dais->params.attempts},
                                               .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
                                               .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0,
                                                                 dais->shared.id ? REFERENCE_FORMAT : 0},

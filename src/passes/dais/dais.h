@@ -18,6 +18,7 @@ struct dais_params {
     uint32_t capacity;     /* words of the pool of triangles, 64 at least */
     uint32_t node_capacity;
     uint32_t probe;        /* DAIS_SHOW_… */
+    uint32_t attempts;     /* to lock a bucket, of DAIS_ATTEMPTS */
 };
 
 /** What the visibility pass leaves. */
@@ -34,7 +35,8 @@ bool dais_target_supported(const gpu_device *device, uint32_t samples);
 
 /**
  * References to what `depth` (complete) shows, and the triangles. The device needs fnl_device_info.primitive_ids. Cost: each fragment of the
- * opaque set that is seen looks its triangle up in a cache; the first of a triangle stores 18 words or more.
+ * opaque set that is seen looks its triangle up in a cache; for the first of a triangle it takes room for
+ * a record of 16 words or more, which a lane each fills.
  */
 struct dais dais_add(struct graph *graph, const struct shade_input *input, const struct dais_params *params, graph_image depth);
 

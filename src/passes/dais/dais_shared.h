@@ -43,6 +43,7 @@
 #define DAIS_RECORD_MAX 61u /* words of the longest record */
 
 #define DAIS_BUCKET 4u      /* words of a bucket: lock, newer reference, older reference, unused */
+#define DAIS_ATTEMPTS 1024u /* to lock a bucket; then the triangle is stored once more */
 #define DAIS_NODE 4u        /* words of a list element: next, reference, mask of samples, shading sample */
 
 /* Values of the constant PROBE: what is written in place of radiance. */

@@ -5,13 +5,14 @@
 
 layout(constant_id = 7) const uint SHARED_SAMPLES = 0u; // 1: shading samples are handed out
 layout(constant_id = 8) const uint COLORS = 1u;         // 1: some mesh has vertex colours
+layout(constant_id = 10) const uint LOCK_ATTEMPTS = 1024u;
 layout(constant_id = 31) const uint FEATURES = 0u;      // GPU_FEATURE_…
 
 layout(early_fragment_tests) in;
 layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors
 layout(push_constant, scalar) uniform push_block { gpu_dais_visibility_push push; };
 
-const uint LOCK_ATTEMPTS = 1024u, LOCK_POLLS = 128u;
+const uint LOCK_POLLS = 128u;
 
 // The record of a reference is that of this triangle. Headers are complete before a reference can be seen, and never change.
 bool is_of(uint reference, uint item, uint number) {
