@@ -161,8 +161,8 @@ void bench_tables_print(const struct bench_data *data);
 bool bench_dais_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data);
 bench_suite_tabulator bench_table_dais;
 /**
- * Samples to a triangle at which `ratio`, a key of rows, passes 1, between two neighbours among the rows of the series, size and sample
- * count of `first`; NaN where it does not.
+ * Samples to a triangle at which `ratio`, a key of rows, passes 1 for the last time as triangles get smaller, between two neighbours among
+ * the rows of the series, size and sample count of `first`; NaN where it does not.
  */
 double bench_dais_crossing(const json_t *rows, const json_t *first, const char *ratio);
 

@@ -15,10 +15,10 @@ static const struct dais_scene {
 } scenes[] = {{"builtin:interior?lights=64", "", 0},
               {"builtin:hall?lights=64", "", 0},
               {"builtin:city?lights=64", "", 0},
-              {"builtin:spheres?segments=", "spheres", 80},
-              {"builtin:spheres?segments=", "spheres", 27},
-              {"builtin:spheres?segments=", "spheres", 9},
-              {"builtin:spheres?segments=", "spheres", 3}};
+              {"builtin:spheres?lights=4&segments=", "spheres", 80},
+              {"builtin:spheres?lights=4&segments=", "spheres", 27},
+              {"builtin:spheres?lights=4&segments=", "spheres", 9},
+              {"builtin:spheres?lights=4&segments=", "spheres", 3}};
 static const uint32_t sample_counts[] = {1, 4, 8};
 
 enum subject { TARGET, LIST, MULTIRATE, DEFERRED, DEFERRED_PREPASS, SUBJECT_COUNT };
@@ -184,17 +184,18 @@ static bool one_line(const json_t *a, const json_t *b) {
 
 double bench_dais_crossing(const json_t *rows, const json_t *first, const char *ratio) {
     const json_t *row, *last = NULL;
+    double at = NAN;
     size_t i;
     json_array_foreach(rows, i, row) {
         if (!one_line(row, first)) continue;
         double y = log(bench_number(row, ratio, NAN)), x = log(bench_number(row, "samples_per_triangle", NAN));
         if (last) {
             double y0 = log(bench_number(last, ratio, NAN)), x0 = log(bench_number(last, "samples_per_triangle", NAN));
-            if ((y0 < 0) != (y < 0)) return exp(x0 + (x - x0) * y0 / (y0 - y));
+            if ((y0 < 0) != (y < 0)) at = exp(x0 + (x - x0) * y0 / (y0 - y));
         }
         last = row;
     }
-    return NAN;
+    return at;
 }
 
 /* ---- the table ---- */
