@@ -657,7 +657,7 @@ static void test_crossover(void **state) {
         double even = (64 + 4) / (deferred / samples - 4); /* a record without textures, and its number */
         print_message("%.2f samples to each of %u triangles: %.2f of the bytes of deferred; even at %.2f\n", each,
                       dais.dais.triangles, bytes / deferred, even);
-        assert_true((bytes < deferred) == (each > even));
+        assert_true(bytes == samples * 4 + dais.dais.triangles * 68.0 && (bytes < deferred) == (each > even));
         ahead += bytes < deferred;
         behind += bytes > deferred;
         fnl_renderer_destroy(&renderer);
