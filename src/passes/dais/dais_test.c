@@ -279,6 +279,8 @@ static void test_cache(void **state) {
                           stats.dais.triangles, stats.dais.unique, stats.dais.cache_failures);
             assert_true(stats.dais.unique > 400 && stats.dais.triangles >= stats.dais.unique);
             assert_int_equal(stats.dais.overflow, 0);
+            /* Locks are given back: but for threads that lose the processor in the middle, nobody waits in vain. */
+            assert_true(stats.dais.cache_failures * 2 < stats.dais.triangles);
             if (i == 0) {
                 assert_true(stats.dais.triangles <= stats.dais.unique * 1.02 + 4);
                 first = radiance;
