@@ -158,7 +158,8 @@ void gpu_bindless_remove(gpu_device *device, enum gpu_binding binding, uint32_t 
 
 static bool same_sampler(const struct gpu_sampler_params *a, const struct gpu_sampler_params *b) {
     return a->mag == b->mag && a->min == b->min && a->mip == b->mip && a->mipmapped == b->mipmapped &&
-           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->anisotropy == b->anisotropy && a->reduction == b->reduction;
+           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && a->anisotropy == b->anisotropy &&
+           a->reduction == b->reduction;
 }
 
 static fnl_result create_sampler(gpu_device *device, const struct gpu_sampler_params *params, VkSampler *out) {

@@ -148,8 +148,8 @@ void gpu_draw_indexed_indirect_count(struct gpu_commands *commands, const struct
     struct gpu_slice all = gpu_frame_allocate(commands->device, sizeof(uint32_t));
     if (!all.data) return;
     *(uint32_t *)all.data = UINT32_MAX;
-    commands->device->vk.CmdDrawIndexedIndirectCount(commands->handle, buffer->handle, offset, all.buffer->handle, all.offset, 0,
-                                                     sizeof(VkDrawIndexedIndirectCommand));
+    commands->device->vk.CmdDrawIndexedIndirectCount(commands->handle, buffer->handle, offset, all.buffer->handle,
+                                                     all.offset, 0, sizeof(VkDrawIndexedIndirectCommand));
 }
 
 void gpu_draw_mesh_indirect(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset) {

@@ -17,7 +17,8 @@ static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
     bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
     if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
     if (!is_auto && !shading_is(frame->shading, SHADING_LAYOUTS)) {
-        log_error(host, "%s shading has a G-buffer of its own: gbuffer, normals and chroma are of deferred and deferred-volumes",
+        log_error(host,
+                  "%s shading has a G-buffer of its own: gbuffer, normals and chroma are of deferred and deferred-volumes",
                   fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
@@ -67,7 +68,8 @@ static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     REQUIRE(host, (uint32_t)coarse->filter < FNL_COARSE_FILTER_COUNT);
     REQUIRE(host, coarse->depth_factor >= 0 && isfinite(coarse->depth_factor));
     REQUIRE(host, coarse->normal_degrees >= 0 && coarse->normal_degrees <= 180);
-    REQUIRE(host, coarse->tolerance >= 0 && coarse->tolerance <= 1 && coarse->albedo_tolerance >= 0 && coarse->albedo_tolerance <= 1);
+    REQUIRE(host, coarse->tolerance >= 0 && coarse->tolerance <= 1 && coarse->albedo_tolerance >= 0 &&
+                      coarse->albedo_tolerance <= 1);
     REQUIRE(host, coarse->ao_radius >= 0 && isfinite(coarse->ao_radius));
     REQUIRE(host, frame->shade_cost <= 100000);
     if (frame->shading == FNL_SHADING_COARSE && coarse->criterion == FNL_COARSE_CRITERION_ID &&
@@ -102,8 +104,10 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     REQUIRE(host, frame->width >= 1 && frame->width <= 16384 && frame->height >= 1 && frame->height <= 16384);
     if (!camera_valid(&frame->camera)) {
-        log_error(host, "the camera cannot be used: its numbers must be finite, position and target differ, near_distance be above 0, "
-                        "vertical_fov within 0 .. pi, or vertical_extent above 0 and far_distance above near_distance");
+        log_error(
+            host,
+            "the camera cannot be used: its numbers must be finite, position and target differ, near_distance be above 0, "
+            "vertical_fov within 0 .. pi, or vertical_extent above 0 and far_distance above near_distance");
         return FNL_ERROR_INVALID;
     }
     REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
@@ -173,7 +177,8 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "visibility.barycentrics takes 1 sample a pixel, not %u", frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }
-    if ((frame->shading == FNL_SHADING_VISIBILITY || frame->shading == FNL_SHADING_DAIS) && !gpu_info(r->device)->primitive_ids) {
+    if ((frame->shading == FNL_SHADING_VISIBILITY || frame->shading == FNL_SHADING_DAIS) &&
+        !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which %s shading needs", fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }

@@ -34,7 +34,8 @@ fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {
     }
     if (frame->shading != FNL_SHADING_DAIS || frame->msaa == 1) return FNL_OK;
     if (frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa)) {
-        log_error(host, "this device has no integer targets of %u samples for dais shading; lists (fnl_dais_options) need none",
+        log_error(host,
+                  "this device has no integer targets of %u samples for dais shading; lists (fnl_dais_options) need none",
                   frame->msaa);
         return FNL_ERROR_UNSUPPORTED;
     }

@@ -40,7 +40,8 @@ static void add_light_sums(struct frame_state *f, struct shade_input *input, boo
                                                graph_image_info(f->graph, f->radiance).format, surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    f->light_bytes = light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * surfaces.samples * input->width * input->height);
+    f->light_bytes =
+        light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * surfaces.samples * input->width * input->height);
 }
 
 void order_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {

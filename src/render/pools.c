@@ -59,7 +59,8 @@ static void grow_dais_pools(fnl_renderer *r, const struct frame_counts *counts) 
     if (counts->dais[DAIS_OVERFLOW] == 0) return;
     /* How much more the others want is not known: those that find no room take none. */
     if (counts->dais[DAIS_WORDS] + DAIS_RECORD_MAX > r->dais_capacity)
-        r->dais_capacity = (uint32_t)MIN(MAX(2ull * r->dais_capacity, (uint64_t)DAIS_POOL_START), MIN(limit, DAIS_POOL_LIMIT));
+        r->dais_capacity =
+            (uint32_t)MIN(MAX(2ull * r->dais_capacity, (uint64_t)DAIS_POOL_START), MIN(limit, DAIS_POOL_LIMIT));
     uint64_t nodes = counts->dais[DAIS_NODES] + 2ull;
     if (nodes > r->dais_node_capacity)
         r->dais_node_capacity = (uint32_t)MIN(nodes + nodes / 4, MIN(limit, DAIS_POOL_LIMIT) / 4);

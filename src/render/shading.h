@@ -16,8 +16,8 @@ enum shading_trait {
     SHADING_REDRAW = 128,      /* draws the geometry a second time for its materials */
     SHADING_APPROXIMATE = 256, /* gives a picture that is close to that of the others, not equal */
     SHADING_ITEMS = 512,       /* knows the item that a pixel shows: lists of objects serve it */
-    SHADING_FULL_RASTER = 2048, /* draws all geometry in the frame's own pixels: culling may leave out what none of their samples sees */
-    SHADING_VOLUMES = 1024     /* finds the lights of opaque surfaces by drawing volumes: lists serve blended ones alone */
+    SHADING_FULL_RASTER = 2048, /* draws all geometry in the frame's own pixels: culling may leave out what their samples do not see */
+    SHADING_VOLUMES = 1024      /* finds the lights of opaque surfaces by drawing volumes: lists serve blended ones alone */
 };
 /** Whether an order (not auto) has all of these traits. */
 bool shading_is(fnl_shading shading, uint32_t traits);

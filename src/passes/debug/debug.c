@@ -8,7 +8,8 @@ _Static_assert((uint32_t)FNL_DEBUG_DECALS == GPU_DEBUG_DECALS && FNL_DEBUG_GBUFF
                "debug_shared.h has the values of fnl_debug_view");
 _Static_assert((uint32_t)FNL_DEBUG_EDGES == GPU_DEBUG_EDGES && (uint32_t)FNL_DEBUG_HALOS == GPU_DEBUG_HALOS,
                "and those of the views of edges and halos");
-_Static_assert((uint32_t)FNL_DEBUG_COARSE_REASON == GPU_DEBUG_COARSE_REASON && FNL_DEBUG_COARSE + 1 == FNL_DEBUG_COARSE_REASON,
+_Static_assert((uint32_t)FNL_DEBUG_COARSE_REASON == GPU_DEBUG_COARSE_REASON &&
+                   FNL_DEBUG_COARSE + 1 == FNL_DEBUG_COARSE_REASON,
                "and those of coarse shading");
 
 _Static_assert((uint32_t)FNL_DEBUG_CLUSTERS == GPU_DEBUG_CLUSTERS, "and that of the view of clusters");

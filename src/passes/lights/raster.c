@@ -133,7 +133,8 @@ static void add_shell(struct graph *graph, const struct raster_data *d) {
 }
 
 static void add_draw(struct graph *graph, const struct raster_data *d) {
-    graph_add_clear(graph, "raster clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {d->slots}, .word = RASTER_UNSET});
+    graph_add_clear(graph, "raster clear", GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {d->slots}, .word = RASTER_UNSET});
     struct graph_pass *pass = graph_add_pass(graph, "raster draw", GRAPH_QUEUE_GRAPHICS, execute_draw, d, sizeof *d);
     graph_use_buffer(pass, d->input.buffer, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_GRAPHICS);

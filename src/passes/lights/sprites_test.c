@@ -73,7 +73,7 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
             if (!harness_tries(frame.shading, frame.lists, 12)) continue;
-            bool exact = !shading_is(frame.shading, SHADING_APPROXIMATE); /* others may light fewer points than there are pixels */
+            bool exact = !shading_is(frame.shading, SHADING_APPROXIMATE); /* others may light fewer points */
             uint64_t least = exact ? 20 : 4;
             struct shot near = stage_shoot(&stage, &frame);
             if (near.stats.evaluations == 0 || near.stats.evaluations_useful <= least)

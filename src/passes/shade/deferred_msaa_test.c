@@ -305,8 +305,8 @@ static void test_rough(void **state) {
         struct shot three = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
         frame.msaa = 1;
         struct shot one = stage_shoot(&stage, &frame);
-        double from[4] = {msaa_psnr(&all.color, &one.color), msaa_psnr(&all.color, &coverage.color), msaa_psnr(&all.color, &two.color),
-                          msaa_psnr(&all.color, &three.color)};
+        double from[4] = {msaa_psnr(&all.color, &one.color), msaa_psnr(&all.color, &coverage.color),
+                          msaa_psnr(&all.color, &two.color), msaa_psnr(&all.color, &three.color)};
         print_message("%u samples: 1 sample %.1f dB, coverage %.1f dB, aggregate %.1f dB, of three %.1f dB; shades a pixel: "
                       "all %.2f, coverage %.2f, aggregate %.2f and %.2f\n",
                       samples, from[0], from[1], from[2], from[3], (double)all.stats.msaa_shaded / all.stats.msaa_pixels,

@@ -17,14 +17,15 @@ struct layer_data {
 
 static void execute_layer(const struct graph_context *context, const void *data) {
     const struct layer_data *d = data;
-    struct gpu_graphics_params state = {.fragment = &shader_zioma_layer_frag,
-                                        .constant_count = 14,
-                                        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [9] = d->samples, [13] = d->layer > 0},
-                                        .color_count = d->samples > 1 ? 0 : 2,
-                                        .color_formats = {RAY_FORMAT, COLOR_FORMAT},
-                                        .depth_test = true,
-                                        .depth_write = true,
-                                        .depth_compare = VK_COMPARE_OP_GREATER};
+    struct gpu_graphics_params state = {
+        .fragment = &shader_zioma_layer_frag,
+        .constant_count = 14,
+        .constants = {GPU_LIST_ALL, d->counters.id != 0, 1, 1, [9] = d->samples, [13] = d->layer > 0},
+        .color_count = d->samples > 1 ? 0 : 2,
+        .color_formats = {RAY_FORMAT, COLOR_FORMAT},
+        .depth_test = true,
+        .depth_write = true,
+        .depth_compare = VK_COMPARE_OP_GREATER};
     struct gpu_zioma_push push = {
         .head = {.view = d->view, .counters = d->counters.id ? graph_address(context, d->counters) : 0},
         .depth = graph_sampled(context, d->depth),
