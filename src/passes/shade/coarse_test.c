@@ -549,8 +549,8 @@ static void test_filters_calm_motion_CP_12(void **state) {
         for (uint32_t filter = FNL_COARSE_FILTER_MEAN; filter <= FNL_COARSE_FILTER_SAMPLED; filter++) {
             frame.coarse.filter = (fnl_coarse_filter)filter;
             double with = flicker(&stage, frame);
-            print_message("size %u: a pixel changes by %.4f with the base colour %s, by %.4f with the first pixel's\n", size, with,
-                          fnl_coarse_filter_name(frame.coarse.filter), without);
+            print_message("size %u: a pixel changes by %.4f with the base colour %s, by %.4f with the first pixel's\n", size,
+                          with, fnl_coarse_filter_name(frame.coarse.filter), without);
             assert_true(with < 0.8 * without);
         }
     }
@@ -699,10 +699,12 @@ static double valley_openness(uint32_t x, uint32_t y, double radius) {
     double bias = 0.002 * (5 - pz) + 0.01 * radius;
     for (int i = 0; i < 16; i++) {
         double along = (i + 0.5) / 16, turn = i * 2.39996323;
-        double u = fmin(fmax(x + round(reach * along * cos(turn)), 0), 63), v = fmin(fmax(y + round(reach * along * sin(turn)), 0), 63);
+        double u = fmin(fmax(x + round(reach * along * cos(turn)), 0), 63),
+               v = fmin(fmax(y + round(reach * along * sin(turn)), 0), 63);
         double qx = (u + 0.5) / 32 - 1, to[3] = {qx - px, 1 - (v + 0.5) / 32 - py, 0.8 * fabs(qx) - pz};
         double distance2 = to[0] * to[0] + to[1] * to[1] + to[2] * to[2], rest = fmax(1 - distance2 / (radius * radius), 0);
-        sum += rest * rest * rest * fmax(to[0] * normal[0] + to[2] * normal[1] - bias, 0) / (distance2 + 0.01 * radius * radius);
+        sum += rest * rest * rest * fmax(to[0] * normal[0] + to[2] * normal[1] - bias, 0) /
+               (distance2 + 0.01 * radius * radius);
     }
     return fmin(fmax(1 - 2 * radius / 16 * sum, 0), 1);
 }
@@ -781,7 +783,8 @@ static void test_culling_changes_nothing_CP_8_ES_79(void **state) {
                 assert_int_equal(count_differing(&shot.radiance, &whole.radiance), 0);
                 assert_int_equal(shot.stats.coarse_shared, whole.stats.coarse_shared);
                 assert_int_equal(shot.stats.coarse_shaded, whole.stats.coarse_shaded);
-                assert_true(shot.stats.triangles_back > 0 && (!occlusion || shot.stats.triangles_occluded > 0 || shot.stats.items_occluded > 0));
+                assert_true(shot.stats.triangles_back > 0 &&
+                            (!occlusion || shot.stats.triangles_occluded > 0 || shot.stats.items_occluded > 0));
                 shot_free(&first);
                 shot_free(&shot);
             }
