@@ -35,7 +35,7 @@ static void print_help(void) {
          "  --debug VIEW               albedo normal depth roughness lights cells overdraw overshading\n"
          "                             tile-normals backfaces layers motion decals gbuffer-0 … gbuffer-4\n"
          "                             material-id lit-forward edges halos coarse coarse-reason,\n"
-         "                             dais-addresses dais-triangles dais-failures clusters,\n"
+         "                             dais-addresses dais-triangles dais-failures clusters atlas pages,\n"
          "                             instead of the picture\n"
          "  --aov LIST                 depth,normal,albedo,roughness,id,position,motion: more channels in the .exr\n"
          "\n"

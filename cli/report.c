@@ -129,9 +129,9 @@ void report_print(const struct render_report *r) {
         putchar('\n');
     }
     if (s->atlas_pages)
-        printf("  atlas: %u of %u pages there, room for %u, %.1f MiB; wanted %u, filled %u, without room %u\n",
+        printf("  atlas: %u of %u pages there, room for %u, %.1f MiB; wanted %u, filled %u, without room %u, gone %u\n",
                s->atlas_resident, s->atlas_pages, s->atlas_capacity, (double)s->atlas_bytes / (1 << 20), s->atlas_wanted,
-               s->atlas_filled, s->atlas_missing);
+               s->atlas_filled, s->atlas_missing, s->atlas_evicted);
     if (s->shading == FNL_SHADING_MOBILE)
         printf("  mobile %s: %s, tone mapping %s\n", fnl_mobile_layout_name(r->frame.mobile.layout),
                s->mobile_merged ? "one scope" : "separate passes",
@@ -259,10 +259,10 @@ static void add_traffic(json_t *json, const struct render_report *r) {
     json_object_set_new(json, "light_draws", integer(s->light_draws));
     if (s->atlas_pages)
         json_object_set_new(json, "atlas",
-                            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "pages", integer(s->atlas_pages), "capacity",
+                            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "pages", integer(s->atlas_pages), "capacity",
                                       integer(s->atlas_capacity), "wanted", integer(s->atlas_wanted), "resident",
                                       integer(s->atlas_resident), "filled", integer(s->atlas_filled), "missing",
-                                      integer(s->atlas_missing), "bytes", integer(s->atlas_bytes)));
+                                      integer(s->atlas_missing), "evicted", integer(s->atlas_evicted), "bytes", integer(s->atlas_bytes)));
     if (s->shading != FNL_SHADING_MOBILE) return;
     json_object_set_new(json, "mobile",
                         json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",

@@ -453,6 +453,8 @@ typedef enum fnl_debug_view {
     FNL_DEBUG_DAIS_TRIANGLES, /**< different triangles that a pixel shows: 1 grey, 2 green, 3 yellow, more red */
     FNL_DEBUG_DAIS_FAILURES,  /**< red where a triangle was stored because its bucket of the cache stayed locked */
     FNL_DEBUG_CLUSTERS, /**< colours for the clusters of triangles that culling knows; needs fnl_device_info.primitive_ids */
+    FNL_DEBUG_ATLAS, /**< FNL_SHADING_VIRTUAL_TEXTURING: the base colours that its atlas holds; hatched where it is empty */
+    FNL_DEBUG_PAGES, /**< the same: a colour for each page, darker the coarser; striped where a finer one was wanted; 1 sample */
     FNL_DEBUG_COUNT
 } fnl_debug_view;
 
@@ -680,9 +682,9 @@ typedef struct fnl_frame_stats {
         gbuffer_bytes; /**< of the G-buffer's targets in this frame, its mask included; depth and radiance are left out; 0 without one */
     /**
      * With FNL_SHADING_VIRTUAL_TEXTURING: pages that the scene has, that the atlas has room for, that the frame before wanted, that are
-     * there, that were filled for this frame, and that were wanted and found no room; bytes of the atlas.
+     * there, that were filled for this frame, that were wanted and found no room, and that gave way to others; bytes of the atlas.
      */
-    uint32_t atlas_pages, atlas_capacity, atlas_wanted, atlas_resident, atlas_filled, atlas_missing;
+    uint32_t atlas_pages, atlas_capacity, atlas_wanted, atlas_resident, atlas_filled, atlas_missing, atlas_evicted;
     uint64_t atlas_bytes;
     uint64_t
         items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */

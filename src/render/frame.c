@@ -7,6 +7,7 @@
 #include "passes/post/post.h"
 #include "passes/post/post_shared.h"
 #include "passes/shade/gbuffer_view.h"
+#include "passes/texturing/virtual_view_shared.h"
 #include "render/decals.h"
 #include "render/shading.h"
 
@@ -64,8 +65,13 @@ static bool frame_shows_dais(const fnl_frame *frame) {
     return frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES;
 }
 
+static bool frame_shows_atlas(const fnl_frame *frame) {
+    return frame->debug == FNL_DEBUG_ATLAS || frame->debug == FNL_DEBUG_PAGES;
+}
+
 static bool needs_aov(const fnl_frame *frame) {
-    return (frame->debug != FNL_DEBUG_NONE && !frame_shows_gbuffer(frame) && !frame_shows_dais(frame)) ||
+    bool own = frame_shows_gbuffer(frame) || frame_shows_dais(frame) || frame_shows_atlas(frame);
+    return (frame->debug != FNL_DEBUG_NONE && !own) ||
            (frame->outputs & (FNL_OUTPUT_SURFACE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION));
 }
 
@@ -139,6 +145,10 @@ static void add_picture(struct frame_state *f) {
     } else if (frame_shows_dais(f->frame)) {
         const struct shade_input input = {.scene = &f->scene->geometry, .view = f->view_address};
         dais_view_add(f->graph, &input, &f->dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
+    } else if (frame_shows_atlas(f->frame)) {
+        uint32_t mode = f->frame->debug == FNL_DEBUG_ATLAS ? VIRTUAL_VIEW_ATLAS : VIRTUAL_VIEW_PAGES;
+        virtual_view_add(f->graph, &f->texturing.pages, mode, f->texturing.targets[1], f->depth, f->view_address, f->color,
+                         swap);
     } else if (f->frame->debug == FNL_DEBUG_MOTION) {
         motion_view_add(f->graph, f->temporal.motion, f->color, swap);
     } else {

@@ -183,6 +183,16 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
         return FNL_ERROR_UNSUPPORTED;
     }
     TRY(dais_check(r, frame));
+    if (frame->debug == FNL_DEBUG_ATLAS || frame->debug == FNL_DEBUG_PAGES) {
+        if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING) {
+            log_error(host, "the view %s shows what virtual-texturing shading has", fnl_debug_view_name(frame->debug));
+            return FNL_ERROR_UNSUPPORTED;
+        }
+        if (frame->debug == FNL_DEBUG_PAGES && frame->msaa > 1) {
+            log_error(host, "the view pages takes 1 sample a pixel, not %u", frame->msaa);
+            return FNL_ERROR_UNSUPPORTED;
+        }
+    }
     if (frame->debug == FNL_DEBUG_CLUSTERS && !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which the view of clusters needs");
         return FNL_ERROR_UNSUPPORTED;

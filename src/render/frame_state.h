@@ -7,6 +7,7 @@
 #include "passes/aa/motion.h"
 #include "passes/dais/dais.h"
 #include "passes/post/post.h"
+#include "passes/texturing/texturing.h"
 #include "render/renderer_internal.h"
 
 #include <math.h>
@@ -51,6 +52,7 @@ struct frame_state {
     graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
     graph_buffer coarse_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */
     uint32_t coarse_bytes;                                      /* of its G-buffer beside the layout, a pixel */
+    struct texturing texturing;         /* pages.address 0: not of virtual texturing */
     struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;
     struct aov_images aov;

@@ -178,7 +178,7 @@ const char *fnl_debug_view_name(fnl_debug_view view) {
         "none",         "albedo",    "normal",      "depth",       "roughness", "lights",    "cells",     "overdraw",
         "tile-normals", "backfaces", "overshading", "layers",      "decals",    "gbuffer-0", "gbuffer-1", "gbuffer-2",
         "gbuffer-3",    "gbuffer-4", "material-id", "lit-forward", "edges",     "motion",    "halos",     "coarse",
-        "coarse-reason", "dais-addresses", "dais-triangles", "dais-failures", "clusters"};
+        "coarse-reason", "dais-addresses", "dais-triangles", "dais-failures", "clusters", "atlas", "pages"};
     _Static_assert(COUNT_OF(names) == FNL_DEBUG_COUNT, "each has a name");
     return NAME_OF(names, view);
 }

@@ -26,6 +26,7 @@ void order_virtual_texturing(struct frame_state *f, struct shade_input *input, b
     f->page_commands = pages.commands;
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
     texturing.shows_levels = r->show_levels;
+    f->texturing = texturing;
     shade(f, input, &texturing);
     texturing_forward_add(f->graph, input, f->radiance, f->depth);
 }

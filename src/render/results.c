@@ -100,6 +100,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->atlas_resident = counts->pages.resident;
     out->atlas_filled = counts->pages.filled;
     out->atlas_missing = counts->pages.missing;
+    out->atlas_evicted = counts->pages.evicted;
     out->blend_fragments = counts->blend.fragments;
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;

@@ -244,6 +244,70 @@ static void test_thousand_textures(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- odd textures ---- */
+
+static fnl_image_id odd_pattern(fnl_scene *scene, uint32_t width, uint32_t height, uint32_t seed) {
+    uint8_t *texels = malloc((size_t)width * height * 4);
+    assert_non_null(texels);
+    for (uint32_t i = 0; i < width * height; i++) {
+        double x = (i % width + 0.5) / width, y = (i / width + 0.5) / height;
+        double wave = 0.5 + 0.25 * sin(2 * M_PI * (2 * x + seed)) + 0.25 * sin(2 * M_PI * (3 * y + 0.3));
+        for (uint32_t k = 0; k < 3; k++) texels[i * 4 + k] = (uint8_t)(40 + 180 * wave * (k == seed % 3 ? 1 : 0.4));
+        texels[i * 4 + 3] = 255;
+    }
+    fnl_image image = {width, height, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
+    free(texels);
+    return id;
+}
+
+/* Sizes that are no powers of two, 1x1, strips; a thousand tiles; no coordinates; no texture; every wrap. */
+static void test_odd_textures(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t width, height; /* 0: no texture */
+        float scale, shift;
+        enum scene_wrap wrap;
+        bool bare; /* no coordinates */
+    } cases[] = {{1, 1, 1, 0, SCENE_WRAP_REPEAT, false},         {3, 5, 1, 0, SCENE_WRAP_CLAMP, false},
+                 {257, 63, 2, 0.25f, SCENE_WRAP_REPEAT, false},  {640, 1, 1, 0, SCENE_WRAP_MIRROR, false},
+                 {130, 250, 3, -1.5f, SCENE_WRAP_MIRROR, false}, {100, 60, 2, -0.5f, SCENE_WRAP_CLAMP, false},
+                 {33, 17, 1000, 0, SCENE_WRAP_REPEAT, false},    {64, 64, 1, 999.5f, SCENE_WRAP_REPEAT, false},
+                 {64, 64, 1, -4000, SCENE_WRAP_MIRROR, false},   {48, 48, 1, 0, SCENE_WRAP_REPEAT, true},
+                 {0, 0, 1, 0, SCENE_WRAP_REPEAT, false},         {0, 0, 1, 0, SCENE_WRAP_REPEAT, true}};
+    fnl_scene *scene = test_scene();
+    assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        struct scene_material m = test_unlit(1, 1, 1);
+        if (cases[i].width) {
+            struct scene_sampler sampler = {SCENE_FILTER_LINEAR, SCENE_FILTER_LINEAR, SCENE_FILTER_LINEAR, true,
+                                            cases[i].wrap,       cases[i].wrap};
+            struct scene_texture *t = &m.textures[SCENE_TEXTURE_BASE_COLOR];
+            *t = scene_texture_none();
+            t->image = odd_pattern(scene, cases[i].width, cases[i].height, i).index;
+            t->sampler = scene_add_sampler(scene, &sampler);
+            const float transform[6] = {cases[i].scale, 0, cases[i].shift, 0, cases[i].scale, cases[i].shift};
+            memcpy(t->transform, transform, sizeof transform);
+        }
+        uint32_t mesh = test_quad_mesh(scene, scene_add_material(scene, &m));
+        if (cases[i].bare) scene->primitives.data[scene->meshes.data[mesh].first_primitive].uv[0] = NULL;
+        test_place(scene, mesh, (vec3){(float)(i % 4) * 0.5f - 0.75f, (float)(i / 4) * 0.6f - 0.6f, 0},
+                   (vec3){0.23f, 0.28f, 1});
+    }
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR);
+    frame.width = frame.height = 151;
+    static const fnl_shading shadings[] = {FNL_SHADING_TEXTURING, FNL_SHADING_VIRTUAL_TEXTURING};
+    for (uint32_t k = 0; k < 4; k++) {
+        frame.msaa = k < 2 ? 1 : 4;
+        uint32_t bytes;
+        double psnr = psnr_against_forward(scene, frame, shadings[k % 2], &bytes);
+        print_message("odd textures, %s, %u samples: %.1f dB\n", fnl_shading_name(shadings[k % 2]), frame.msaa, psnr);
+        assert_true(psnr > (k % 2 ? 40 : 48));
+    }
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- the first pass ---- */
 
 static uint32_t count_image_reads(const struct gpu_shader *shader) {
@@ -270,6 +334,7 @@ int main(void) {
         {"ES-70: surfaces of every kind by the atlas", test_every_kind_by_the_atlas, NULL, NULL, NULL},
         {"ES-76, ES-70: surfaces of every kind with 4 samples", test_every_kind_with_samples, NULL, NULL, NULL},
         {"ES-76: 1000 textures", test_thousand_textures, NULL, NULL, NULL},
+        {"ES-76, ES-70: odd textures, wraps and coordinates", test_odd_textures, NULL, NULL, NULL},
         {"ES-76, ES-79: the first pass reads no texture but the alpha of cutouts", test_first_pass_reads_alpha_alone, NULL,
          NULL, NULL}};
     return cmocka_run_group_tests(tests, test_group_begin, test_group_end);

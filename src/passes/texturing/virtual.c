@@ -2,6 +2,7 @@
 #include "passes/texturing/virtual.h"
 
 #include "passes/geometry/geometry.h"
+#include "passes/texturing/virtual_view_shared.h"
 #include "scene_shared.h"
 #include "shaders.h"
 
@@ -57,7 +58,7 @@ static fnl_result create_all(gpu_device *device, const struct virtual_contents *
     TRY(make_buffer(device, "virtual wanted", NULL, pages, &atlas->wanted));
     TRY(make_buffer(device, "virtual owners", NULL, places, &atlas->owners));
     TRY(make_buffer(device, "virtual places", NULL, places, &atlas->places));
-    TRY(make_buffer(device, "virtual commands", NULL, 32, &atlas->commands));
+    TRY(make_buffer(device, "virtual commands", NULL, 16 + sizeof(struct gpu_virtual_counts), &atlas->commands));
     for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++) {
         if (!(contents->layers >> i & 1)) continue;
         struct gpu_image_params params = {.name = names[i],
@@ -176,4 +177,43 @@ void virtual_use_sample(struct graph_pass *pass, const struct virtual_frame *fra
     graph_use_buffer(pass, frame->owners, GRAPH_READ_COMPUTE);
     for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++)
         if (frame->layers[i].id) graph_use_image(pass, frame->layers[i], GRAPH_SAMPLE_COMPUTE);
+}
+
+/* ---- debug views ---- */
+
+struct view_data {
+    struct virtual_frame frame;
+    graph_image uv, depth, target;
+    VkDeviceAddress view;
+    uint32_t mode, width, height;
+    bool swap;
+};
+
+static void execute_view(const struct graph_context *context, const void *data) {
+    const struct view_data *d = data;
+    bool pages = d->mode == VIRTUAL_VIEW_PAGES;
+    struct gpu_compute_params params = {.shader = &shader_virtual_view_comp};
+    struct gpu_virtual_view_push push = {.view = d->view,
+                                         .pages = d->frame.address,
+                                         .uv = pages ? graph_sampled(context, d->uv) : GPU_TEXTURE_NONE,
+                                         .depth = pages ? graph_sampled(context, d->depth) : GPU_TEXTURE_NONE,
+                                         .target = graph_storage(context, d->target),
+                                         .swap = d->swap,
+                                         .mode = d->mode};
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+}
+
+void virtual_view_add(struct graph *graph, const struct virtual_frame *frame, uint32_t mode, graph_image uv,
+                      graph_image depth, VkDeviceAddress view, graph_image target, bool swap) {
+    struct graph_image_params image = graph_image_info(graph, target);
+    struct view_data data = {*frame, uv, depth, target, view, mode, image.width, image.height, swap};
+    struct graph_pass *pass =
+        graph_add_pass(graph, "texturing view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
+    virtual_use_sample(pass, frame);
+    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
+    if (mode != VIRTUAL_VIEW_PAGES) return;
+    graph_use_image(pass, uv, GRAPH_SAMPLE_COMPUTE);
+    graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
 }

@@ -50,4 +50,8 @@ void virtual_update_add(struct graph *graph, const struct virtual_frame *frame);
 void virtual_use_locate(struct graph_pass *pass, const struct virtual_frame *frame);
 void virtual_use_sample(struct graph_pass *pass, const struct virtual_frame *frame);
 
+/** Draws a view, VIRTUAL_VIEW_…, to a storage image. `uv` and `depth`: of one sample, for VIRTUAL_VIEW_PAGES alone. */
+void virtual_view_add(struct graph *graph, const struct virtual_frame *frame, uint32_t mode, graph_image uv,
+                      graph_image depth, VkDeviceAddress view, graph_image target, bool swap);
+
 #endif

@@ -93,4 +93,5 @@ void main() {
     commands.at[5] = capacity - total_empty + min(total_filled, total_empty);
     commands.at[6] = total_filled;
     commands.at[7] = total_wanted - min(total_wanted, capacity);
+    commands.at[8] = total_filled - min(total_filled, total_empty);
 }

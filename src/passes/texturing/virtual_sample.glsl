@@ -7,6 +7,7 @@ layout(constant_id = 5) const uint SHOWS_LEVELS = 0u;
 vec2 atlas_at;     // texels
 uint atlas_tier;
 float atlas_level; // 0 .. VIRTUAL_LEVELS - 1
+float atlas_asked; // the same as neighbours tell it, before it is kept within the page
 
 struct virtual_point {
     uint material, tier;
@@ -60,8 +61,8 @@ uint virtual_find(ivec2 pixel, int at) {
     bool has_along = virtual_change(pixel, ivec2(1, 0), p, period, is_coarsest, along);
     bool has_down = virtual_change(pixel, ivec2(0, 1), p, period, is_coarsest, down);
     float longest = max(has_along ? along : 0.0, has_down ? down : 0.0);
-    atlas_level = has_along || has_down ? log2(max(longest, 1e-6)) : 1.0; // in the middle of what the tier holds
-    atlas_level = clamp(atlas_level, 0.0, float(VIRTUAL_LEVELS - 1u));
+    atlas_asked = has_along || has_down ? log2(max(longest, 1e-6)) : 1.0; // in the middle of what the tier holds
+    atlas_level = clamp(atlas_asked, 0.0, float(VIRTUAL_LEVELS - 1u));
     return p.material;
 }
 
@@ -103,6 +104,7 @@ vec4 atlas_texel(uint layer) {
     return mix(fine, is_color ? atlas_color(layer, level + 1u) : atlas_data(layer, level + 1u), share);
 }
 
+#ifdef MATERIAL_TEXEL
 vec4 material_texel(int slot) {
     if (slot == TEXTURE_BASE_COLOR) return atlas_texel(VIRTUAL_BASE);
     if (slot == TEXTURE_EMISSIVE) return atlas_texel(VIRTUAL_EMISSIVE);
@@ -112,3 +114,4 @@ vec4 material_texel(int slot) {
     vec4 params = atlas_texel(VIRTUAL_PARAMS); // metalness and roughness, or strength
     return slot == TEXTURE_SPECULAR ? params.rrrr : params;
 }
+#endif

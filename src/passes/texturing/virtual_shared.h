@@ -56,6 +56,7 @@ struct gpu_virtual_counts {
     uint resident;
     uint filled;
     uint missing; /* wanted, but there was no room */
+    uint evicted; /* gave way to those that were filled */
 };
 
 struct gpu_virtual {

@@ -246,6 +246,7 @@ static void test_pages_follow_the_view(void **state) {
     assert_int_equal(count_differing(&first.radiance, &again.radiance), 0);
     assert_true(first.stats.atlas_filled == first.stats.atlas_wanted && first.stats.atlas_wanted >= 4);
     assert_int_equal(again.stats.atlas_filled, 0);
+    assert_int_equal(first.stats.atlas_evicted, 0);
     assert_int_equal(first.stats.atlas_pages, 4 * (18 * 18 + 5 * 5 + 2 * 2 + 1) + 1); /* and one that nothing has */
     struct shot blurred = stage_shoot(&stage, &near), sharp = stage_shoot(&stage, &near), truth = stage_shoot(&fresh, &near);
     assert_int_equal(blurred.stats.atlas_filled, 0);
@@ -304,6 +305,7 @@ static void test_overflow(void **state) {
             assert_int_equal(first.stats.atlas_filled, 0);
             assert_int_equal(later.stats.atlas_resident, 16);
             assert_true(later.stats.atlas_filled > 0);
+            assert_int_equal(later.stats.atlas_evicted, later.stats.atlas_filled); /* there was no empty place */
             if (plain) {
                 assert_true(greatest_difference(&forward.color, &first.color) <= 1);
                 assert_true(greatest_difference(&forward.color, &later.color) <= 1);
@@ -351,12 +353,68 @@ static void test_what_the_atlas_cannot_hold(void **state) {
     stage_close(&stage);
 }
 
+/* ---- views ---- */
+
+static uint32_t count_color(const fnl_image *image, int r, int g, int b, int tolerance) {
+    const uint8_t *p = image->pixels;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < image->width * image->height; i++, p += 4)
+        count += abs(p[0] - r) <= tolerance && abs(p[1] - g) <= tolerance && abs(p[2] - b) <= tolerance;
+    return count;
+}
+
+/* The atlas shows each texture and its empty places; pages have colours of their own, and stripes where they are too coarse. */
+static void test_views(void **state) {
+    UNUSED(state);
+    struct stage stage = open_squares(4, 2, 512, true);
+    fnl_frame frame = stage.frame;
+    frame.atlas_size = 1024;
+    frame.camera.position.z = 1;
+    frame.debug = FNL_DEBUG_ATLAS;
+    struct shot atlas = stage_shoot(&stage, &frame);
+    uint32_t side = MIN(frame.width, frame.height), places = atlas.stats.atlas_capacity, shown = 0;
+    for (int seed = 1; seed <= 4; seed++) {
+        uint32_t found = count_color(&atlas.color, 40 + seed * 37 % 200, 40 + seed * 91 % 200, 40 + seed * 53 % 200, 1);
+        assert_true(found > 0);
+        shown += found;
+    }
+    print_message("%u of %u places there, %u of %u pixels show their textures\n", atlas.stats.atlas_resident, places, shown,
+                  side * side);
+    double share = (double)atlas.stats.atlas_resident / places, seen = (double)shown / (side * side);
+    assert_true(seen > 0.7 * share && seen <= share);
+    assert_int_equal(count_color(&atlas.color, 255, 0, 255, 0), 0);
+    frame.debug = FNL_DEBUG_PAGES;
+    struct shot pages = stage_shoot(&stage, &frame);
+    assert_int_equal(pages.stats.atlas_missing, 0);
+    assert_int_equal(count_color(&pages.color, 255, 0, 255, 0), 0);
+    frame.shading = FNL_SHADING_TEXTURING;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+    frame.msaa = 4;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    shot_free(&atlas);
+    shot_free(&pages);
+    stage_close(&stage);
+    stage = open_squares(12, 4, 1024, true); /* more pages than 16 */
+    frame = stage.frame;
+    frame.camera.position.z = 1;
+    frame.debug = FNL_DEBUG_PAGES;
+    frame.atlas_size = 512;
+    pages = stage_shoot(&stage, &frame);
+    uint32_t striped = count_color(&pages.color, 255, 0, 255, 0), black = count_color(&pages.color, 0, 0, 0, 0);
+    print_message("%u stripes in %u pixels of pages\n", striped, frame.width * frame.height - black);
+    assert_true(pages.stats.atlas_missing > 0 && striped * 8 > frame.width * frame.height - black);
+    shot_free(&pages);
+    stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
         {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
         {"ES-70: pages follow the view", test_pages_follow_the_view, NULL, harness_check, NULL},
         {"ES-70: more pages than fit cost detail, never the material", test_overflow, NULL, harness_check, NULL},
+        {"ES-70: the atlas and its pages can be looked at", test_views, NULL, harness_check, NULL},
         {"ES-70: what the atlas cannot hold is lit forward", test_what_the_atlas_cannot_hold, NULL, harness_check, NULL}};
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
