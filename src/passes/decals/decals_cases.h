@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/** What the tests of decals share: a grey wall, decals and pictures for it, frames and cameras. */
+/** What the tests of decals share: a grey wall, decals and pictures for it, frames and cameras. Comes after render/render_test.h. */
 #ifndef FNL_PASSES_DECALS_DECALS_CASES_H
 #define FNL_PASSES_DECALS_DECALS_CASES_H
 
-#include "render/render_test.h"
 
 enum { SIDE = 64 };
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Decals that belong to meshes: on what moves and deforms, as triangles drawn again, baked into textures. */
+#include "render/render_test.h"
+
 #include "passes/decals/decals_cases.h"
 
 /* A strip of two quads on two joints. Its decal is at its middle before it deforms. */
