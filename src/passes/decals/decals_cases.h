@@ -3,7 +3,6 @@
 #ifndef FNL_PASSES_DECALS_DECALS_CASES_H
 #define FNL_PASSES_DECALS_DECALS_CASES_H
 
-
 enum { SIDE = 64 };
 
 static inline struct scene_material grey_material(void) {
