@@ -8,7 +8,9 @@
 
 /* ---- the targets ---- */
 
-static uint32_t samples_of(struct graph *graph, graph_image image) { return MAX(graph_image_info(graph, image).samples, 1u); }
+static uint32_t samples_of(struct graph *graph, graph_image image) {
+    return MAX(graph_image_info(graph, image).samples, 1u);
+}
 
 static uint32_t form_of(const struct geometry_scene *scene, bool is_virtual, bool derived, uint32_t samples) {
     uint32_t form = is_virtual ? TEXTURING_VIRTUAL : derived ? TEXTURING_SLOPES : TEXTURING_GRADIENTS;

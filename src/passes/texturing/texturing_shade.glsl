@@ -59,7 +59,8 @@ void fill(ivec2 pixel, int at, vec2 point, float depth) {
         in_color = vec4(unpackUnorm2x16(color.x), unpackUnorm2x16(color.y));
     }
     vec2 slopes = vec2(0.0);
-    if ((FORM & TEXTURING_SLOPES) != 0u) slopes = unpackHalf2x16(HAS_SAMPLES ? target(TARGET_ID, pixel, at).y : target(TARGET_SLOPES, pixel, at).x);
+    if ((FORM & TEXTURING_SLOPES) != 0u) slopes = unpackHalf2x16(HAS_SAMPLES ? target(TARGET_ID, pixel, at).y
+                                                                             : target(TARGET_SLOPES, pixel, at).x);
 #ifndef MATERIAL_TEXEL
     if ((FORM & TEXTURING_GRADIENTS) != 0u) {
         uvec4 g = target(TARGET_GRADIENTS, pixel, at);

@@ -1,9 +1,9 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Tells the surfaces of each pixel apart: one thread a pixel. The fragment of a triangle gives all samples that it covers the same bits, and
-// those of two triangles differ unless they show the same point; but where nothing tells them apart, as without coordinates, a pole may stand
-// before a wall of its own material: samples of one surface lie in one plane, too.
+// Tells the surfaces of each pixel apart: one thread a pixel. The fragment of a triangle gives all samples that it covers the same
+// bits, and those of two triangles differ unless they show the same point; but where nothing tells them apart, as without
+// coordinates, a pole may stand before a wall of its own material: samples of one surface lie in one plane, too.
 #include "common.glsl"
 #include "scene.glsl"
 #include "view.glsl"

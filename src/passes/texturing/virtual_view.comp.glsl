@@ -39,7 +39,8 @@ vec3 atlas_view(ivec2 pixel, ivec2 size) {
         ivec2 texel = ivec2(min((at + (vec2(i & 7, i >> 3) + 0.5) / (8.0 * float(side))) * texels, vec2(texels - 1.0)));
         uvec2 place = uvec2(texel) / VIRTUAL_PAGE;
         bool empty = push.pages.v.owners.at[place.y * push.pages.v.across + place.x] == 0u;
-        sum += empty ? vec3((pixel.x + pixel.y & 7) == 0 ? 0.25 : 0.1) : texelFetch(textures[push.pages.v.sampled[VIRTUAL_BASE]], texel, 0).rgb;
+        vec3 color = texelFetch(textures[push.pages.v.sampled[VIRTUAL_BASE]], texel, 0).rgb;
+        sum += empty ? vec3((pixel.x + pixel.y & 7) == 0 ? 0.25 : 0.1) : color;
     }
     return sum / 64.0;
 }

@@ -29,9 +29,7 @@ static void set_constants(const struct visible_data *d, uint32_t *count, uint32_
     memcpy(constants, values, sizeof values);
 }
 
-static uint32_t places_of(const struct visible_data *d) {
-    return DIVIDE_UP(d->width, 8u) * DIVIDE_UP(d->height, 8u) * 64;
-}
+static uint32_t places_of(const struct visible_data *d) { return DIVIDE_UP(d->width, 8u) * DIVIDE_UP(d->height, 8u) * 64; }
 
 static struct gpu_visible_push push_of(const struct visible_data *d) {
     return (struct gpu_visible_push){.view = d->view,

@@ -225,9 +225,9 @@ static void test_samples(void **state) {
     for (int way = 0; way < FNL_VISIBILITY_SORT_COUNT + 2; way++) {
         bool plain = way >= FNL_VISIBILITY_SORT_COUNT; /* the orders of deferred texturing, which do not sort */
         int sort = plain ? FNL_VISIBILITY_SORT_OFF : way;
-        frame.shading = !plain                            ? FNL_SHADING_VISIBILITY
+        frame.shading = !plain                             ? FNL_SHADING_VISIBILITY
                         : way == FNL_VISIBILITY_SORT_COUNT ? FNL_SHADING_TEXTURING
-                                                          : FNL_SHADING_VIRTUAL_TEXTURING;
+                                                           : FNL_SHADING_VIRTUAL_TEXTURING;
         frame.visibility.sort = (fnl_visibility_sort)sort;
         renderer->visibility_bits = sort == FNL_VISIBILITY_SORT_CLASS ? 64 : 32;
         renderer->poison = true;
@@ -326,12 +326,8 @@ static void test_edges(void **state) {
     static const struct {
         fnl_shading shading;
         uint32_t msaa;
-    } cases[] = {{FNL_SHADING_VISIBILITY, 1},
-                 {FNL_SHADING_VISIBILITY, 4},
-                 {FNL_SHADING_FORWARD_PREPASS, 4},
-                 {FNL_SHADING_DEFERRED, 4},
-                 {FNL_SHADING_TEXTURING, 4},
-                 {FNL_SHADING_VIRTUAL_TEXTURING, 4}};
+    } cases[] = {{FNL_SHADING_VISIBILITY, 1}, {FNL_SHADING_VISIBILITY, 4}, {FNL_SHADING_FORWARD_PREPASS, 4},
+                 {FNL_SHADING_DEFERRED, 4},   {FNL_SHADING_TEXTURING, 4},  {FNL_SHADING_VIRTUAL_TEXTURING, 4}};
     double errors[COUNT_OF(cases)];
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         frame.shading = cases[i].shading;
