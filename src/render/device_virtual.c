@@ -56,8 +56,9 @@ static struct gpu_virtual_material describe(const struct device_scene *d, const 
         if (slot == SCENE_TEXTURE_EMISSIVE) *layers |= 1u << VIRTUAL_EMISSIVE;
         if (slot == SCENE_TEXTURE_SPECULAR_COLOR) *layers |= 1u << VIRTUAL_SPECULAR;
     }
-    g.tiers = 1;
-    while (g.tiers < VIRTUAL_TIERS && pages_along(g.width, g.tiers - 1) * pages_along(g.height, g.tiers - 1) > 1) g.tiers++;
+    while (g.whole + 1 < VIRTUAL_TIERS && pages_along(g.width, g.whole) * pages_along(g.height, g.whole) > 1) g.whole++;
+    g.tiers = g.whole + 1;
+    while (g.tiers < VIRTUAL_TIERS && MAX(g.width, g.height) >> VIRTUAL_STEP * (g.tiers - 1) > 1) g.tiers++;
     return g;
 }
 
@@ -75,11 +76,11 @@ static uint32_t number_all(struct gpu_virtual_material *materials, uint32_t mate
                            struct gpu_virtual_page *pages) {
     uint32_t count = 0;
     for (uint32_t m = 0; m < material_count; m++)
-        if (materials[m].tiers) number_pages(&materials[m], m, materials[m].tiers - 1, &count, pages);
+        if (materials[m].tiers) number_pages(&materials[m], m, materials[m].whole, &count, pages);
     *always = count;
     for (uint32_t tier = VIRTUAL_TIERS; tier-- > 0;)
         for (uint32_t m = 0; m < material_count; m++)
-            if (tier + 1 < materials[m].tiers) number_pages(&materials[m], m, tier, &count, pages);
+            if (tier < materials[m].tiers && tier != materials[m].whole) number_pages(&materials[m], m, tier, &count, pages);
     return count;
 }
 

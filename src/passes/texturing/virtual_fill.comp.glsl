@@ -4,7 +4,7 @@
 // Fills pages that have become resident from the scene's images: one thread a texel of one of a page's levels.
 #include "common.glsl"
 #include "scene.glsl"
-#include "passes/texturing/virtual_shared.h"
+#include "passes/texturing/virtual_locate.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_virtual_push push; };
@@ -32,7 +32,7 @@ void main() {
     uvec2 size = uvec2(held.at[page.material].width, held.at[page.material].height);
     vec2 at = vec2(page.place & 0x3fffu, page.place >> 14 & 0x3fffu) * float(VIRTUAL_INNER) +
               (vec2(texel) + 0.5) * exp2(float(level)) - float(VIRTUAL_BORDER);
-    vec2 t = at / vec2(max(size >> VIRTUAL_STEP * tier, uvec2(1u)));
+    vec2 t = at / vec2(virtual_texels(size, tier));
     float lod = float(VIRTUAL_STEP * tier + level);
 
     material_array materials = push.pages.v.scene_materials;

@@ -25,8 +25,9 @@ virtual_point virtual_point_of(uint packed) {
 }
 
 // Of the neighbours on either side of the same material the one with the nearest coordinates; whether one is near enough. A page's tier
-// holds what changes by less than 4 texels a pixel, but for the coarsest.
-bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, vec2 period, bool is_coarsest, out float distance) {
+// holds what changes by less than 4 texels a pixel, but for the one that is always resident and those below it.
+bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, uvec2 size, vec2 period, bool is_whole, out float distance) {
+    vec2 texels = vec2(virtual_texels(size, p.tier));
     distance = 1e30;
     for (int i = 0; i < 2 * SEEN_SAMPLES; i++) {
         int at = i % SEEN_SAMPLES;
@@ -37,11 +38,11 @@ bool virtual_change(ivec2 pixel, ivec2 side, virtual_point p, vec2 period, bool 
         if (packed == VIRTUAL_NOWHERE) continue;
         virtual_point q = virtual_point_of(packed);
         if (q.material != p.material) continue;
-        vec2 change = q.at * exp2(float(VIRTUAL_STEP) * (float(q.tier) - float(p.tier))) - p.at;
+        vec2 change = (q.tier == p.tier ? q.at : q.at / vec2(virtual_texels(size, q.tier)) * texels) - p.at;
         change -= period * round(change / max(period, vec2(1.0)));
         distance = min(distance, length(change));
     }
-    return distance < (is_coarsest ? 1e30 : 8.0);
+    return distance < (is_whole ? 1e30 : 8.0);
 }
 
 // Fills atlas_at and atlas_level; the material.
@@ -52,14 +53,14 @@ uint virtual_find(ivec2 pixel, int at) {
     atlas_tier = p.tier;
     virtual_materials materials = push.pages.v.materials;
     uint wrap = materials.at[p.material].wrap;
-    bool is_coarsest = p.tier + 1u == materials.at[p.material].tiers;
-    uvec2 texels = max(uvec2(materials.at[p.material].width, materials.at[p.material].height) >> VIRTUAL_STEP * p.tier, uvec2(1u));
+    bool is_whole = p.tier >= materials.at[p.material].whole;
+    uvec2 size = uvec2(materials.at[p.material].width, materials.at[p.material].height), texels = virtual_texels(size, p.tier);
     // Nothing is taken off where coordinates do not repeat.
     vec2 period = vec2((wrap & 3u) == VIRTUAL_REPEAT ? texels.x : 0u, (wrap >> 2 & 3u) == VIRTUAL_REPEAT ? texels.y : 0u);
     period = mix(vec2(1e30), period, greaterThan(period, vec2(0.0)));
     float along, down;
-    bool has_along = virtual_change(pixel, ivec2(1, 0), p, period, is_coarsest, along);
-    bool has_down = virtual_change(pixel, ivec2(0, 1), p, period, is_coarsest, down);
+    bool has_along = virtual_change(pixel, ivec2(1, 0), p, size, period, is_whole, along);
+    bool has_down = virtual_change(pixel, ivec2(0, 1), p, size, period, is_whole, down);
     float longest = max(has_along ? along : 0.0, has_down ? down : 0.0);
     atlas_asked = has_along || has_down ? log2(max(longest, 1e-6)) : 1.0; // in the middle of what the tier holds
     atlas_level = clamp(atlas_asked, 0.0, float(VIRTUAL_LEVELS - 1u));

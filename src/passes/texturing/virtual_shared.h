@@ -37,7 +37,8 @@ layout(buffer_reference) buffer virtual_block;
 /* All textures of a material share coordinates and wraps. */
 struct gpu_virtual_material {
     uint first_page[VIRTUAL_TIERS];
-    uint tiers; /* 0: not in the atlas */
+    uint tiers; /* down to that of one texel; 0: not in the atlas */
+    uint whole; /* the first tier that is one page, which is always resident */
     uint width; /* of the largest texture */
     uint height;
     uint wrap; /* of u | of v << 2 */
@@ -69,7 +70,7 @@ struct gpu_virtual {
     ADDRESS(uint_array) commands; /* VkDispatchIndirectCommand, a word left out, gpu_virtual_counts */
     ADDRESS(material_array) scene_materials;
     uint page_count;
-    uint always; /* so many first pages are always resident: each material has one that holds all of it */
+    uint always; /* so many first pages are always resident: each material has one that holds all of it, its tier `whole` */
     uint capacity;
     uint across;                  /* pages along the atlas' side */
     uint sampled[VIRTUAL_LAYERS]; /* the layers; GPU_TEXTURE_NONE where there is none */
