@@ -349,7 +349,7 @@ static void check_lane(struct bench_run *run, struct lane *lane, uint32_t point,
     lane_note_counts(lane, &stats);
     json_t *key = bench_key(c, lane->candidate);
     bool first = lane->checked == 0, pictures = wants_pictures(run, c);
-    /* With samples, shaders that count make other holes in cutouts on Mesa's CPU driver: what is timed is compared. */
+    /* With samples, Mesa's CPU driver tests depth after shaders that count, and takes other centroids: what is timed is compared. */
     frame.count_lights = false;
     bool compares = reference->made && (c->msaa == 1 || render(run, lane, &frame, &stats));
     if (compares && read_pictures(run, lane, &radiance, &color)) {

@@ -248,7 +248,7 @@ enum { TAA_FRAMES = 16 }; /* that a picture is collected from, unless --frames s
 
 /*
  * One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is
- * saved; with samples another, since cutouts whose shader counts have other holes on Mesa's CPU driver.
+ * saved; with samples another, since Mesa's CPU driver tests depth after cutouts whose shader counts, and takes other centroids then.
  */
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
                        struct render_report *report) {
