@@ -85,9 +85,9 @@ struct gpu_cluster {
     float thinnest;    /* the smallest altitude of a triangle that has an area */
     uint first_triangle; /* of the primitive */
     uint triangle_count;
-    uint
-        first_word; /* in gpu_scene.cluster_words: the numbers of its vertices in the primitive, then for each triangle which three of these */
-    uint vertex_count; /* it has, 8 bits each */
+    /* In gpu_scene.cluster_words: the numbers of its vertices in the primitive, then for each triangle which three of these, 8 bits each. */
+    uint first_word;
+    uint vertex_count;
 };
 
 /* One primitive of one instance: what is culled and drawn. Sorted by bucket, then primitive. */

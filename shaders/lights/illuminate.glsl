@@ -16,7 +16,7 @@ float light_edge(float part, float scale) {
 }
 
 // Capsules, wedges and boxes. `ray` leads from the point to the light's position.
-float light_shape_strength(light_list_block l, uint light, uint kind, precise vec3 ray, out vec3 to_light) {
+float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, out vec3 to_light) {
     precise float strength = 0.0;
     vec3 direction = l.list.lights.at[light].direction;
     vec3 size = l.list.lights.at[light].size;
