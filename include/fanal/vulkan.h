@@ -39,6 +39,13 @@ typedef struct fnl_vulkan_import {
     VkQueue graphics_queue;   /**< used only inside Fanal's calls; the caller must not submit to it at the same time */
     uint32_t compute_family;  /**< of compute_queue */
     VkQueue compute_queue;    /**< a second queue for asynchronous compute, or VK_NULL_HANDLE */
+    /**
+     * What `device` was created with, read during the call alone, or NULL. Of the optional features (fnl_device_info) those are used that it
+     * switches on: geometryShader (primitive_ids), pipelineStatisticsQuery, multiview and samplerFilterMinmax in VkPhysicalDeviceFeatures2 or
+     * pEnabledFeatures, VkPhysicalDeviceVulkan11Features and VkPhysicalDeviceVulkan12Features; VK_EXT_mesh_shader with meshShader,
+     * VK_EXT_conservative_rasterization and VK_EXT_post_depth_coverage. With NULL none is.
+     */
+    const VkDeviceCreateInfo *created;
 } fnl_vulkan_import;
 
 /** Like fnl_device_create, on the caller's Vulkan device; `params` may be NULL (its device choice is ignored). */

@@ -2,6 +2,8 @@
 #include "fanal/vulkan.h"
 #include "gpu/gpu_internal.h"
 
+#include <string.h>
+
 void fnl_vulkan_requirements_init(fnl_vulkan_requirements *requirements) {
     if (!requirements) return;
     struct gpu_features features;
@@ -27,6 +29,48 @@ static fnl_result check_families(const gpu_device *device, const fnl_vulkan_impo
     return FNL_OK;
 }
 
+/* ---- optional features ---- */
+
+static const void *find_in_chain(const VkDeviceCreateInfo *created, VkStructureType type) {
+    const VkBaseInStructure *s = created->pNext;
+    while (s && s->sType != type) s = s->pNext;
+    return s;
+}
+
+static bool has_extension(const VkDeviceCreateInfo *created, const char *name) {
+    for (uint32_t i = 0; i < created->enabledExtensionCount; i++)
+        if (strcmp(created->ppEnabledExtensionNames[i], name) == 0) return true;
+    return false;
+}
+
+/* Leaves of the optional features that Fanal uses those that the caller switched on. */
+static void keep_enabled(const VkDeviceCreateInfo *created, fnl_device_info *info) {
+    const VkDeviceCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    if (!created) created = &nothing;
+    const VkPhysicalDeviceFeatures2 *two = find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
+    const VkPhysicalDeviceFeatures *core = two ? &two->features : created->pEnabledFeatures;
+    const VkPhysicalDeviceVulkan11Features *in_11 =
+        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES);
+    const VkPhysicalDeviceVulkan12Features *in_12 =
+        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+    const VkPhysicalDeviceMeshShaderFeaturesEXT *mesh =
+        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT);
+    info->primitive_ids = info->primitive_ids && core && core->geometryShader;
+    info->pipeline_statistics = info->pipeline_statistics && core && core->pipelineStatisticsQuery;
+    info->multiview = info->multiview && in_11 && in_11->multiview;
+    info->minmax_samplers = info->minmax_samplers && in_12 && in_12->samplerFilterMinmax;
+    info->mesh_shader =
+        info->mesh_shader && mesh && mesh->meshShader && has_extension(created, VK_EXT_MESH_SHADER_EXTENSION_NAME);
+    info->conservative_raster =
+        info->conservative_raster && has_extension(created, VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME);
+    info->post_depth_coverage =
+        info->post_depth_coverage && has_extension(created, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
+    /* Nothing uses these. */
+    info->ray_query = info->barycentrics = info->sample_locations = info->fragment_shading_rate = false;
+}
+
+/* ---- the device ---- */
+
 static fnl_result import_device(gpu_device *device, const fnl_device_params *params, const fnl_vulkan_import *import) {
     TRY(gpu_instance_import(&device->instance, &device->host, import->get_instance_proc_addr, import->instance,
                             params->validate));
@@ -39,12 +83,7 @@ static fnl_result import_device(gpu_device *device, const fnl_device_params *par
     }
     TRY(check_families(device, import));
     device->info = physical.info;
-    /* What the caller switched on beyond the requirements is not known. */
-    device->info.ray_query = device->info.mesh_shader = device->info.conservative_raster = false;
-    device->info.barycentrics = device->info.sample_locations = device->info.fragment_shading_rate = false;
-    device->info.multiview = device->info.pipeline_statistics = device->info.primitive_ids = false;
-    device->info.minmax_samplers = false;
-    device->info.post_depth_coverage = false;
+    keep_enabled(import->created, &device->info);
     device->isotropic_gradients = physical.isotropic_gradients;
     device->imported = true;
     device->physical = import->physical_device;

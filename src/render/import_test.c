@@ -26,6 +26,11 @@ static struct world {
     VkDebugUtilsMessengerEXT messenger;
     VkPhysicalDevice physical;
     VkDevice device;
+    fnl_device_info optional; /* what it could switch on, and what it did: */
+    fnl_vulkan_requirements features;
+    VkPhysicalDeviceMeshShaderFeaturesEXT meshes;
+    VkDeviceCreateInfo created;
+    fnl_vulkan_import handles; /* without `created` */
     uint32_t family;
     VkQueue queue;
     VkCommandPool pool;
@@ -92,6 +97,7 @@ static void make_instance(void) {
     VK(create(w.instance, &messenger, NULL, &w.messenger));
 }
 
+/* Switches on what the device has of numbers for triangles and of mesh shaders. */
 static void make_device(void) {
     uint32_t count = 1;
     assert_true(vkEnumeratePhysicalDevices(w.instance, &count, &w.physical) >= 0 && count == 1);
@@ -100,18 +106,24 @@ static void make_device(void) {
     vkGetPhysicalDeviceQueueFamilyProperties(w.physical, &count, families);
     const VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     while ((families[w.family].queueFlags & both) != both) assert_true(++w.family < count);
-    fnl_vulkan_requirements requirements;
-    fnl_vulkan_requirements_init(&requirements);
-    float priority = 1;
-    VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                     .queueFamilyIndex = w.family,
-                                     .queueCount = 1,
-                                     .pQueuePriorities = &priority};
-    VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                               .pNext = &requirements.features,
-                               .queueCreateInfoCount = 1,
-                               .pQueueCreateInfos = &queue};
-    VK(vkCreateDevice(w.physical, &info, NULL, &w.device));
+    FNL(fnl_enumerate_devices(NULL, &w.optional, 1, &count));
+    fnl_vulkan_requirements_init(&w.features);
+    w.features.features.features.geometryShader = w.optional.primitive_ids;
+    w.meshes = (VkPhysicalDeviceMeshShaderFeaturesEXT){.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT,
+                                                       .pNext = &w.features.features,
+                                                       .meshShader = VK_TRUE};
+    static const float priority = 1;
+    static const char *const extension = VK_EXT_MESH_SHADER_EXTENSION_NAME;
+    static VkDeviceQueueCreateInfo queue = {
+        .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueCount = 1, .pQueuePriorities = &priority};
+    queue.queueFamilyIndex = w.family;
+    w.created = (VkDeviceCreateInfo){.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = w.optional.mesh_shader ? (const void *)&w.meshes : &w.features.features,
+                                     .enabledExtensionCount = w.optional.mesh_shader,
+                                     .ppEnabledExtensionNames = &extension,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue};
+    VK(vkCreateDevice(w.physical, &w.created, NULL, &w.device));
     vkGetDeviceQueue(w.device, w.family, 0, &w.queue);
     VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, .queueFamilyIndex = w.family};
     VK(vkCreateCommandPool(w.device, &pool, NULL, &w.pool));
@@ -137,16 +149,16 @@ static int set_up(void **state) {
     make_instance();
     make_device();
     fnl_device_params params = device_params();
-    fnl_vulkan_import handles = {.get_instance_proc_addr = vkGetInstanceProcAddr,
-                                 .instance = w.instance,
-                                 .physical_device = w.physical,
-                                 .device = w.device,
-                                 .graphics_family = w.family,
-                                 .graphics_queue = w.queue};
+    w.handles = (fnl_vulkan_import){.get_instance_proc_addr = vkGetInstanceProcAddr,
+                                    .instance = w.instance,
+                                    .physical_device = w.physical,
+                                    .device = w.device,
+                                    .graphics_family = w.family,
+                                    .graphics_queue = w.queue};
     FNL(fnl_scene_load(NULL, "builtin:spheres?lights=16", &w.scene));
     FNL(fnl_scene_query_camera(w.scene, 0, &w.camera));
     FNL(fnl_device_create(&params, &w.own));
-    FNL(fnl_device_import(&params, &handles, &w.imported));
+    FNL(fnl_device_import(&params, &w.handles, &w.imported));
     FNL(fnl_renderer_create(w.own, w.scene, &w.reference));
     FNL(fnl_renderer_create(w.imported, w.scene, &w.renderer));
     return 0;
@@ -500,12 +512,61 @@ static void test_misuse_is_refused_and_does_no_harm(void **state) {
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* ---- optional features ---- */
+
+static void assert_equal_on(fnl_renderer *renderer, fnl_frame frame) {
+    fnl_image own = expected(frame, FNL_OUTPUT_RADIANCE), other;
+    frame.outputs |= FNL_OUTPUT_RADIANCE;
+    FNL(fnl_renderer_render(renderer, &frame));
+    FNL(fnl_renderer_read(renderer, FNL_OUTPUT_RADIANCE, &other));
+    const uint32_t *a = own.pixels, *b = other.pixels;
+    for (uint32_t i = 0; i < PIXELS * 3u; i++)
+        if (a[i] != b[i]) fail_msg("%s: float %u differs", fnl_shading_name(frame.shading), i);
+    fnl_image_free(NULL, &own);
+    fnl_image_free(NULL, &other);
+}
+
+static void test_optional_features_are_used_where_the_caller_says_so(void **state) {
+    UNUSED(state);
+    fnl_frame frame = small_frame();
+    frame.shading = FNL_SHADING_VISIBILITY;
+    fnl_device_info without, with;
+    FNL(fnl_device_query_info(w.imported, &without));
+    assert_false(without.primitive_ids || without.mesh_shader || without.post_depth_coverage || without.minmax_samplers);
+    assert_int_equal(fnl_renderer_render(w.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+
+    fnl_device_params params = device_params();
+    fnl_vulkan_import handles = w.handles;
+    handles.created = &w.created;
+    fnl_device *device;
+    fnl_renderer *renderer;
+    FNL(fnl_device_import(&params, &handles, &device));
+    FNL(fnl_device_query_info(device, &with));
+    assert_int_equal(with.primitive_ids, w.optional.primitive_ids);
+    assert_int_equal(with.mesh_shader, w.optional.mesh_shader);
+    assert_false(with.post_depth_coverage || with.minmax_samplers); /* the device has them, but they are not switched on */
+    FNL(fnl_renderer_create(device, w.scene, &renderer));
+    const fnl_shading orders[] = {FNL_SHADING_VISIBILITY, FNL_SHADING_DAIS};
+    for (uint32_t i = 0; i < COUNT_OF(orders) && with.primitive_ids; i++) {
+        frame.shading = orders[i];
+        assert_equal_on(renderer, frame);
+    }
+    frame.shading = FNL_SHADING_DEFERRED;
+    frame.culling = FNL_CULLING_CLUSTERS;
+    frame.geometry = FNL_GEOMETRY_MESH;
+    if (with.mesh_shader) assert_equal_on(renderer, frame);
+    fnl_renderer_destroy(&renderer);
+    fnl_device_destroy(&device);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
         cmocka_unit_test(test_float_targets_get_exposed_radiance),
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),
         cmocka_unit_test(test_misuse_is_refused_and_does_no_harm),
+        cmocka_unit_test(test_optional_features_are_used_where_the_caller_says_so),
     };
     return cmocka_run_group_tests_name("render: import", tests, set_up, tear_down);
 }
