@@ -45,7 +45,8 @@ function(fanal_shaders target)
       COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
     add_custom_command(OUTPUT ${embedded} DEPENDS ${module} spirv_embed VERBATIM COMMENT "Embedding ${name}"
       BYPRODUCTS ${optimised}
-      COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O ${module} -o ${optimised}
+      COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
+        --eliminate-dead-variables ${module} -o ${optimised}
       COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
       COMMAND spirv_embed ${name} ${optimised} ${embedded})
     target_sources(${target} PRIVATE ${embedded})

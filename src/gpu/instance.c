@@ -10,9 +10,17 @@ static const char validation_layer[] = "VK_LAYER_KHRONOS_validation";
  * arrays each hazard against a shader's image access is suspect (Vulkan-ValidationLayers issue 3450; ended by pull requests
  * 6605 and 6743). All such accesses have "_SHADER_SHADER_" in their names. Attachments, copies and layouts stay checked.
  */
-static bool is_false_alarm(const struct gpu_instance *instance, const VkDebugUtilsMessengerCallbackDataEXT *data) {
+static bool is_false_hazard(const struct gpu_instance *instance, const VkDebugUtilsMessengerCallbackDataEXT *data) {
     return instance->layer_version < VK_MAKE_API_VERSION(0, 1, 3, 270) && data->pMessageIdName &&
            strncmp(data->pMessageIdName, "SYNC-HAZARD-", 12) == 0 && strstr(data->pMessage, "_SHADER_SHADER_");
+}
+
+/**
+ * Layers from 1.4 on warn of shaders that write locations without an attachment. Such writes are dropped (Vulkan 1.3, "Fragment Output Interface"),
+ * and shaders that serve several sets of targets count on it.
+ */
+static bool is_unused_output(const VkDebugUtilsMessengerCallbackDataEXT *data) {
+    return data->pMessageIdName && strstr(data->pMessageIdName, "ShaderOutputNotConsumed");
 }
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -20,7 +28,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
                                                  const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
     UNUSED(types);
     struct gpu_instance *instance = user;
-    if (is_false_alarm(instance, data)) return VK_FALSE;
+    if (is_false_hazard(instance, data) || is_unused_output(data)) return VK_FALSE;
     char line[1900]; /* the host's log takes lines without breaks */
     size_t length = 0;
     for (const char *text = data->pMessage; *text && length + 1 < sizeof line; text++)
