@@ -54,7 +54,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     UNUSED(severity);
     UNUSED(types);
     UNUSED(user);
-    /* Older layers blame every shader that indexes a descriptor array: src/gpu/instance.c tells more. */
+    /* Older layers blame every shader that indexes a descriptor array, newer ones outputs without a target: src/gpu/instance.c tells more. */
+    if (data->pMessageIdName && strstr(data->pMessageIdName, "ShaderOutputNotConsumed")) return VK_FALSE;
     if (w.layer_version < VK_MAKE_API_VERSION(0, 1, 3, 270) && strstr(data->pMessage, "_SHADER_SHADER_")) return VK_FALSE;
     print_error("%s\n", data->pMessage);
     atomic_fetch_add(&w.messages, 1);
