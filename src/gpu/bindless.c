@@ -203,7 +203,7 @@ uint32_t gpu_sampler_index(gpu_device *device, const struct gpu_sampler_params *
         result = create_sampler(device, &wanted, &sampler);
         if (result == FNL_OK) result = take_index(device, GPU_BINDING_SAMPLER, &index);
         if (result == FNL_OK && index < COUNT_OF(bindless->samplers)) { /* as take_index says; gcc 14 wants to see it */
-            bindless->samplers[index] = wanted;
+            memcpy(&bindless->samplers[index], &wanted, sizeof wanted); /* gcc 14 warns of an assignment */
             bindless->sampler_handles[index] = sampler;
             write_descriptor(device, GPU_BINDING_SAMPLER, index, &(VkDescriptorImageInfo){.sampler = sampler});
         } else {
