@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Culling by clusters and by triangles: pictures against drawing whole items, counts against the CPU. */
+#include "passes/geometry/view_cases.h"
 #include "render/device_clusters.h"
 #include "render/render_test.h"
 #include "render/shading.h"
@@ -77,31 +78,13 @@ static fnl_scene *crowd(uint32_t count) {
     return scene;
 }
 
-enum { VIEW_PLAIN, VIEW_SHIFTED, VIEW_ORTHOGRAPHIC, VIEW_INSIDE, VIEW_COUNT };
-
 static fnl_frame crowd_frame(uint32_t view) {
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
     frame.width = 77;
     frame.height = 53;
     frame.shading = FNL_SHADING_FORWARD;
     frame.lists = FNL_LISTS_ALL;
-    frame.camera = fnl_camera_default();
-    frame.camera.position = (vec3){1, 2, 11};
-    frame.camera.target = (vec3){0, -0.5f, 0};
-    if (view == VIEW_SHIFTED) {
-        frame.camera.shift = (vec2){0.3f, -0.4f};
-        frame.jitter = (vec2){0.31f, -0.22f};
-    }
-    if (view == VIEW_ORTHOGRAPHIC) {
-        frame.camera.orthographic = true;
-        frame.camera.vertical_extent = 8;
-        frame.camera.near_distance = 6;
-        frame.camera.far_distance = 30;
-    }
-    if (view == VIEW_INSIDE) {
-        frame.camera.position = (vec3){0.5f, 0, 1};
-        frame.camera.near_distance = 0.3f;
-    }
+    view_cases_look(&frame, view);
     return frame;
 }
 

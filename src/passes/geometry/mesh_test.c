@@ -3,6 +3,7 @@
  * Drawing clusters by mesh shaders: pictures and counts against those of vertex shaders. Sizes are powers of two where pictures are compared to the
  * bit: Mesa's CPU driver scales to pixels with one rounding after vertex shaders and with two after mesh shaders, which is the same there alone.
  */
+#include "passes/geometry/view_cases.h"
 #include "passes/geometry/clusters_shared.h"
 #include "render/device_clusters.h"
 #include "render/render_test.h"
@@ -83,31 +84,13 @@ static fnl_scene *garden(uint32_t count) {
     return scene;
 }
 
-enum { VIEW_PLAIN, VIEW_SHIFTED, VIEW_ORTHOGRAPHIC, VIEW_INSIDE, VIEW_COUNT };
-
 static fnl_frame garden_frame(uint32_t view) {
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
     frame.width = 64;
     frame.height = 64;
     frame.shading = FNL_SHADING_VISIBILITY;
     frame.culling = FNL_CULLING_TRIANGLES;
-    frame.camera = fnl_camera_default();
-    frame.camera.position = (vec3){1, 2, 11};
-    frame.camera.target = (vec3){0, -0.5f, 0};
-    if (view == VIEW_SHIFTED) {
-        frame.camera.shift = (vec2){0.3f, -0.4f};
-        frame.jitter = (vec2){0.31f, -0.22f};
-    }
-    if (view == VIEW_ORTHOGRAPHIC) {
-        frame.camera.orthographic = true;
-        frame.camera.vertical_extent = 8;
-        frame.camera.near_distance = 6;
-        frame.camera.far_distance = 30;
-    }
-    if (view == VIEW_INSIDE) {
-        frame.camera.position = (vec3){0.5f, 0, 1};
-        frame.camera.near_distance = 0.3f;
-    }
+    view_cases_look(&frame, view);
     return frame;
 }
 
