@@ -2,7 +2,7 @@
 // From a surface to the values of a G-buffer's targets and back. The targets' formats are in src/passes/shade/gbuffer_layouts.c; what is
 // written here is what each holds, in the order of its channels.
 //
-//   default     0 base colour; 1                             RGBA8 sRGB (with chroma: Y', Cb or Cr, RG8)
+//   default     0 square root of the base colour, 3 x 10; 1    (with chroma: Y', Cb or Cr, RG8)
 //               1 normal, 2 x 16; roughness; metalness and occlusion, 8 + 8 bits
 //               2 square root of the dielectric F0; F90
 //   siege       0 normal, 3 x 10; 2 bits for the bias of indirect light
@@ -135,6 +135,13 @@ vec3 gbuffer_unpack_motion(vec4 stored) {
     return vec3(vec2(bytes.x << 4 | bytes.y >> 4, (bytes.y & 15u) << 8 | bytes.z) / 4094.0, float(bytes.w) / 254.0) * 2.0 - 1.0;
 }
 
+// ---- base colour of the default layout ----
+
+// Its square root in 10 bits comes back within 0.14 % of a grey of 0.5. 8 bits of sRGB, which the published layouts have, turn 0.5 into 0.503.
+// Rounded here, because drivers may not round to the nearest code (Mesa's CPU driver is off by up to a whole one).
+vec3 gbuffer_encode_color(vec3 color) { return round(sqrt(clamp(color, 0.0, 1.0)) * 1023.0) * (1.0 / 1023.0); }
+vec3 gbuffer_decode_color(vec3 stored) { return stored * stored; }
+
 // ---- base colour as Y'CbCr (ITU-R BT.601, full range) ----
 
 vec3 gbuffer_from_luma(vec3 ycc) { // codes 0 .. 255 to sRGB-encoded 0 .. 1
@@ -175,7 +182,7 @@ gbuffer gbuffer_pack(uint form, surface s, gbuffer_place at, uint id, gpu_materi
     vec2 motion8 = round(clamp(motion.xy * 0.5 + 0.5, 0.0, 1.0) * 254.0) / 255.0;
     switch (layout_kind) {
     case GBUFFER_DEFAULT:
-        g.targets[0] = vec4(s.base_color, 1.0);
+        g.targets[0] = vec4(gbuffer_encode_color(s.base_color), 1.0);
         if ((form & GBUFFER_FORM_CHROMA) != 0u) {
             vec3 ycc = gbuffer_to_luma(srgb_encode(clamp(s.base_color, 0.0, 1.0))) / 255.0;
             g.targets[0] = vec4(ycc.x, gbuffer_chroma_of(pixel) == 0u ? ycc.y : ycc.z, 0.0, 1.0);
@@ -288,6 +295,7 @@ surface gbuffer_unpack(uint form, gbuffer g, gbuffer_place at, gpu_material_entr
     float smoothness = 0.0;
     switch (GBUFFER_FORM_LAYOUT(form)) {
     case GBUFFER_DEFAULT:
+        s.base_color = gbuffer_decode_color(g.targets[0].rgb);
         vec2 parts = gbuffer_split(g.targets[1].w);
         s.metallic = parts.x;
         s.roughness = g.targets[1].z;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/coarse.h"
 
+#include "passes/shade/gbuffer_layouts.h"
 #include "shaders.h"
 
 #include <math.h>
@@ -40,7 +41,7 @@ static struct gbuffer_extras extras_of(const fnl_coarse_options *o) {
     if (has_color(o, FNL_COARSE_FILTER_SAMPLED)) {
         bias = log2f((float)o->size);
         e.targets[e.count].name = "coarse color";
-        e.targets[e.count++].format = VK_FORMAT_R8G8B8A8_SRGB;
+        e.targets[e.count++].format = gbuffer_layouts[FNL_GBUFFER_DEFAULT].targets[0].format;
     }
     memcpy(&e.constant, &bias, sizeof bias);
     return e;
@@ -174,6 +175,7 @@ static void find_blocks(struct graph *graph, struct coarse_data data) {
     if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_COPY_TO);
     data.shader = &shader_coarse_find_comp;
     pass = add_pass(graph, &data, "coarse blocks");
+    graph_use_image(pass, data.target, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
     if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_WRITE_COMPUTE);
     pass = graph_add_pass(graph, "coarse tiles", GRAPH_QUEUE_GRAPHICS, execute_tiles, &data, sizeof data);
@@ -206,9 +208,9 @@ struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct s
     data.blocks = graph_create_buffer(graph, "coarse blocks", (uint64_t)data.groups_x * data.groups_y * COARSE_GROUP * 4);
     if (params->words) data.words = graph_create_buffer(graph, "coarse words", data.pixels * 4);
     struct coarse coarse = {.counts = data.counts, .words = data.words};
+    data.target = radiance;
     find_blocks(graph, data);
     if (params->options.ao_radius > 0) data.ao = find_openness(graph, input, data);
-    data.target = radiance;
     data.counts = data.words = (graph_buffer){0};
     data.shader = &shader_coarse_comp;
     data.lights = input->lights->header;

@@ -19,10 +19,10 @@ const uint PART_SLOW = 1u, PART_PIXEL = 2u;
 
 // The base colour of a block: filtered where it was sampled, or the mean of its pixels.
 vec3 shared_color(ivec2 first, vec3 own) {
-    if ((FLAGS & COARSE_COLOR) != 0u) return texelFetch(textures[push.color], first, 0).rgb;
+    if ((FLAGS & COARSE_COLOR) != 0u) return gbuffer_decode_color(texelFetch(textures[push.color], first, 0).rgb);
     if ((FLAGS & COARSE_MEAN) == 0u) return own;
     for (uint i = 1u; i < SIZE * SIZE; i++)
-        own += texelFetch(textures[push.gbuffer.targets[0]], min(first + ivec2(i % SIZE, i / SIZE), coarse_last()), 0).rgb;
+        own += color_at(min(first + ivec2(i % SIZE, i / SIZE), coarse_last()));
     return own * (1.0 / float(SIZE * SIZE));
 }
 
@@ -134,7 +134,7 @@ void spread(ivec2 first, coarse_light light) {
         if (!coarse_inside(pixel)) continue;
         coarse_light own = light;
         vec3 color = vec3(0.0);
-        if (SPLIT == COARSE_SPLIT_ALBEDO) color = texelFetch(textures[push.gbuffer.targets[0]], pixel, 0).rgb;
+        if (SPLIT == COARSE_SPLIT_ALBEDO) color = color_at(pixel);
         if (SPLIT == COARSE_SPLIT_HIGHLIGHTS || SPLIT == COARSE_SPLIT_SHARP) {
             float view_depth = view_depth_of(push.gbuffer.view, gbuffer_depth(push.gbuffer, pixel));
             coarse_light more = light_parts(surface_at(pixel, view_depth, false), uvec2(pixel), view_depth, PART_PIXEL);

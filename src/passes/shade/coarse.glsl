@@ -27,6 +27,9 @@ layout(push_constant, scalar) uniform push_block { gpu_coarse_push push; };
 ivec2 coarse_last() { return ivec2(push.gbuffer.view.view.size) - 1; }
 bool coarse_inside(ivec2 pixel) { return all(lessThanEqual(pixel, coarse_last())); }
 
+// The base colour that the G-buffer holds.
+vec3 color_at(ivec2 pixel) { return gbuffer_decode_color(gbuffer_fetch(push.gbuffer, 0u, pixel, -1).rgb); }
+
 // Of the group's words in push.blocks.
 uint coarse_base() { return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * COARSE_GROUP; }
 

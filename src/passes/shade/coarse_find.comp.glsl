@@ -6,7 +6,6 @@
 #include "view.glsl"
 #include "lights/iterate.glsl"
 #include "passes/shade/coarse.glsl"
-#include "passes/shade/coarse_gradient.glsl"
 
 layout(constant_id = 5) const uint CRITERION = COARSE_CRITERION_Z;
 
@@ -73,7 +72,7 @@ material_numbers material_at(ivec2 pixel) {
     m.normal = octahedral_decode(stored.xy * 2.0 - 1.0);
     m.rest = vec3(stored.z, gbuffer_split(stored.w));
     m.color = vec3(0.0);
-    if ((FLAGS & COARSE_ALBEDO) != 0u) m.color = texelFetch(textures[push.gbuffer.targets[0]], pixel, 0).rgb;
+    if ((FLAGS & COARSE_ALBEDO) != 0u) m.color = color_at(pixel);
     m.f0 = texelFetch(textures[push.gbuffer.targets[2]], pixel, 0);
     return m;
 }
@@ -96,7 +95,7 @@ bool is_one_surface(ivec2 first, float depth, vec2 depths) {
         return same;
     }
     float view_depth = view_depth_of(v, depth);
-    float gradient = gradient_decode(texelFetch(textures[push.gbuffer.targets[0]], first, 0).a, view_depth);
+    float gradient = imageLoad(images[push.target], first).a * view_depth; // as the G-buffer pass left it
     float bound = push.settings.settings.depth_bound * gradient + precision_of(view_depth);
     if (CRITERION == COARSE_CRITERION_MINMAX) depths = range_of(push.gbuffer.depth, first);
     float nearest = view_depth_of(v, depths.y), farthest = view_depth_of(v, depths.x); // depth is reversed

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The G-buffer of coarse shading: the default layout, what the criterion looks at, and a base colour for whole blocks. What the entry
-// points differ in is COARSE_IDS and COARSE_BOUNDS.
+// points differ in is COARSE_IDS and COARSE_BOUNDS. But for COARSE_IDS the alpha of the radiance target, which lighting overwrites, carries
+// (|dz/dx| + |dz/dy|) / z of the view depth z; 0 for planes that face the viewer.
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"
@@ -8,9 +9,10 @@
 #include "decals_raster.glsl"
 #include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
-#include "passes/shade/coarse_gradient.glsl"
 
 layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };
+
+const float GRADIENT_NOISE = 1e-6; // what rounding makes of a plane that faces the viewer
 
 layout(constant_id = GBUFFER_EXTRA_CONSTANT) const float LEVEL_BIAS = 1.0; // log2 of a block's side in pixels; < 0: no target for it
 
@@ -44,7 +46,7 @@ void main() {
     surface s = material_surface(materials, in_ids.x);
 #ifndef COARSE_IDS
     float view_depth = -(v.view.world_to_view * vec4(in_position, 1.0)).z;
-    float gradient = gradient_encode(abs(dFdxCoarse(view_depth)) + abs(dFdyCoarse(view_depth)), view_depth);
+    float gradient = (abs(dFdxCoarse(view_depth)) + abs(dFdyCoarse(view_depth))) / max(view_depth, 1e-30);
 #endif
     vec3 coarse_color = vec3(0.0), plain = s.base_color;
     if (LEVEL_BIAS >= 0.0) coarse_color = coarse_base_color(materials, in_ids.x);
@@ -59,11 +61,11 @@ void main() {
     out_color = g.targets[0];
     out_normal = g.targets[1];
     out_dielectric = g.targets[2];
-    if (LEVEL_BIAS >= 0.0) out_coarse_color = vec4(coarse_color, 1.0);
+    if (LEVEL_BIAS >= 0.0) out_coarse_color = vec4(gbuffer_encode_color(coarse_color), 1.0);
 #ifdef COARSE_IDS
     out_ids = uvec2(in_ids.y + 1u, uint(gl_PrimitiveID));
 #else
-    out_color.a = gradient;
+    out_radiance.a = gradient > GRADIENT_NOISE ? gradient : 0.0;
 #endif
 #ifdef COARSE_BOUNDS
     out_azimuth = dot(s.normal.xz, s.normal.xz) > 0.0 ? atan(s.normal.z, s.normal.x) : 0.0;

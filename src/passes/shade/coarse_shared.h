@@ -67,7 +67,7 @@ struct gpu_coarse_push {
     ADDRESS(coarse_settings_block) settings;
     ADDRESS(uint_array) blocks; /* COARSE_WORD_… */
     ADDRESS(uint_array) words;  /* a COARSE_… kind for each pixel */
-    uint target;                /* storage: radiance, emission in; or openness out */
+    uint target;                /* storage: radiance, with emission in it and gradients in its alpha; or openness out */
     uint color;                 /* sampled: base colour of blocks */
     uint geometry;              /* sampled: ids, criterion id */
     uint azimuth, height;       /* sampled: criterion minmax */

@@ -180,9 +180,9 @@ static void test_gradient_is_the_slope_of_a_plane_CP_1(void **state) {
             float away = -a * b >= 0 ? fabsf(a) + fabsf(b) : fmaxf(fabsf(a), fabsf(b));
             float factor = (float)(size - 1) * away / ((float)size * sqrtf(2) * (fabsf(a) + fabsf(b)));
             frame.coarse.size = size;
-            frame.coarse.depth_factor = factor * 0.97f;
+            frame.coarse.depth_factor = factor * 0.995f;
             fnl_frame_stats below = shoot_stats(&stage, &frame);
-            frame.coarse.depth_factor = factor * 1.03f;
+            frame.coarse.depth_factor = factor * 1.005f;
             fnl_frame_stats above = shoot_stats(&stage, &frame);
             assert_int_equal(below.coarse_blocks, 64 * 64 / (size * size));
             assert_int_equal(below.coarse_shared, 0);

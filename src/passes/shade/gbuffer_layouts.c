@@ -20,10 +20,10 @@ const struct gbuffer_layout gbuffer_layouts[FNL_GBUFFER_COUNT] = {
     [FNL_GBUFFER_DEFAULT] =
         {.name = "default",
          .target_count = 3,
-         .targets = {{"gbuffer color", SRGB8}, {"gbuffer normal", RGBA16}, {"gbuffer dielectric", RGBA8}},
+         .targets = {{"gbuffer color", RGB10}, {"gbuffer normal", RGBA16}, {"gbuffer dielectric", RGBA8}},
          .field_count = 8,
-         .fields = {{"base colour", 0, 24},
-                    {"unused", 0, 8},
+         .fields = {{"base colour", 0, 30},
+                    {"unused", 0, 2},
                     {"normal", 1, 32},
                     {"roughness", 1, 16},
                     {"metalness", 1, 8},

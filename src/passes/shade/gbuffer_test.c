@@ -136,13 +136,17 @@ struct field_errors {
     double color, normal, roughness, metallic, occlusion, f0, f90, motion, position;
 };
 
-static struct field_errors measure(void) {
+/* A component of a base colour on the scale on which the layout rounds it. */
+static double color_code(const struct gbuffer_layout *l, float c) {
+    return l == &gbuffer_layouts[FNL_GBUFFER_DEFAULT] ? sqrt((double)c) : srgb((double)c);
+}
+
+static struct field_errors measure(const struct gbuffer_layout *l) {
     struct field_errors e = {0};
     for (uint32_t i = 0; i < CASES; i++) {
         const struct gpu_gbuffer_case *c = &cases[i], *r = &results[i];
-        e.color = fmax(e.color, fmax(fabs(srgb((double)c->base_color.x) - srgb((double)r->base_color.x)),
-                                     fmax(fabs(srgb((double)c->base_color.y) - srgb((double)r->base_color.y)),
-                                          fabs(srgb((double)c->base_color.z) - srgb((double)r->base_color.z)))));
+        const float *in = &c->base_color.x, *out = &r->base_color.x;
+        for (int k = 0; k < 3; k++) e.color = fmax(e.color, fabs(color_code(l, in[k]) - color_code(l, out[k])));
         e.normal = fmax(e.normal, degrees_between(c->normal, r->normal));
         e.roughness = fmax(e.roughness, off(c->roughness, r->roughness));
         e.metallic = fmax(e.metallic, off(c->metallic, r->metallic));
@@ -161,12 +165,12 @@ static struct field_errors measure(void) {
 
 static void test_fields_round_trip(void **state) {
     UNUSED(state);
-    const double half = 0.502 / 255, none = 1e-6;
-    /* The most that each field may be off; motion of 2 is motion that is not there. Normals in degrees; colour sRGB-encoded; F0 as its
-       square root; position in parts of the view depth. Roughness of siege and frostbite2 has 8 bits where the second field is used. */
+    const double half = 0.502 / 255, half10 = 0.502 / 1023, none = 1e-6;
+    /* The most that each field may be off; motion of 2 is motion that is not there. Normals in degrees; colour as its square root where the layout
+       stores that, else sRGB-encoded; F0 as its square root; position in parts of the view depth. Roughness of siege and frostbite2 has 8 bits where the second field is used. */
     static const double step16 = 0.51 / 65535;
     const struct field_errors most[FNL_GBUFFER_COUNT] = {
-        [FNL_GBUFFER_DEFAULT] = {half, 0.004, step16, half, half, half, half, 2, none},
+        [FNL_GBUFFER_DEFAULT] = {half10, 0.004, step16, half, half, half, half, 2, none},
         [FNL_GBUFFER_SIEGE] = {half, 0.1, half, half, half, 0.021, half, 1.01 / 127, none},
         [FNL_GBUFFER_KILLZONE2] = {half, 3, half, none, half, half, none, 2, none},
         [FNL_GBUFFER_FROSTBITE2] = {half, 0.42, half, half, half, 0.021, half, 2, none},
@@ -181,7 +185,7 @@ static void test_fields_round_trip(void **state) {
         for (uint32_t t = 0; t < l->target_count; t++) push.formats |= rounding_of(l->targets[t].format) << 4 * t;
         make_cases(l);
         ask_device(push);
-        struct field_errors e = measure();
+        struct field_errors e = measure(l);
         print_message(
             "%-10s colour %.2g, normal %.3g degrees, roughness %.2g, metalness %.2g, occlusion %.2g, F0 %.2g, F90 %.2g, "
             "motion %.2g, position %.2g\n",
@@ -405,6 +409,44 @@ static void test_no_bleeding_ES_13(void **state) {
     assert_int_equal(chroma.stats.gbuffer_bytes, 14ull * 131 * 131);
     shot_free(&plain);
     shot_free(&chroma);
+    stage_close(&stage);
+}
+
+/* ---- base colour ---- */
+
+/* A ramp of greys under flat light: deferred shading must not be brighter or darker than forward shading, which rounds no base colour. */
+static void test_greys_keep_their_radiance(void **state) {
+    UNUSED(state);
+    enum { GREYS = 96, STEP = 4 };
+    struct square squares[GREYS];
+    for (uint32_t i = 0; i < GREYS; i++) {
+        float grey = (float)(i + 5) / 100.0f; /* 0.05 .. 1, 0.5 among them */
+        squares[i] = (struct square){plastic(grey, grey, grey), (float)i - (GREYS - 1) / 2.0f, 0, 0, 0.5f};
+        squares[i].material.specular = 0;
+    }
+    struct stage stage = stage_open_scene(squares_scene(squares, GREYS));
+    fnl_frame frame = stage.frame;
+    front_camera(&frame, GREYS / 2.0f, GREYS * STEP);
+    frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    struct shot forward = stage_shoot(&stage, &frame);
+    frame.shading = FNL_SHADING_DEFERRED;
+    struct shot deferred = stage_shoot(&stage, &frame);
+    assert_int_equal(deferred.stats.gbuffer_bytes, 16ull * frame.width * frame.height);
+    double sum = 0, worst = 0;
+    for (uint32_t i = 0; i < GREYS; i++) {
+        size_t at = 4 * ((size_t)frame.height / 2 * frame.width + i * STEP + STEP / 2);
+        float a = ((const float *)forward.radiance.pixels)[at], b = ((const float *)deferred.radiance.pixels)[at];
+        assert_true(a > 0);
+        double gain = (double)b / (double)a;
+        sum += gain;
+        worst = fmax(worst, fabs(gain - 1));
+        if (i == 45 && fabs(gain - 1) > 0.002) fail_msg("a grey of 0.5 is shown at %.4f of its radiance", gain);
+    }
+    print_message("greys keep %.5f of their radiance in the mean, off by %.4f at most\n", sum / GREYS, worst);
+    assert_true(fabs(sum / GREYS - 1) < 0.001);
+    assert_true(worst < 0.0055); /* at 0.05 half a step of 10 bits is 0.44 %; both radiances are half floats, rounded by 0.05 % */
+    shot_free(&forward);
+    shot_free(&deferred);
     stage_close(&stage);
 }
 
@@ -647,6 +689,7 @@ int main(void) {
         TEST("ES-9, ES-10, FP-8: every layout equals forward, all lists alike", test_layouts_equal_forward),
         TEST("ES-12, TD-13: encodings of normals in pictures", test_encodings_in_pictures),
         TEST("ES-13: no chroma over edges of depth", test_no_bleeding_ES_13),
+        TEST("greys keep their radiance", test_greys_keep_their_radiance),
         TEST("ES-11, MP-21: neighbours of different materials, 256 of them", test_material_ids_ES_11_MP_21),
         TEST("FP-8: every pixel is lit once", test_lit_once_FP_8),
         TEST("FP-15: the same bits behind a stencil", test_stencil_FP_15),
