@@ -12,7 +12,7 @@ usage: ./build.sh VERB [OPTIONS]
   demo              setup, builds the command, renders the city with 4096 lights to demo.png
   test              setup, builds, runs every test
        -R REGEX       only tests whose name matches
-       --coverage     also lists the checklist lines that tests show, and the missing ones
+       --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
        --clang        in build/clang, compiled by clang
   bench             setup, builds the command, measures every shading order with every light list on the hall: build/bench/report.html
