@@ -40,15 +40,20 @@ typedef struct fnl_vulkan_import {
     uint32_t compute_family;  /**< of compute_queue */
     VkQueue compute_queue;    /**< a second queue for asynchronous compute, or VK_NULL_HANDLE */
     /**
-     * What `device` was created with, read during the call alone, or NULL. Of the optional features (fnl_device_info) those are used that it
-     * switches on: geometryShader (primitive_ids), pipelineStatisticsQuery, multiview and samplerFilterMinmax in VkPhysicalDeviceFeatures2 or
-     * pEnabledFeatures, VkPhysicalDeviceVulkan11Features and VkPhysicalDeviceVulkan12Features; VK_EXT_mesh_shader with meshShader,
-     * VK_EXT_conservative_rasterization and VK_EXT_post_depth_coverage. With NULL none is.
+     * What `device` was created with, read during the call alone, or NULL. The features of fnl_vulkan_requirements_init must be on in it, in
+     * pEnabledFeatures or VkPhysicalDeviceFeatures2, and in VkPhysicalDeviceVulkan11/12/13Features or the structures of single features;
+     * otherwise the import fails with FNL_ERROR_UNSUPPORTED, and the log names those that are off. With NULL the caller vouches for them. Of
+     * the optional features (fnl_device_info) those are used that it switches on: geometryShader (primitive_ids), pipelineStatisticsQuery,
+     * multiview and samplerFilterMinmax; VK_EXT_mesh_shader with meshShader, VK_EXT_conservative_rasterization and
+     * VK_EXT_post_depth_coverage. With NULL none is.
      */
     const VkDeviceCreateInfo *created;
 } fnl_vulkan_import;
 
-/** Like fnl_device_create, on the caller's Vulkan device; `params` may be NULL (its device choice is ignored). */
+/**
+ * Like fnl_device_create, on the caller's Vulkan device; `params` may be NULL (its device choice is ignored). FNL_ERROR_DEVICE when the
+ * physical device lacks what Fanal needs, FNL_ERROR_UNSUPPORTED when the device was created without it.
+ */
 FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_vulkan_import *import, fnl_device **out);
 
 /** Where a frame goes and how it is ordered against the caller's own work. */

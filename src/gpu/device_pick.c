@@ -57,9 +57,19 @@ void gpu_features_require(struct gpu_features *features) {
 #undef SET
 }
 
-static void add_missing(fnl_device_info *info, const char *what) {
-    size_t length = strlen(info->missing);
-    snprintf(info->missing + length, sizeof info->missing - length, "%s%s", length ? ", " : "", what);
+/* Appends to a comma-separated list, as far as there is room. */
+static void append(char *list, size_t capacity, const char *what) {
+    size_t length = strlen(list);
+    snprintf(list + length, capacity - length, "%s%s", length ? ", " : "", what);
+}
+
+static void add_missing(fnl_device_info *info, const char *what) { append(info->missing, sizeof info->missing, what); }
+
+void gpu_features_missing(const struct gpu_features *features, char *list, size_t capacity) {
+#define CHECK(member, feature)                                                                                              \
+    if (!features->member.feature) append(list, capacity, #feature);
+    REQUIRED_FEATURES(CHECK)
+#undef CHECK
 }
 
 static void query_queues(const struct gpu_instance *instance, struct gpu_physical *out) {
@@ -186,10 +196,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     instance->vk.GetPhysicalDeviceFeatures2(handle, &out->supported.features);
     out->supported.features.pNext = meshes.pNext;
     info->mesh_shader = info->mesh_shader && meshes.meshShader;
-#define CHECK(member, feature)                                                                                              \
-    if (!out->supported.member.feature) add_missing(info, #feature);
-    REQUIRED_FEATURES(CHECK)
-#undef CHECK
+    gpu_features_missing(&out->supported, info->missing, sizeof info->missing);
     info->multiview = out->supported.features_11.multiview;
     info->primitive_ids = out->supported.features.features.geometryShader;
     info->minmax_samplers = out->supported.features_12.samplerFilterMinmax;

@@ -57,6 +57,8 @@ struct gpu_features {
 void gpu_features_clear(struct gpu_features *features);
 /** The required ones on. */
 void gpu_features_require(struct gpu_features *features);
+/** Appends the names of the required ones that are off to a comma-separated list. */
+void gpu_features_missing(const struct gpu_features *features, char *list, size_t capacity);
 
 struct gpu_physical {
     VkPhysicalDevice handle;

@@ -29,13 +29,7 @@ static fnl_result check_families(const gpu_device *device, const fnl_vulkan_impo
     return FNL_OK;
 }
 
-/* ---- optional features ---- */
-
-static const void *find_in_chain(const VkDeviceCreateInfo *created, VkStructureType type) {
-    const VkBaseInStructure *s = created->pNext;
-    while (s && s->sType != type) s = s->pNext;
-    return s;
-}
+/* ---- what the caller's device was created with ---- */
 
 static bool has_extension(const VkDeviceCreateInfo *created, const char *name) {
     for (uint32_t i = 0; i < created->enabledExtensionCount; i++)
@@ -43,28 +37,103 @@ static bool has_extension(const VkDeviceCreateInfo *created, const char *name) {
     return false;
 }
 
+/* Structures that switch on features of Vulkan 1.1 to 1.3 one by one, in place of VkPhysicalDeviceVulkan1*Features:
+   X(name, sType, member of struct gpu_features, feature). */
+#define SINGLE_FEATURES(X)                                                                                                  \
+    X(ShaderDrawParametersFeatures, SHADER_DRAW_PARAMETERS_FEATURES, features_11, shaderDrawParameters)                     \
+    X(MultiviewFeatures, MULTIVIEW_FEATURES, features_11, multiview)                                                        \
+    X(BufferDeviceAddressFeatures, BUFFER_DEVICE_ADDRESS_FEATURES, features_12, bufferDeviceAddress)                        \
+    X(ScalarBlockLayoutFeatures, SCALAR_BLOCK_LAYOUT_FEATURES, features_12, scalarBlockLayout)                              \
+    X(ImagelessFramebufferFeatures, IMAGELESS_FRAMEBUFFER_FEATURES, features_12, imagelessFramebuffer)                      \
+    X(TimelineSemaphoreFeatures, TIMELINE_SEMAPHORE_FEATURES, features_12, timelineSemaphore)                               \
+    X(HostQueryResetFeatures, HOST_QUERY_RESET_FEATURES, features_12, hostQueryReset)                                       \
+    X(SeparateDepthStencilLayoutsFeatures, SEPARATE_DEPTH_STENCIL_LAYOUTS_FEATURES, features_12,                            \
+      separateDepthStencilLayouts)                                                                                          \
+    X(DynamicRenderingFeatures, DYNAMIC_RENDERING_FEATURES, features_13, dynamicRendering)                                  \
+    X(Synchronization2Features, SYNCHRONIZATION_2_FEATURES, features_13, synchronization2)                                  \
+    X(Maintenance4Features, MAINTENANCE_4_FEATURES, features_13, maintenance4)                                              \
+    X(ShaderDemoteToHelperInvocationFeatures, SHADER_DEMOTE_TO_HELPER_INVOCATION_FEATURES, features_13,                     \
+      shaderDemoteToHelperInvocation)                                                                                       \
+    X(ShaderTerminateInvocationFeatures, SHADER_TERMINATE_INVOCATION_FEATURES, features_13, shaderTerminateInvocation)
+
+static void read_descriptor_indexing(const VkPhysicalDeviceDescriptorIndexingFeatures *in,
+                                     VkPhysicalDeviceVulkan12Features *out) {
+    out->descriptorIndexing = VK_TRUE; /* says no more than the following ones together */
+    out->runtimeDescriptorArray = in->runtimeDescriptorArray;
+    out->descriptorBindingPartiallyBound = in->descriptorBindingPartiallyBound;
+    out->descriptorBindingSampledImageUpdateAfterBind = in->descriptorBindingSampledImageUpdateAfterBind;
+    out->descriptorBindingStorageImageUpdateAfterBind = in->descriptorBindingStorageImageUpdateAfterBind;
+    out->descriptorBindingUpdateUnusedWhilePending = in->descriptorBindingUpdateUnusedWhilePending;
+    out->shaderSampledImageArrayNonUniformIndexing = in->shaderSampledImageArrayNonUniformIndexing;
+    out->shaderStorageImageArrayNonUniformIndexing = in->shaderStorageImageArrayNonUniformIndexing;
+}
+
+struct enabled {
+    struct gpu_features features; /* its pNext pointers are the caller's */
+    bool mesh_shader;
+};
+
+/* A valid chain has each structure once, and no single one beside VkPhysicalDeviceVulkan1*Features of its version. */
+static void read_enabled(const VkDeviceCreateInfo *created, struct enabled *out) {
+    *out = (struct enabled){0};
+    if (created->pEnabledFeatures) out->features.features.features = *created->pEnabledFeatures;
+    for (const VkBaseInStructure *s = created->pNext; s; s = s->pNext) {
+        const void *in = s;
+        switch ((int)s->sType) {
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2:
+            out->features.features = *(const VkPhysicalDeviceFeatures2 *)in;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES:
+            out->features.features_11 = *(const VkPhysicalDeviceVulkan11Features *)in;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
+            out->features.features_12 = *(const VkPhysicalDeviceVulkan12Features *)in;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
+            out->features.features_13 = *(const VkPhysicalDeviceVulkan13Features *)in;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_FEATURES:
+            read_descriptor_indexing(in, &out->features.features_12);
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT:
+            out->mesh_shader = ((const VkPhysicalDeviceMeshShaderFeaturesEXT *)in)->meshShader;
+            break;
+#define READ(name, type, member, feature)                                                                                   \
+    case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_##type:                                                                          \
+        out->features.member.feature = ((const VkPhysicalDevice##name *)in)->feature;                                       \
+        break;
+            SINGLE_FEATURES(READ)
+#undef READ
+        default:
+            break;
+        }
+    }
+    /* Extensions that became features of Vulkan 1.2: naming them switches the feature on. */
+    if (has_extension(created, VK_KHR_DRAW_INDIRECT_COUNT_EXTENSION_NAME))
+        out->features.features_12.drawIndirectCount = VK_TRUE;
+    if (has_extension(created, VK_EXT_SAMPLER_FILTER_MINMAX_EXTENSION_NAME))
+        out->features.features_12.samplerFilterMinmax = VK_TRUE;
+}
+
+static fnl_result check_required(const gpu_device *device, const struct enabled *enabled) {
+    char missing[1600] = "";
+    gpu_features_missing(&enabled->features, missing, sizeof missing);
+    if (!missing[0]) return FNL_OK;
+    log_error(&device->host,
+              "fnl_device_import: the device was created without features that Fanal needs (fnl_vulkan_requirements_init): %s",
+              missing);
+    return FNL_ERROR_UNSUPPORTED;
+}
+
 /* Leaves of the optional features that Fanal uses those that the caller switched on. */
-static void keep_enabled(const VkDeviceCreateInfo *created, fnl_device_info *info) {
-    const VkDeviceCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
-    if (!created) created = &nothing;
-    const VkPhysicalDeviceFeatures2 *two = find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
-    const VkPhysicalDeviceFeatures *core = two ? &two->features : created->pEnabledFeatures;
-    const VkPhysicalDeviceVulkan11Features *in_11 =
-        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES);
-    const VkPhysicalDeviceVulkan12Features *in_12 =
-        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
-    const VkPhysicalDeviceMeshShaderFeaturesEXT *mesh =
-        find_in_chain(created, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT);
-    info->primitive_ids = info->primitive_ids && core && core->geometryShader;
-    info->pipeline_statistics = info->pipeline_statistics && core && core->pipelineStatisticsQuery;
-    info->multiview = info->multiview && in_11 && in_11->multiview;
-    info->minmax_samplers = info->minmax_samplers && in_12 && in_12->samplerFilterMinmax;
-    info->mesh_shader =
-        info->mesh_shader && mesh && mesh->meshShader && has_extension(created, VK_EXT_MESH_SHADER_EXTENSION_NAME);
-    info->conservative_raster =
-        info->conservative_raster && has_extension(created, VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME);
-    info->post_depth_coverage =
-        info->post_depth_coverage && has_extension(created, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
+static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled *enabled, fnl_device_info *info) {
+    info->primitive_ids &= enabled->features.features.features.geometryShader != 0;
+    info->pipeline_statistics &= enabled->features.features.features.pipelineStatisticsQuery != 0;
+    info->multiview &= enabled->features.features_11.multiview != 0;
+    info->minmax_samplers &= enabled->features.features_12.samplerFilterMinmax != 0;
+    info->mesh_shader &= enabled->mesh_shader && has_extension(created, VK_EXT_MESH_SHADER_EXTENSION_NAME);
+    info->conservative_raster &= has_extension(created, VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME);
+    info->post_depth_coverage &= has_extension(created, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME);
     /* Nothing uses these. */
     info->ray_query = info->barycentrics = info->sample_locations = info->fragment_shading_rate = false;
 }
@@ -82,8 +151,13 @@ static fnl_result import_device(gpu_device *device, const fnl_device_params *par
         return FNL_ERROR_DEVICE;
     }
     TRY(check_families(device, import));
+    const VkDeviceCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    const VkDeviceCreateInfo *created = import->created ? import->created : &nothing;
+    struct enabled enabled;
+    read_enabled(created, &enabled);
+    if (import->created) TRY(check_required(device, &enabled));
     device->info = physical.info;
-    keep_enabled(import->created, &device->info);
+    keep_enabled(created, &enabled, &device->info);
     device->isotropic_gradients = physical.isotropic_gradients;
     device->imported = true;
     device->physical = import->physical_device;

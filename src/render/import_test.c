@@ -38,7 +38,7 @@ static struct world {
     uint64_t ticks; /* what the timeline was last asked to reach */
     uint32_t layer_version;
     atomic_uint messages;
-    char last_error[512]; /* of Fanal's log */
+    char last_error[2048]; /* of Fanal's log */
     fnl_camera camera;
     fnl_scene *scene;
     fnl_device *own, *imported;
@@ -561,6 +561,164 @@ static void test_optional_features_are_used_where_the_caller_says_so(void **stat
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* ---- required features ---- */
+
+/* All that fnl_vulkan_requirements_init switches on, once more: X(member, feature). */
+#define REQUIRED(X)                                                                                                         \
+    X(features.features, multiDrawIndirect)                                                                                 \
+    X(features.features, drawIndirectFirstInstance)                                                                         \
+    X(features.features, fullDrawIndexUint32)                                                                               \
+    X(features.features, samplerAnisotropy)                                                                                 \
+    X(features.features, depthClamp)                                                                                        \
+    X(features.features, independentBlend)                                                                                  \
+    X(features.features, fragmentStoresAndAtomics)                                                                          \
+    X(features.features, shaderStorageImageReadWithoutFormat)                                                               \
+    X(features.features, shaderStorageImageWriteWithoutFormat)                                                              \
+    X(features.features, shaderSampledImageArrayDynamicIndexing)                                                            \
+    X(features.features, shaderStorageImageArrayDynamicIndexing)                                                            \
+    X(features_11, shaderDrawParameters)                                                                                    \
+    X(features_12, drawIndirectCount)                                                                                       \
+    X(features_12, descriptorIndexing)                                                                                      \
+    X(features_12, runtimeDescriptorArray)                                                                                  \
+    X(features_12, descriptorBindingPartiallyBound)                                                                         \
+    X(features_12, descriptorBindingSampledImageUpdateAfterBind)                                                            \
+    X(features_12, descriptorBindingStorageImageUpdateAfterBind)                                                            \
+    X(features_12, descriptorBindingUpdateUnusedWhilePending)                                                               \
+    X(features_12, shaderSampledImageArrayNonUniformIndexing)                                                               \
+    X(features_12, shaderStorageImageArrayNonUniformIndexing)                                                               \
+    X(features_12, bufferDeviceAddress)                                                                                     \
+    X(features_12, scalarBlockLayout)                                                                                       \
+    X(features_12, imagelessFramebuffer)                                                                                    \
+    X(features_12, timelineSemaphore)                                                                                       \
+    X(features_12, hostQueryReset)                                                                                          \
+    X(features_12, separateDepthStencilLayouts)                                                                             \
+    X(features_13, dynamicRendering)                                                                                        \
+    X(features_13, synchronization2)                                                                                        \
+    X(features_13, maintenance4)                                                                                            \
+    X(features_13, shaderDemoteToHelperInvocation)                                                                          \
+    X(features_13, shaderTerminateInvocation)
+
+static uint32_t count_on(const void *first, const void *last) {
+    uint32_t count = 0;
+    for (const VkBool32 *bit = first; bit <= (const VkBool32 *)last; bit++) count += *bit;
+    return count;
+}
+
+static fnl_result import_created(const VkDeviceCreateInfo *created) {
+    fnl_device_params params = device_params();
+    fnl_vulkan_import handles = w.handles;
+    handles.created = created;
+    fnl_device *device = NULL;
+    w.last_error[0] = 0;
+    fnl_result result = fnl_device_import(&params, &handles, &device);
+    assert_int_equal(device != NULL, result == FNL_OK);
+    fnl_device_destroy(&device);
+    return result;
+}
+
+/* `name` is off in what the device is said to be created with, and nothing else is. */
+static void expect_missing(const VkDeviceCreateInfo *created, const char *name) {
+    char end[100];
+    snprintf(end, sizeof end, ": %s", name);
+    assert_int_equal(import_created(created), FNL_ERROR_UNSUPPORTED);
+    size_t length = strlen(w.last_error);
+    if (length < strlen(end) || strcmp(w.last_error + length - strlen(end), end) != 0)
+        fail_msg("'%s' does not name %s", w.last_error, name);
+}
+
+static void test_each_required_feature_that_is_off_is_named(void **state) {
+    UNUSED(state);
+    fnl_vulkan_requirements r;
+    fnl_vulkan_requirements_init(&r);
+    VkDeviceCreateInfo created = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .pNext = &r.features};
+    uint32_t tried = 0;
+#define TURN_OFF(member, feature)                                                                                           \
+    assert_true(r.member.feature);                                                                                          \
+    r.member.feature = VK_FALSE;                                                                                            \
+    expect_missing(&created, #feature);                                                                                     \
+    r.member.feature = VK_TRUE;                                                                                             \
+    tried++;
+    REQUIRED(TURN_OFF)
+#undef TURN_OFF
+    uint32_t required = count_on(&r.features.features, &r.features.features.inheritedQueries) +
+                        count_on(&r.features_11.storageBuffer16BitAccess, &r.features_11.shaderDrawParameters) +
+                        count_on(&r.features_12.samplerMirrorClampToEdge, &r.features_12.subgroupBroadcastDynamicId) +
+                        count_on(&r.features_13.robustImageAccess, &r.features_13.maintenance4);
+    assert_int_equal(tried, required);
+    FNL(import_created(&created)); /* with all of them on again */
+
+    created.pEnabledFeatures = &r.features.features; /* as programs do that begin the chain with Vulkan 1.1 */
+    created.pNext = &r.features_11;
+    FNL(import_created(&created));
+    r.features.features.depthClamp = VK_FALSE;
+    expect_missing(&created, "depthClamp");
+
+    created = (VkDeviceCreateInfo){.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO}; /* nothing on: every one is named */
+    assert_int_equal(import_created(&created), FNL_ERROR_UNSUPPORTED);
+#define NAMED(member, feature)                                                                                              \
+    if (!strstr(w.last_error, #feature)) fail_msg("'%s' does not name %s", w.last_error, #feature);
+    REQUIRED(NAMED)
+#undef NAMED
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+/* Features of Vulkan 1.1 to 1.3 by structures of their own: X(structure, sType, features that Fanal needs of it). */
+#define SINGLE(X)                                                                                                           \
+    X(ShaderDrawParameters, SHADER_DRAW_PARAMETERS, shaderDrawParameters)                                                   \
+    X(BufferDeviceAddress, BUFFER_DEVICE_ADDRESS, bufferDeviceAddress)                                                      \
+    X(ScalarBlockLayout, SCALAR_BLOCK_LAYOUT, scalarBlockLayout)                                                            \
+    X(ImagelessFramebuffer, IMAGELESS_FRAMEBUFFER, imagelessFramebuffer)                                                    \
+    X(TimelineSemaphore, TIMELINE_SEMAPHORE, timelineSemaphore)                                                             \
+    X(HostQueryReset, HOST_QUERY_RESET, hostQueryReset)                                                                     \
+    X(SeparateDepthStencilLayouts, SEPARATE_DEPTH_STENCIL_LAYOUTS, separateDepthStencilLayouts)                             \
+    X(DynamicRendering, DYNAMIC_RENDERING, dynamicRendering)                                                                \
+    X(Synchronization2, SYNCHRONIZATION_2, synchronization2)                                                                \
+    X(Maintenance4, MAINTENANCE_4, maintenance4)                                                                            \
+    X(ShaderDemoteToHelperInvocation, SHADER_DEMOTE_TO_HELPER_INVOCATION, shaderDemoteToHelperInvocation)                   \
+    X(ShaderTerminateInvocation, SHADER_TERMINATE_INVOCATION, shaderTerminateInvocation)
+
+static void test_structures_of_single_features_count(void **state) {
+    UNUSED(state);
+    fnl_vulkan_requirements r;
+    fnl_vulkan_requirements_init(&r);
+    static const char *const extension = VK_KHR_DRAW_INDIRECT_COUNT_EXTENSION_NAME;
+    VkDeviceCreateInfo created = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .enabledExtensionCount = 1,
+                                  .ppEnabledExtensionNames = &extension,
+                                  .pEnabledFeatures = &r.features.features};
+#define LINK(name, type, feature)                                                                                           \
+    VkPhysicalDevice##name##Features in_##feature = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_##type##_FEATURES,          \
+                                                     .pNext = (void *)(uintptr_t)created.pNext,                             \
+                                                     .feature = VK_TRUE};                                                   \
+    created.pNext = &in_##feature;
+    SINGLE(LINK)
+#undef LINK
+    VkPhysicalDeviceDescriptorIndexingFeatures indexing = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DESCRIPTOR_INDEXING_FEATURES,
+        .pNext = (void *)(uintptr_t)created.pNext,
+        .runtimeDescriptorArray = VK_TRUE,
+        .descriptorBindingPartiallyBound = VK_TRUE,
+        .descriptorBindingSampledImageUpdateAfterBind = VK_TRUE,
+        .descriptorBindingStorageImageUpdateAfterBind = VK_TRUE,
+        .descriptorBindingUpdateUnusedWhilePending = VK_TRUE,
+        .shaderSampledImageArrayNonUniformIndexing = VK_TRUE,
+        .shaderStorageImageArrayNonUniformIndexing = VK_TRUE};
+    created.pNext = &indexing;
+    FNL(import_created(&created));
+#define TURN_OFF(name, type, feature)                                                                                       \
+    in_##feature.feature = VK_FALSE;                                                                                        \
+    expect_missing(&created, #feature);                                                                                     \
+    in_##feature.feature = VK_TRUE;
+    SINGLE(TURN_OFF)
+#undef TURN_OFF
+    indexing.runtimeDescriptorArray = VK_FALSE;
+    expect_missing(&created, "runtimeDescriptorArray");
+    indexing.runtimeDescriptorArray = VK_TRUE;
+    created.enabledExtensionCount = 0;
+    expect_missing(&created, "drawIndirectCount");
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
@@ -568,6 +726,8 @@ int main(void) {
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),
         cmocka_unit_test(test_misuse_is_refused_and_does_no_harm),
         cmocka_unit_test(test_optional_features_are_used_where_the_caller_says_so),
+        cmocka_unit_test(test_each_required_feature_that_is_off_is_named),
+        cmocka_unit_test(test_structures_of_single_features_count),
     };
     return cmocka_run_group_tests_name("render: import", tests, set_up, tear_down);
 }
