@@ -9,9 +9,10 @@ find_program(FANAL_SPIRV_VAL spirv-val REQUIRED)
 set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
 target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED})
 
-# Programs of the build itself: never sanitised, no dependencies.
-add_executable(spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
-add_executable(layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
+# Programs of the build itself: never sanitised.
+add_executable(fanal_spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
+target_link_libraries(fanal_spirv_embed PRIVATE PkgConfig::libzstd)
+add_executable(fanal_layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
 
 set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
@@ -43,12 +44,12 @@ function(fanal_shaders target)
         -I${PROJECT_SOURCE_DIR}/src --depfile ${module}.d
         -o ${module} ${source}
       COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
-    add_custom_command(OUTPUT ${embedded} DEPENDS ${module} spirv_embed VERBATIM COMMENT "Embedding ${name}"
+    add_custom_command(OUTPUT ${embedded} DEPENDS ${module} fanal_spirv_embed VERBATIM COMMENT "Embedding ${name}"
       BYPRODUCTS ${optimised}
       COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
         --eliminate-dead-variables ${module} -o ${optimised}
       COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
-      COMMAND spirv_embed ${name} ${optimised} ${embedded})
+      COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
     target_sources(${target} PRIVATE ${embedded})
     set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
   endforeach()
@@ -71,8 +72,8 @@ function(fanal_finish_shaders)
   get_property(modules GLOBAL PROPERTY fanal_shader_modules)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/*_shared.h ${PROJECT_SOURCE_DIR}/src/*_shared.h)
   set(assertions ${FANAL_GENERATED}/layout_assertions.c)
-  add_custom_command(OUTPUT ${assertions} DEPENDS ${modules} layout_check VERBATIM COMMENT "Layouts of shared structs"
-    COMMAND layout_check ${assertions} ${headers} -- ${modules})
+  add_custom_command(OUTPUT ${assertions} DEPENDS ${modules} fanal_layout_check VERBATIM COMMENT "Layouts of shared structs"
+    COMMAND fanal_layout_check ${assertions} ${headers} -- ${modules})
   add_library(fanal_layouts OBJECT ${assertions})
   target_link_libraries(fanal_layouts PRIVATE fanal_options)
 endfunction()

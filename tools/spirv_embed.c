@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Build tool: spirv_embed STEM.STAGE IN.spv OUT.c writes a SPIR-V module as the C definition of shader_STEM_STAGE. */
+/* Build tool: spirv_embed STEM.STAGE IN.spv OUT.c writes a SPIR-V module, compressed, as the C definition of shader_STEM_STAGE. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zstd.h>
 
 #define SPIRV_MAGIC 0x07230203u
 
@@ -40,18 +41,27 @@ int main(int argc, char **argv) {
         free(words);
         return 1;
     }
+    size_t size = count * sizeof(*words), bound = ZSTD_compressBound(size);
+    unsigned char *bytes = malloc(bound);
+    size_t packed = bytes ? ZSTD_compress(bytes, bound, words, size, 19) : (size_t)-1;
+    free(words);
+    if (!bytes || ZSTD_isError(packed)) {
+        fprintf(stderr, "%s: cannot be compressed\n", argv[2]);
+        free(bytes);
+        return 1;
+    }
     FILE *out = fopen(argv[3], "w");
     if (!out) {
         perror(argv[3]);
-        free(words);
+        free(bytes);
         return 1;
     }
-    fprintf(out, "/* SPDX-License-Identifier: MIT */\n#include \"shaders.h\"\n\nstatic const uint32_t code[%zu] = {", count);
-    for (size_t i = 0; i < count; i++) fprintf(out, "%s0x%x,", i % 8 ? " " : "\n    ", (unsigned)words[i]);
+    fprintf(out, "/* SPDX-License-Identifier: MIT */\n#include \"shaders.h\"\n\nstatic const unsigned char packed[%zu] = {", packed);
+    for (size_t i = 0; i < packed; i++) fprintf(out, "%s%u,", i % 32 ? "" : "\n    ", bytes[i]);
     fprintf(out, "\n};\n\nconst struct gpu_shader shader_");
     for (const char *c = argv[1]; *c; c++) fputc(*c == '.' ? '_' : *c, out);
-    fprintf(out, " = {\"%s\", code, sizeof(code)};\n", argv[1]);
-    free(words);
+    fprintf(out, " = {\"%s\", packed, sizeof(packed), %zu};\n", argv[1], size);
+    free(bytes);
     int failed = ferror(out);
     failed |= fclose(out);
     if (failed) {

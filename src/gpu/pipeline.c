@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "gpu/gpu_internal.h"
 
+#include <zstd.h>
+
 fnl_result gpu_pipelines_init(gpu_device *device, const char *cache_folder) {
     return gpu_pipeline_cache_load(device, cache_folder);
 }
@@ -86,14 +88,26 @@ static void describe_constants(uint32_t count, const uint32_t *values, uint32_t 
     out->info = (VkSpecializationInfo){count, out->entries, count * 4, out->values};
 }
 
+uint32_t *gpu_shader_code(const fnl_host *host, const struct gpu_shader *shader) {
+    uint32_t *code = host_allocate(host, shader->size);
+    if (!code) return NULL;
+    if (ZSTD_decompress(code, shader->size, shader->packed, shader->packed_size) == shader->size) return code;
+    log_error(host, "%s: out of memory while it was decompressed", shader->name); /* what is embedded is whole */
+    host_free(host, code, shader->size);
+    return NULL;
+}
+
 static fnl_result create_module(gpu_device *device, const struct gpu_shader *shader, VkShaderModule *out) {
+    uint32_t *code = gpu_shader_code(&device->host, shader);
+    if (!code) return FNL_ERROR_MEMORY;
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = shader->size,
-        .pCode = shader->code,
+        .pCode = code,
     };
-    return gpu_check(device, device->vk.CreateShaderModule(device->handle, &info, NULL, out), "%s: vkCreateShaderModule",
-                     shader->name);
+    VkResult result = device->vk.CreateShaderModule(device->handle, &info, NULL, out);
+    host_free(&device->host, code, shader->size);
+    return gpu_check(device, result, "%s: vkCreateShaderModule", shader->name);
 }
 
 static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,

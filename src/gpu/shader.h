@@ -6,13 +6,16 @@
 #ifndef FNL_GPU_SHADER_H
 #define FNL_GPU_SHADER_H
 
-#include <stddef.h>
-#include <stdint.h>
+#include "base/base.h"
 
 struct gpu_shader {
-    const char *name;     /**< such as "tiled_count.comp" */
-    const uint32_t *code; /**< optimised SPIR-V for Vulkan 1.3, entry point "main" */
-    size_t size;          /**< bytes of code, a multiple of 4 */
+    const char *name;            /**< such as "tiled_count.comp" */
+    const unsigned char *packed; /**< optimised SPIR-V for Vulkan 1.3, entry point "main", compressed by zstd */
+    size_t packed_size;
+    size_t size; /**< bytes of SPIR-V, a multiple of 4 */
 };
+
+/** The SPIR-V; its `size` bytes are freed by host_free. NULL when memory ran out (logged). */
+uint32_t *gpu_shader_code(const fnl_host *host, const struct gpu_shader *shader);
 
 #endif
