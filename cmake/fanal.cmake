@@ -83,7 +83,9 @@ endfunction()
 
 # fanal_fuzz(image SOURCES fuzz_image.c LAYERS base image) makes the libFuzzer program fuzz/fuzz_image when FANAL_FUZZ
 # is on; `./build.sh fuzz` runs all of them.
-add_custom_target(fuzzers)
+if(FANAL_FUZZ)
+  add_custom_target(fuzzers)
+endif()
 function(fanal_fuzz name)
   if(NOT FANAL_FUZZ)
     return()

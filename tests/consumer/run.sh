@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: MIT
 # run.sh cmake|pkgconfig BUILD CC [CFLAG…]: installs BUILD into a prefix, moves the prefix, builds the consumer and
 # examples/hello.c against it and runs them.
+# run.sh subproject BUILD CC: configures a project that has Fanal's sources as a part, compiles its program, and looks whether anything
+# of Fanal's leaks into it. The library is not built once more: whether all that it links is known shows when the build is generated.
 set -euo pipefail
 kind=$1 build=$2 compiler=$3
 shift 3
@@ -9,6 +11,20 @@ source=$(cd "$(dirname "$0")" && pwd)
 work=$build/consumer/$kind
 rm -rf "$work"
 mkdir -p "$work"
+if [ "$kind" = subproject ]; then
+    fail() { echo "subproject: $*" >&2; exit 1; }
+    cmake -S "$source/subproject" -B "$work/build" -G Ninja -DCMAKE_C_COMPILER="$compiler" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$work/configure.log"
+    ! grep -i cmocka "$work/build/CMakeCache.txt" || fail "it looks for cmocka"
+    tests=$(ctest --test-dir "$work/build" -N)
+    grep -q 'Total Tests: 1$' <<<"$tests" || fail "there are other tests than its own: $tests"
+    ! grep -r 'file(INSTALL' "$work/build/fanal" --include=cmake_install.cmake || fail "Fanal installs itself"
+    command=$(sed -n 's/^ *"command": "\(.*consumer\.c\)",$/\1/p' "$work/build/compile_commands.json")
+    [ -n "$command" ] || fail "consumer.c is not compiled"
+    ! grep -E -- '-Wall|-fvisibility|-ffp-contract|-fno-math-errno|-fPIC|_GNU_SOURCE|-O|-g|-std' <<<"$command" || fail "it is compiled with flags of Fanal's"
+    mkdir -p "$work/build/CMakeFiles/consumer.dir$source"
+    (cd "$work/build" && eval "$command")
+    exit
+fi
 cmake --install "$build" --prefix "$work/first" >"$work/install.log"
 mv "$work/first" "$work/prefix"
 folder=$(dirname "$(find "$work/prefix" -name 'libfanal.*' -print -quit)")
