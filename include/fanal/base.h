@@ -21,7 +21,11 @@ extern "C" {
 #define FNL_VERSION_MINOR 1
 #define FNL_VERSION_PATCH 0
 
-/** What a call came to. Zero is success; each failure also sends one line to the host's log. */
+/**
+ * What a call came to. Zero is success; each failure also sends one line to the host's log. That of misuse names the function, the argument
+ * or field, its value and what it must be: "fnl_scene_add_light: range is -3, must be above 0 metres". A handle that is NULL has no host: the
+ * built-in log tells it.
+ */
 typedef enum fnl_result {
     FNL_OK = 0,
     FNL_ERROR_INVALID,     /**< misuse: an argument is out of its stated range */

@@ -164,7 +164,7 @@ FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light
  * (> 0) times 1/pi cd/m^2 to the brightest surface of `min_roughness` (0 .. 1). g = max(1, 1 / (4 alpha^2)) with alpha =
  * max(min_roughness^2, 0.001) is what the largest value of a white metal's BRDF seen head-on, 1 / (4 pi alpha^2), is to a white matt
  * one's, 1/pi. Lights reach the farther the smoother the surfaces are: sharp highlights stand out where diffuse light is long lost.
- * INFINITY for directional lights.
+ * INFINITY for directional lights; 0 (logged) for NULL.
  */
 FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughness, float threshold);
 /**

@@ -40,11 +40,11 @@ void host_log_list(const fnl_host *host, fnl_log_level level, const char *format
 #define log_warning(host, ...) host_log(host, FNL_LOG_WARNING, __VA_ARGS__)
 #define log_error(host, ...) host_log(host, FNL_LOG_ERROR, __VA_ARGS__)
 
-/** Misuse check for public entry points: logs the failed expression and returns FNL_ERROR_INVALID. */
+/** What only Fanal's own code can get wrong: logs the failed expression and returns FNL_ERROR_INVALID. For arguments of public functions: check.h. */
 #define REQUIRE(host, expression)                                                                                           \
     do {                                                                                                                    \
         if (!(expression)) {                                                                                                \
-            log_error(host, "%s: misuse, '%s' does not hold", __func__, #expression);                                       \
+            log_error(host, "internal error: %s: '%s' does not hold", __func__, #expression);                                       \
             return FNL_ERROR_INVALID;                                                                                       \
         }                                                                                                                   \
     } while (0)

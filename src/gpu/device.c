@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/check.h"
 #include "gpu/gpu_internal.h"
 
 /* ---- results ---- */
@@ -320,9 +321,9 @@ fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) 
     fnl_device_params defaults = fnl_device_params_default();
     if (!params) params = &defaults;
     fnl_host host = host_resolve(&params->host);
-    REQUIRE(&host, out != NULL);
+    TRY(check_pointer(CALL(&host), "out", out));
     *out = NULL;
-    REQUIRE(&host, params->index >= -1);
+    if (params->index < -1) return misuse(CALL(&host), "index is %d, must be -1 or the number of a device", params->index);
 
     gpu_device *device = NULL;
     struct gpu_physical physical;
@@ -382,12 +383,12 @@ void fnl_device_destroy(fnl_device **address) {
 }
 
 fnl_result fnl_device_query_info(const fnl_device *device, fnl_device_info *out) {
-    if (!device) return FNL_ERROR_INVALID;
-    REQUIRE(&device->host, out != NULL);
+    TRY(check_handle(__func__, "device", device));
+    TRY(check_pointer(CALL(&device->host), "out", out));
     *out = device->info;
     return FNL_OK;
 }
 
 uint64_t fnl_device_validation_count(const fnl_device *device) {
-    return device ? atomic_load(&device->instance.message_count) : 0;
+    return check_handle(__func__, "device", device) == FNL_OK ? atomic_load(&device->instance.message_count) : 0;
 }

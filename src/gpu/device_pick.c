@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/check.h"
 #include "gpu/gpu_internal.h"
 
 #include <strings.h>
@@ -289,9 +290,9 @@ fnl_result gpu_physical_pick(const struct gpu_instance *instance, const fnl_devi
 
 fnl_result fnl_enumerate_devices(const fnl_host *host, fnl_device_info *out, uint32_t capacity, uint32_t *out_count) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, out_count != NULL);
+    TRY(check_pointer(CALL(&resolved), "out_count", out_count));
     *out_count = 0;
-    REQUIRE(&resolved, out != NULL || capacity == 0);
+    if (!out && capacity) return misuse(CALL(&resolved), "out is NULL, but capacity is %u", capacity);
     struct gpu_instance instance;
     fnl_result result = gpu_instance_open(&instance, &resolved, false, true);
     if (result != FNL_OK) {

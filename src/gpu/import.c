@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/check.h"
 #include "fanal/vulkan.h"
 #include "gpu/gpu_internal.h"
 
 #include <string.h>
 
 void fnl_vulkan_requirements_init(fnl_vulkan_requirements *requirements) {
-    if (!requirements) return;
+    if (check_handle(__func__, "requirements", requirements) != FNL_OK) return;
     struct gpu_features features;
     gpu_features_require(&features);
     *requirements =
@@ -15,18 +16,22 @@ void fnl_vulkan_requirements_init(fnl_vulkan_requirements *requirements) {
     requirements->features_12.pNext = &requirements->features_13;
 }
 
-static fnl_result check_families(const gpu_device *device, const fnl_vulkan_import *import) {
+static fnl_result check_family(const struct call *call, const char *name, const VkQueueFamilyProperties *families,
+                               uint32_t count, uint32_t family, VkQueueFlags wanted) {
+    TRY(check_index(call, name, family, count, "queue families"));
+    if ((families[family].queueFlags & wanted) == wanted) return FNL_OK;
+    return misuse(call, "%s is %u, must be a family with %scompute", name, family,
+                  wanted & VK_QUEUE_GRAPHICS_BIT ? "graphics and " : "");
+}
+
+static fnl_result check_families(const struct call *call, const gpu_device *device, const fnl_vulkan_import *import) {
     VkQueueFamilyProperties families[32];
     uint32_t count = COUNT_OF(families);
     device->instance.vk.GetPhysicalDeviceQueueFamilyProperties(import->physical_device, &count, families);
-    const VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    REQUIRE(&device->host, import->graphics_family < count);
-    REQUIRE(&device->host, (families[import->graphics_family].queueFlags & both) == both);
-    if (import->compute_queue) {
-        REQUIRE(&device->host, import->compute_family < count);
-        REQUIRE(&device->host, families[import->compute_family].queueFlags & VK_QUEUE_COMPUTE_BIT);
-    }
-    return FNL_OK;
+    TRY(check_family(call, "graphics_family", families, count, import->graphics_family,
+                     VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT));
+    if (!import->compute_queue) return FNL_OK;
+    return check_family(call, "compute_family", families, count, import->compute_family, VK_QUEUE_COMPUTE_BIT);
 }
 
 /* ---- what the caller's device was created with ---- */
@@ -115,13 +120,12 @@ static void read_enabled(const VkDeviceCreateInfo *created, struct enabled *out)
         out->features.features_12.samplerFilterMinmax = VK_TRUE;
 }
 
-static fnl_result check_required(const gpu_device *device, const struct enabled *enabled) {
+static fnl_result check_required(const struct call *call, const struct enabled *enabled) {
     char missing[1600] = "";
     gpu_features_missing(&enabled->features, missing, sizeof missing);
     if (!missing[0]) return FNL_OK;
-    log_error(&device->host,
-              "fnl_device_import: the device was created without features that Fanal needs (fnl_vulkan_requirements_init): %s",
-              missing);
+    log_error(call->host, "%s: the device was created without features that Fanal needs (fnl_vulkan_requirements_init): %s",
+              call->function, missing);
     return FNL_ERROR_UNSUPPORTED;
 }
 
@@ -140,7 +144,8 @@ static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled
 
 /* ---- the device ---- */
 
-static fnl_result import_device(gpu_device *device, const fnl_device_params *params, const fnl_vulkan_import *import) {
+static fnl_result import_device(const struct call *call, gpu_device *device, const fnl_device_params *params,
+                                const fnl_vulkan_import *import) {
     TRY(gpu_instance_import(&device->instance, &device->host, import->get_instance_proc_addr, import->instance,
                             params->validate));
     struct gpu_physical physical;
@@ -150,12 +155,12 @@ static fnl_result import_device(gpu_device *device, const fnl_device_params *par
                   physical.info.missing);
         return FNL_ERROR_DEVICE;
     }
-    TRY(check_families(device, import));
+    TRY(check_families(call, device, import));
     const VkDeviceCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     const VkDeviceCreateInfo *created = import->created ? import->created : &nothing;
     struct enabled enabled;
     read_enabled(created, &enabled);
-    if (import->created) TRY(check_required(device, &enabled));
+    if (import->created) TRY(check_required(call, &enabled));
     device->info = physical.info;
     keep_enabled(created, &enabled, &device->info);
     device->isotropic_gradients = physical.isotropic_gradients;
@@ -175,17 +180,18 @@ fnl_result fnl_device_import(const fnl_device_params *params, const fnl_vulkan_i
     fnl_device_params defaults = fnl_device_params_default();
     if (!params) params = &defaults;
     fnl_host host = host_resolve(&params->host);
-    REQUIRE(&host, out != NULL);
+    const struct call *call = CALL(&host);
+    TRY(check_pointer(call, "out", out));
     *out = NULL;
-    REQUIRE(&host, import != NULL);
-    REQUIRE(&host, import->get_instance_proc_addr != NULL);
-    REQUIRE(&host, import->instance != VK_NULL_HANDLE);
-    REQUIRE(&host, import->physical_device != VK_NULL_HANDLE);
-    REQUIRE(&host, import->device != VK_NULL_HANDLE);
-    REQUIRE(&host, import->graphics_queue != VK_NULL_HANDLE);
+    TRY(check_pointer(call, "import", import));
+    if (!import->get_instance_proc_addr) return misuse(call, "get_instance_proc_addr is NULL");
+    TRY(check_pointer(call, "instance", import->instance));
+    TRY(check_pointer(call, "physical_device", import->physical_device));
+    TRY(check_pointer(call, "device", import->device));
+    TRY(check_pointer(call, "graphics_queue", import->graphics_queue));
     gpu_device *device = NULL;
     fnl_result result = gpu_device_new(params, &device);
-    if (result == FNL_OK) result = import_device(device, params, import);
+    if (result == FNL_OK) result = import_device(call, device, params, import);
     if (result != FNL_OK) {
         fnl_device_destroy(&device);
         return result;

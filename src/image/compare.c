@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How far two pictures are apart, row by row: memory grows with the width alone. */
-#include "base/base.h"
-#include "fanal/image.h"
+#include "image/image.h"
 
 #include <float.h>
 #include <math.h>
@@ -54,15 +53,12 @@ static double greatest_finite(const fnl_image *image, double least) {
     return least;
 }
 
-static fnl_result begin(const fnl_host *host, const fnl_image *a, const fnl_image *b, struct comparison *out) {
-    REQUIRE(host, a != NULL && a->pixels != NULL && fnl_pixel_size(a->format) != 0);
-    REQUIRE(host, b != NULL && b->pixels != NULL && fnl_pixel_size(b->format) != 0);
-    REQUIRE(host, a->width > 0 && a->height > 0);
-    if (a->width != b->width || a->height != b->height) {
-        log_error(host, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height, b->width,
-                  b->height);
-        return FNL_ERROR_INVALID;
-    }
+static fnl_result begin(const struct call *call, const fnl_image *a, const fnl_image *b, struct comparison *out) {
+    TRY(image_check(call, "a", a));
+    TRY(image_check(call, "b", b));
+    if (a->width != b->width || a->height != b->height)
+        return misuse(call, "pictures of different sizes cannot be compared: %u x %u and %u x %u", a->width, a->height,
+                      b->width, b->height);
     *out = (struct comparison){.a = a, .b = b};
     out->integer = a->format != FNL_PIXEL_FORMAT_RGBA32F && b->format != FNL_PIXEL_FORMAT_RGBA32F;
     out->unit = out->integer ? 65535 : 1;
@@ -191,10 +187,10 @@ static void luma_of_pixel(const double *a, const double *b, double *luma_a, doub
 
 fnl_result fnl_image_compare(const fnl_host *host, const fnl_image *a, const fnl_image *b, fnl_image_difference *out) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, out != NULL);
+    TRY(check_pointer(CALL(&resolved), "out", out));
     *out = (fnl_image_difference){0};
     struct comparison comparison;
-    TRY(begin(&resolved, a, b, &comparison));
+    TRY(begin(CALL(&resolved), a, b, &comparison));
     size_t row_doubles = (size_t)a->width * 4, size = (row_doubles * 2 + ssim_doubles(a->width)) * sizeof(double);
     double *rows = host_allocate(&resolved, size);
     if (!rows) return FNL_ERROR_MEMORY;
@@ -263,11 +259,11 @@ static double greatest_shown(const struct comparison *comparison, double *row_a,
 fnl_result fnl_image_difference_picture(const fnl_host *host, const fnl_image *a, const fnl_image *b, float gain,
                                         fnl_image *out) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, out != NULL);
+    TRY(check_pointer(CALL(&resolved), "out", out));
     *out = (fnl_image){0};
-    REQUIRE(&resolved, gain >= 0 && isfinite(gain));
+    TRY(check_range(CALL(&resolved), "gain", (double)gain, 0, (double)FLT_MAX, ""));
     struct comparison comparison;
-    TRY(begin(&resolved, a, b, &comparison));
+    TRY(begin(CALL(&resolved), a, b, &comparison));
     size_t row_doubles = (size_t)a->width * 4, rows_size = row_doubles * 2 * sizeof(double);
     fnl_image picture = {.width = a->width, .height = a->height, .format = FNL_PIXEL_FORMAT_RGBA8};
     double *rows = host_allocate(&resolved, rows_size);

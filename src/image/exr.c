@@ -362,13 +362,19 @@ static exr_result_t write_chunks(exr_context_t exr, uint32_t width, uint32_t hei
     return error;
 }
 
-static fnl_result check_channels(const fnl_host *host, uint32_t width, const fnl_exr_channel *channels, uint32_t count) {
+static fnl_result check_channels(const struct call *call, uint32_t width, const fnl_exr_channel *channels, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
-        REQUIRE(host, channels[i].name != NULL && channels[i].name[0] != 0);
-        REQUIRE(host, strlen(channels[i].name) <= CHANNEL_NAME_MAX);
-        REQUIRE(host, channels[i].values != NULL);
-        REQUIRE(host, channels[i].stride > 0 && (uint64_t)channels[i].stride * 4 * width <= INT32_MAX);
-        REQUIRE(host, find_channel(channels, i, channels[i].name) == NULL); /* the names differ */
+        const fnl_exr_channel *channel = &channels[i];
+        if (!channel->name || !channel->values)
+            return misuse(call, "channels[%u].%s is NULL", i, channel->name ? "values" : "name");
+        size_t length = strlen(channel->name);
+        if (length < 1 || length > CHANNEL_NAME_MAX)
+            return misuse(call, "channels[%u].name has %zu bytes, must have 1 .. %d", i, length, CHANNEL_NAME_MAX);
+        char field[64];
+        snprintf(field, sizeof field, "channels[%u].stride", i);
+        TRY(check_count(call, field, channel->stride, 1, INT32_MAX / 4 / width));
+        if (find_channel(channels, i, channel->name))
+            return misuse(call, "channels[%u].name is '%s', which another channel is called already", i, channel->name);
     }
     return FNL_OK;
 }
@@ -376,10 +382,13 @@ static fnl_result check_channels(const fnl_host *host, uint32_t width, const fnl
 fnl_result fnl_exr_save(const fnl_host *host, const char *path, uint32_t width, uint32_t height,
                         const fnl_exr_channel *channels, uint32_t channel_count) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, path != NULL);
-    REQUIRE(&resolved, width > 0 && width <= IMAGE_SIDE_MAX && height > 0 && height <= IMAGE_SIDE_MAX);
-    REQUIRE(&resolved, channels != NULL && channel_count > 0);
-    TRY(check_channels(&resolved, width, channels, channel_count));
+    const struct call *call = CALL(&resolved);
+    TRY(check_pointer(call, "path", path));
+    TRY(check_count(call, "width", width, 1, IMAGE_SIDE_MAX));
+    TRY(check_count(call, "height", height, 1, IMAGE_SIDE_MAX));
+    TRY(check_pointer(call, "channels", channels));
+    TRY(check_count(call, "channel_count", channel_count, 1, UINT32_MAX));
+    TRY(check_channels(call, width, channels, channel_count));
 
     struct file_writer writer;
     TRY(file_write_begin(&resolved, path, &writer));

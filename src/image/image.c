@@ -123,8 +123,8 @@ fnl_result image_decode(const fnl_host *host, const void *bytes, size_t size, co
 
 fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, path != NULL);
-    REQUIRE(&resolved, out != NULL);
+    TRY(check_pointer(CALL(&resolved), "path", path));
+    TRY(check_pointer(CALL(&resolved), "out", out));
     *out = (fnl_image){0};
     struct file_view view;
     TRY(file_map(&resolved, path, &view));
@@ -148,12 +148,25 @@ static fnl_result save_exr(const fnl_host *host, const char *path, const fnl_ima
     return fnl_exr_save(host, path, image->width, image->height, channels, COUNT_OF(channels));
 }
 
+fnl_result image_check(const struct call *call, const char *name, const fnl_image *image) {
+    TRY(check_pointer(call, name, image));
+    char field[64];
+    snprintf(field, sizeof field, "%s.format", name);
+    TRY(check_enum(call, field, (int)image->format, FNL_PIXEL_FORMAT_RGBA32F + 1, "fnl_pixel_format"));
+    snprintf(field, sizeof field, "%s.width", name);
+    TRY(check_count(call, field, image->width, 1, IMAGE_SIDE_MAX));
+    snprintf(field, sizeof field, "%s.height", name);
+    TRY(check_count(call, field, image->height, 1, IMAGE_SIDE_MAX));
+    snprintf(field, sizeof field, "%s.pixels", name);
+    return check_pointer(call, field, image->pixels);
+}
+
 fnl_result fnl_image_save(const fnl_host *host, const char *path, const fnl_image *image) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, path != NULL);
-    REQUIRE(&resolved, image != NULL && image->pixels != NULL && fnl_pixel_size(image->format) != 0);
+    TRY(check_pointer(CALL(&resolved), "path", path));
+    TRY(image_check(CALL(&resolved), "image", image));
     struct image_source target = {.host = &resolved, .name = path};
-    if (image_check_size(&target, image->width, image->height) != FNL_OK) return FNL_ERROR_INVALID;
+    if (image_check_size(&target, image->width, image->height) != FNL_OK) return FNL_ERROR_INVALID; /* too many pixels */
 
     bool is_float = image->format == FNL_PIXEL_FORMAT_RGBA32F;
     bool png = path_has_extension(path, "png"), exr = path_has_extension(path, "exr"), hdr = path_has_extension(path, "hdr");

@@ -4,6 +4,7 @@
 #define FNL_IMAGE_IMAGE_H
 
 #include "base/base.h"
+#include "base/check.h"
 #include "fanal/image.h"
 
 enum image_file_kind {
@@ -22,6 +23,9 @@ struct image_file_info {
 
 /** No image side may be longer than this: a broken header cannot ask for all memory. */
 #define IMAGE_SIDE_MAX 32768u
+
+/** Whether a program's picture is whole; `name` is the argument. */
+fnl_result image_check(const struct call *call, const char *name, const fnl_image *image);
 
 /**
  * Reads only the header. `name` stands for the file in messages ("scene.gltf: /images/3"). `host` is resolved

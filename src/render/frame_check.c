@@ -3,11 +3,11 @@
 #include "passes/visibility/visibility.h"
 #include "render/shading.h"
 
-static fnl_result check_gbuffer(const fnl_renderer *r, const fnl_frame *frame) {
+static fnl_result check_gbuffer(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
-    REQUIRE(host, (uint32_t)frame->gbuffer < FNL_GBUFFER_COUNT);
-    REQUIRE(host, (uint32_t)frame->normals < FNL_NORMALS_COUNT);
-    REQUIRE(host, (uint32_t)frame->deferred_pass < FNL_DEFERRED_PASS_COUNT);
+    TRY(check_enum(call, "gbuffer", (int)frame->gbuffer, FNL_GBUFFER_COUNT, "fnl_gbuffer"));
+    TRY(check_enum(call, "normals", (int)frame->normals, FNL_NORMALS_COUNT, "fnl_normal_encoding"));
+    TRY(check_enum(call, "deferred_pass", (int)frame->deferred_pass, FNL_DEFERRED_PASS_COUNT, "fnl_deferred_pass"));
     if (frame->deferred_pass == FNL_DEFERRED_FRAGMENT && frame->shading == FNL_SHADING_DEFERRED &&
         (frame->class_blocks || frame->msaa > 1)) {
         log_error(host, "deferred lighting in a fragment pass has no classes and 1 sample a pixel");
@@ -59,19 +59,20 @@ static fnl_result check_gbuffer_view(const fnl_renderer *r, const fnl_frame *fra
     return FNL_OK;
 }
 
-static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
+static fnl_result check_coarse(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     const fnl_coarse_options *coarse = &frame->coarse;
-    REQUIRE(host, coarse->size == 1 || coarse->size == 2 || coarse->size == 4);
-    REQUIRE(host, (uint32_t)coarse->criterion < FNL_COARSE_CRITERION_COUNT);
-    REQUIRE(host, (uint32_t)coarse->split < FNL_COARSE_SPLIT_COUNT);
-    REQUIRE(host, (uint32_t)coarse->filter < FNL_COARSE_FILTER_COUNT);
-    REQUIRE(host, coarse->depth_factor >= 0 && isfinite(coarse->depth_factor));
-    REQUIRE(host, coarse->normal_degrees >= 0 && coarse->normal_degrees <= 180);
-    REQUIRE(host, coarse->tolerance >= 0 && coarse->tolerance <= 1 && coarse->albedo_tolerance >= 0 &&
-                      coarse->albedo_tolerance <= 1);
-    REQUIRE(host, coarse->ao_radius >= 0 && isfinite(coarse->ao_radius));
-    REQUIRE(host, frame->shade_cost <= 100000);
+    static const uint32_t sizes[] = {1, 2, 4};
+    TRY(check_choice(call, "coarse.size", coarse->size, sizes, COUNT_OF(sizes)));
+    TRY(check_enum(call, "coarse.criterion", (int)coarse->criterion, FNL_COARSE_CRITERION_COUNT, "fnl_coarse_criterion"));
+    TRY(check_enum(call, "coarse.split", (int)coarse->split, FNL_COARSE_SPLIT_COUNT, "fnl_coarse_split"));
+    TRY(check_enum(call, "coarse.filter", (int)coarse->filter, FNL_COARSE_FILTER_COUNT, "fnl_coarse_filter"));
+    TRY(check_range(call, "coarse.depth_factor", (double)coarse->depth_factor, 0, (double)FLT_MAX, ""));
+    TRY(check_range(call, "coarse.normal_degrees", (double)coarse->normal_degrees, 0, 180, " degrees"));
+    TRY(check_range(call, "coarse.tolerance", (double)coarse->tolerance, 0, 1, ""));
+    TRY(check_range(call, "coarse.albedo_tolerance", (double)coarse->albedo_tolerance, 0, 1, ""));
+    TRY(check_range(call, "coarse.ao_radius", (double)coarse->ao_radius, 0, (double)FLT_MAX, " metres"));
+    TRY(check_count(call, "shade_cost", frame->shade_cost, 0, 100000));
     if (frame->shading == FNL_SHADING_COARSE && coarse->criterion == FNL_COARSE_CRITERION_ID &&
         !gpu_info(r->device)->primitive_ids) {
         log_error(host, "this device cannot number triangles, which coarse.criterion id needs; use z");
@@ -86,8 +87,8 @@ static fnl_result check_coarse(const fnl_renderer *r, const fnl_frame *frame) {
     return FNL_OK;
 }
 
-static fnl_result check_geometry(const fnl_renderer *r, const fnl_frame *frame) {
-    REQUIRE(&r->host, (uint32_t)frame->geometry < FNL_GEOMETRY_COUNT);
+static fnl_result check_geometry(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    TRY(check_enum(call, "geometry", (int)frame->geometry, FNL_GEOMETRY_COUNT, "fnl_geometry"));
     if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
     if (!gpu_info(r->device)->mesh_shader || r->no_meshes) {
         log_error(&r->host, "this device has no mesh shaders; use geometry vertex or auto");
@@ -100,47 +101,45 @@ static fnl_result check_geometry(const fnl_renderer *r, const fnl_frame *frame) 
     return FNL_OK;
 }
 
-fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
+fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
-    REQUIRE(host, frame->width >= 1 && frame->width <= 16384 && frame->height >= 1 && frame->height <= 16384);
-    if (!camera_valid(&frame->camera)) {
-        log_error(
-            host,
-            "the camera cannot be used: its numbers must be finite, position and target differ, near_distance be above 0, "
-            "vertical_fov within 0 .. pi, or vertical_extent above 0 and far_distance above near_distance");
-        return FNL_ERROR_INVALID;
-    }
-    REQUIRE(host, (uint32_t)frame->shading < FNL_SHADING_COUNT);
-    REQUIRE(host, (uint32_t)frame->lists < FNL_LISTS_COUNT);
-    TRY(lists_check(host, &frame->list_options));
-    TRY(check_gbuffer(r, frame));
-    REQUIRE(host, (uint32_t)frame->msaa_method < FNL_MSAA_METHOD_COUNT);
-    REQUIRE(host, frame->msaa_groups == 2 || frame->msaa_groups == 3);
-    REQUIRE(host, frame->msaa_tolerance >= 0 && frame->msaa_tolerance <= 1);
-    REQUIRE(host, (uint32_t)frame->transparency < FNL_TRANSPARENCY_COUNT);
-    REQUIRE(host, (uint32_t)frame->decals < FNL_DECALS_COUNT);
-    REQUIRE(host, (uint32_t)frame->culling < FNL_CULLING_COUNT);
-    TRY(check_geometry(r, frame));
-    REQUIRE(host, (uint32_t)frame->aa < FNL_ANTIALIASING_COUNT);
-    REQUIRE(host, fabsf(frame->jitter.x) <= 8 && fabsf(frame->jitter.y) <= 8);
-    REQUIRE(host, (uint32_t)frame->tonemap < FNL_TONEMAP_COUNT);
-    REQUIRE(host, (uint32_t)frame->mobile.layout < FNL_MOBILE_LAYOUT_COUNT);
-    REQUIRE(host, (uint32_t)frame->mobile.gamma < FNL_MOBILE_GAMMA_COUNT);
-    REQUIRE(host, (uint32_t)frame->mobile.light < FNL_MOBILE_LIGHT_COUNT);
-    REQUIRE(host, (uint32_t)frame->mobile.lights < FNL_MOBILE_LIGHTS_COUNT);
-    REQUIRE(host, frame->mobile.range > 0 && isfinite(frame->mobile.range));
-    REQUIRE(host, (uint32_t)frame->visibility.sort < FNL_VISIBILITY_SORT_COUNT);
-    REQUIRE(host, frame->atlas_size >= 256 && frame->atlas_size <= 8192 && frame->atlas_size % 256 == 0);
-    REQUIRE(host, (uint32_t)frame->gradients < FNL_GRADIENTS_COUNT);
-    REQUIRE(host, (uint32_t)frame->exposure <= FNL_EXPOSURE_NONE);
-    REQUIRE(host, frame->exposure != FNL_EXPOSURE_EV || (frame->ev >= -64 && frame->ev <= 64));
-    REQUIRE(host, (uint32_t)frame->debug < FNL_DEBUG_COUNT);
+    static const uint32_t samples[] = {1, 2, 4, 8}, groups[] = {2, 3}, blocks[] = {0, 4, 8};
+    TRY(check_count(call, "width", frame->width, 1, 16384));
+    TRY(check_count(call, "height", frame->height, 1, 16384));
+    TRY(camera_check(call, "camera.", &frame->camera));
+    TRY(check_enum(call, "shading", (int)frame->shading, FNL_SHADING_COUNT, "fnl_shading"));
+    TRY(check_enum(call, "lists", (int)frame->lists, FNL_LISTS_COUNT, "fnl_light_lists"));
+    TRY(lists_check(call, &frame->list_options));
+    TRY(check_gbuffer(call, r, frame));
+    TRY(check_enum(call, "msaa_method", (int)frame->msaa_method, FNL_MSAA_METHOD_COUNT, "fnl_msaa_method"));
+    TRY(check_choice(call, "msaa_groups", frame->msaa_groups, groups, COUNT_OF(groups)));
+    TRY(check_range(call, "msaa_tolerance", (double)frame->msaa_tolerance, 0, 1, ""));
+    TRY(check_enum(call, "transparency", (int)frame->transparency, FNL_TRANSPARENCY_COUNT, "fnl_transparency"));
+    TRY(check_enum(call, "decals", (int)frame->decals, FNL_DECALS_COUNT, "fnl_decals"));
+    TRY(check_enum(call, "culling", (int)frame->culling, FNL_CULLING_COUNT, "fnl_culling"));
+    TRY(check_geometry(call, r, frame));
+    TRY(check_enum(call, "aa", (int)frame->aa, FNL_ANTIALIASING_COUNT, "fnl_antialiasing"));
+    TRY(check_range(call, "jitter.x", (double)frame->jitter.x, -8, 8, " pixels"));
+    TRY(check_range(call, "jitter.y", (double)frame->jitter.y, -8, 8, " pixels"));
+    TRY(check_enum(call, "tonemap", (int)frame->tonemap, FNL_TONEMAP_COUNT, "fnl_tonemap"));
+    TRY(check_enum(call, "mobile.layout", (int)frame->mobile.layout, FNL_MOBILE_LAYOUT_COUNT, "fnl_mobile_layout"));
+    TRY(check_enum(call, "mobile.gamma", (int)frame->mobile.gamma, FNL_MOBILE_GAMMA_COUNT, "fnl_mobile_gamma"));
+    TRY(check_enum(call, "mobile.light", (int)frame->mobile.light, FNL_MOBILE_LIGHT_COUNT, "fnl_mobile_light"));
+    TRY(check_enum(call, "mobile.lights", (int)frame->mobile.lights, FNL_MOBILE_LIGHTS_COUNT, "fnl_mobile_lights"));
+    TRY(check_above(call, "mobile.range", (double)frame->mobile.range, 0, (double)FLT_MAX, ""));
+    TRY(check_enum(call, "visibility.sort", (int)frame->visibility.sort, FNL_VISIBILITY_SORT_COUNT, "fnl_visibility_sort"));
+    TRY(check_count(call, "atlas_size", frame->atlas_size, 256, 8192));
+    if (frame->atlas_size % 256) return misuse(call, "atlas_size is %u, must be a multiple of 256", frame->atlas_size);
+    TRY(check_enum(call, "gradients", (int)frame->gradients, FNL_GRADIENTS_COUNT, "fnl_gradients"));
+    TRY(check_enum(call, "exposure", (int)frame->exposure, FNL_EXPOSURE_NONE + 1, "fnl_exposure"));
+    if (frame->exposure == FNL_EXPOSURE_EV) TRY(check_range(call, "ev", (double)frame->ev, -64, 64, ""));
+    TRY(check_enum(call, "debug", (int)frame->debug, FNL_DEBUG_COUNT, "fnl_debug_view"));
     TRY(check_gbuffer_view(r, frame));
-    TRY(check_coarse(r, frame));
-    REQUIRE(host, frame->outputs < 1u << OUTPUT_COUNT);
-    REQUIRE(host, frame->light_lod >= 0 && isfinite(frame->light_lod));
-    REQUIRE(host, frame->class_blocks == 0 || frame->class_blocks == 4 || frame->class_blocks == 8);
-    REQUIRE(host, frame->msaa == 1 || frame->msaa == 2 || frame->msaa == 4 || frame->msaa == 8);
+    TRY(check_coarse(call, r, frame));
+    TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
+    TRY(check_range(call, "light_lod", (double)frame->light_lod, 0, (double)FLT_MAX, " pixels"));
+    TRY(check_choice(call, "class_blocks", frame->class_blocks, blocks, COUNT_OF(blocks)));
+    TRY(check_choice(call, "msaa", frame->msaa, samples, COUNT_OF(samples)));
     if (!fnl_lists_supported(frame->shading, frame->lists)) {
         log_error(host, "%s lists do not go with %s shading", fnl_light_lists_name(frame->lists),
                   fnl_shading_name(frame->shading));
@@ -182,7 +181,7 @@ fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame) {
         log_error(host, "this device cannot number triangles, which %s shading needs", fnl_shading_name(frame->shading));
         return FNL_ERROR_UNSUPPORTED;
     }
-    TRY(dais_check(r, frame));
+    TRY(dais_check(call, r, frame));
     if (frame->debug == FNL_DEBUG_ATLAS || frame->debug == FNL_DEBUG_PAGES) {
         if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING) {
             log_error(host, "the view %s shows what virtual-texturing shading has", fnl_debug_view_name(frame->debug));

@@ -25,24 +25,27 @@ void lists_finish(struct lists_state *state, gpu_device *device) {
 
 void lists_forget(struct lists_state *state) { state->world.version = state->grid2d.version = UINT64_MAX; }
 
-fnl_result lists_check(const fnl_host *host, const fnl_list_options *o) {
-    REQUIRE(host, o->tile_size == 8 || o->tile_size == 16 || o->tile_size == 32 || o->tile_size == 64);
-    REQUIRE(host, (uint32_t)o->tile_bounds < FNL_TILE_BOUNDS_COUNT);
-    REQUIRE(host, o->fine_masks <= 2);
-    REQUIRE(host, (uint32_t)o->backface_axis < FNL_BACKFACE_AXIS_COUNT);
-    REQUIRE(host, o->cluster_size >= 8 && o->cluster_size <= 256);
-    REQUIRE(host, o->slices >= 1 && o->slices <= 1024);
-    REQUIRE(host, (uint32_t)o->distribution < FNL_SLICES_COUNT);
-    REQUIRE(host, (uint32_t)o->raster_path < FNL_RASTER_COUNT);
-    REQUIRE(host, (uint32_t)o->raster_nodes < FNL_RASTER_NODES_COUNT);
-    REQUIRE(host, (uint32_t)o->volume_shape < FNL_VOLUME_SHAPE_COUNT);
-    REQUIRE(host, (uint32_t)o->light_buffer < FNL_LIGHT_BUFFER_COUNT);
-    REQUIRE(host, (uint32_t)o->light_packing < FNL_LIGHT_PACKING_COUNT);
-    REQUIRE(host, o->light_layers >= 1 && o->light_layers <= 16);
-    REQUIRE(host, o->light_scale == 2 || o->light_scale == 4);
-    REQUIRE(host, o->cluster_near > 0 && o->cluster_far > 0); /* no NaN */
-    REQUIRE(host, isinf(o->cluster_near) || isinf(o->cluster_far) || o->cluster_near < o->cluster_far);
-    return FNL_OK;
+fnl_result lists_check(const struct call *call, const fnl_list_options *o) {
+    static const uint32_t tile_sizes[] = {8, 16, 32, 64}, light_scales[] = {2, 4};
+    TRY(check_choice(call, "list_options.tile_size", o->tile_size, tile_sizes, COUNT_OF(tile_sizes)));
+    TRY(check_enum(call, "list_options.tile_bounds", (int)o->tile_bounds, FNL_TILE_BOUNDS_COUNT, "fnl_tile_bounds"));
+    TRY(check_count(call, "list_options.fine_masks", o->fine_masks, 0, 2));
+    TRY(check_enum(call, "list_options.backface_axis", (int)o->backface_axis, FNL_BACKFACE_AXIS_COUNT, "fnl_backface_axis"));
+    TRY(check_count(call, "list_options.cluster_size", o->cluster_size, 8, 256));
+    TRY(check_count(call, "list_options.slices", o->slices, 1, 1024));
+    TRY(check_enum(call, "list_options.distribution", (int)o->distribution, FNL_SLICES_COUNT, "fnl_slices"));
+    TRY(check_enum(call, "list_options.raster_path", (int)o->raster_path, FNL_RASTER_COUNT, "fnl_raster_path"));
+    TRY(check_enum(call, "list_options.raster_nodes", (int)o->raster_nodes, FNL_RASTER_NODES_COUNT, "fnl_raster_nodes"));
+    TRY(check_enum(call, "list_options.volume_shape", (int)o->volume_shape, FNL_VOLUME_SHAPE_COUNT, "fnl_volume_shape"));
+    TRY(check_enum(call, "list_options.light_buffer", (int)o->light_buffer, FNL_LIGHT_BUFFER_COUNT, "fnl_light_buffer"));
+    TRY(check_enum(call, "list_options.light_packing", (int)o->light_packing, FNL_LIGHT_PACKING_COUNT, "fnl_light_packing"));
+    TRY(check_count(call, "list_options.light_layers", o->light_layers, 1, 16));
+    TRY(check_choice(call, "list_options.light_scale", o->light_scale, light_scales, COUNT_OF(light_scales)));
+    TRY(check_above(call, "list_options.cluster_near", (double)o->cluster_near, 0, (double)INFINITY, " metres"));
+    TRY(check_above(call, "list_options.cluster_far", (double)o->cluster_far, 0, (double)INFINITY, " metres"));
+    if (isinf(o->cluster_near) || isinf(o->cluster_far)) return FNL_OK;
+    return check_above(call, "list_options.cluster_far", (double)o->cluster_far, (double)o->cluster_near, (double)INFINITY,
+                       " metres (cluster_near)");
 }
 
 /* ---- the builders ---- */

@@ -30,7 +30,7 @@ void lists_forget(struct lists_state *state);
 void lists_finish(struct lists_state *state, gpu_device *device);
 
 /** Fails with a log line unless the options are in range. */
-fnl_result lists_check(const fnl_host *host, const fnl_list_options *options);
+fnl_result lists_check(const struct call *call, const fnl_list_options *options);
 
 struct lists_context {
     struct graph *graph;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Names and defaults of what a frame can ask for. */
+#include "base/check.h"
 #include "fanal/renderer.h"
 #include "passes/shade/gbuffer_layouts.h"
 
@@ -145,7 +146,9 @@ const char *fnl_normal_encoding_name(fnl_normal_encoding normals) {
 }
 
 fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out) {
-    if ((uint32_t)layout >= FNL_GBUFFER_COUNT || !out) return FNL_ERROR_INVALID;
+    const fnl_host host = fnl_host_default();
+    TRY(check_enum(CALL(&host), "layout", (int)layout, FNL_GBUFFER_COUNT, "fnl_gbuffer"));
+    TRY(check_pointer(CALL(&host), "out", out));
     const struct gbuffer_layout *l = &gbuffer_layouts[layout];
     *out = (fnl_gbuffer_info){.target_count = l->target_count,
                               .published_bits = l->published_bits,

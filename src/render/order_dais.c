@@ -21,12 +21,13 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
                                 .attempts = r->dais_impatient ? 0 : DAIS_ATTEMPTS};
 }
 
-fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame) {
+fnl_result dais_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     const fnl_host *host = &r->host;
     const fnl_dais_options *dais = &frame->dais;
-    REQUIRE(host, (uint32_t)dais->mode < FNL_DAIS_MODE_COUNT);
-    REQUIRE(host, dais->cache_buckets >= 1 && dais->cache_buckets <= 1u << 22);
-    REQUIRE(host, (dais->cache_buckets & (dais->cache_buckets - 1)) == 0); /* a power of two */
+    TRY(check_enum(call, "dais.mode", (int)dais->mode, FNL_DAIS_MODE_COUNT, "fnl_dais_mode"));
+    TRY(check_count(call, "dais.cache_buckets", dais->cache_buckets, 1, 1u << 22));
+    if (dais->cache_buckets & (dais->cache_buckets - 1))
+        return misuse(call, "dais.cache_buckets is %u, must be a power of two", dais->cache_buckets);
     if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES &&
         frame->shading != FNL_SHADING_DAIS) {
         log_error(host, "the view %s shows what dais shading stores", fnl_debug_view_name(frame->debug));

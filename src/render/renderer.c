@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "base/check.h"
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
 #include "render/renderer_internal.h"
@@ -78,9 +79,11 @@ fnl_vec2 fnl_jitter(uint32_t index) { return taa_jitter(index); }
 /* ---- life ---- */
 
 fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out) {
-    if (!device || !scene || !out) return FNL_ERROR_INVALID;
-    *out = NULL;
+    TRY(check_handle(__func__, "device", device));
     const fnl_host *host = gpu_host(device);
+    TRY(check_pointer(CALL(host), "out", out));
+    *out = NULL;
+    TRY(check_pointer(CALL(host), "scene", scene));
     fnl_renderer *r = host_allocate_zero(host, sizeof *r);
     if (!r) return FNL_ERROR_MEMORY;
     r->host = *host;
@@ -182,10 +185,10 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     return FNL_OK;
 }
 
-static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
+static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
                          const struct gpu_external_semaphores *external) {
     fnl_frame frame = given ? *given : fnl_frame_default();
-    TRY(frame_check(r, &frame));
+    TRY(frame_check(call, r, &frame));
     fnl_result result = make_frame(r, &frame, target, external);
     if (result != FNL_OK) {
         /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
@@ -199,18 +202,21 @@ static fnl_result render(fnl_renderer *r, const fnl_frame *given, const struct f
 }
 
 fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
-    if (!r) return FNL_ERROR_INVALID;
-    return render(r, frame, NULL, NULL);
+    TRY(check_handle(__func__, "renderer", r));
+    return render(CALL(&r->host), r, frame, NULL, NULL);
 }
 
 fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target) {
-    if (!r) return FNL_ERROR_INVALID;
-    REQUIRE(&r->host, target != NULL);
-    REQUIRE(&r->host, target->image != VK_NULL_HANDLE);
-    REQUIRE(&r->host,
-            target->final_layout != VK_IMAGE_LAYOUT_UNDEFINED && target->final_layout != VK_IMAGE_LAYOUT_PREINITIALIZED);
+    TRY(check_handle(__func__, "renderer", r));
+    const struct call *call = CALL(&r->host);
+    TRY(check_pointer(call, "target", target));
+    if (target->image == VK_NULL_HANDLE) return misuse(call, "image is VK_NULL_HANDLE");
+    if (target->final_layout == VK_IMAGE_LAYOUT_UNDEFINED || target->final_layout == VK_IMAGE_LAYOUT_PREINITIALIZED)
+        return misuse(call, "final_layout is %d, must not be UNDEFINED or PREINITIALIZED", (int)target->final_layout);
     fnl_frame frame = given ? *given : fnl_frame_default();
     frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR; /* the picture goes into the target */
+    TRY(check_count(call, "frame.width", frame.width, 1, 16384)); /* the image has its size */
+    TRY(check_count(call, "frame.height", frame.height, 1, 16384));
     struct gpu_image_params params = {.name = "target",
                                       .format = target->format,
                                       .width = frame.width,
@@ -233,7 +239,7 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
     TRY(gpu_image_import(r->device, target->image, &params, &image));
     struct frame_target frame_target = {&image, target->initial_layout, target->final_layout};
     struct gpu_external_semaphores external = {target->wait, target->signal, target->wait_value, target->signal_value};
-    fnl_result result = render(r, &frame, &frame_target, &external);
+    fnl_result result = render(call, r, &frame, &frame_target, &external);
     gpu_image_destroy(r->device, &image);
     return result;
 }

@@ -114,7 +114,7 @@ bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame);
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
 
 /** Fails, with a log line, unless the frame's options are in range, go together and suit the device (frame_check.c). */
-fnl_result frame_check(fnl_renderer *r, const fnl_frame *frame);
+fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 
 /** Bytes of a pixel of an output, by its bit (results.c). */
 size_t renderer_pixel_size(uint32_t bit);

@@ -1,15 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /** What the last frame made: pictures and numbers. */
+#include "base/check.h"
 #include "render/shading.h"
 
 size_t renderer_pixel_size(uint32_t bit) { return bit == 0 ? 4 : 16; }
 
 fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out) {
-    if (!r || !out) return FNL_ERROR_INVALID;
+    TRY(check_handle(__func__, "renderer", r));
+    TRY(check_pointer(CALL(&r->host), "out", out));
     *out = (fnl_image){0};
     uint32_t bit = 0;
     while (bit < OUTPUT_COUNT && output != (fnl_output)(1u << bit)) bit++;
-    REQUIRE(&r->host, bit < OUTPUT_COUNT && r->frame_number > 0 && (r->frame.outputs & (uint32_t)output));
+    const struct call *call = CALL(&r->host);
+    if (bit == OUTPUT_COUNT) return misuse(call, "output is %d, must be one value of fnl_output", (int)output);
+    if (r->frame_number == 0) return misuse(call, "no frame has been rendered");
+    if (!(r->frame.outputs & (uint32_t)output))
+        return misuse(call, "output is %d, but the last frame kept %u (fnl_frame.outputs)", (int)output, r->frame.outputs);
     TRY(gpu_frame_wait(r->device, r->frame_number));
     size_t size = (size_t)r->frame.width * r->frame.height * renderer_pixel_size(bit);
     void *pixels = host_allocate(&r->host, size);
@@ -48,8 +54,9 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
 }
 
 fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
-    if (!r || !out) return FNL_ERROR_INVALID;
-    REQUIRE(&r->host, r->frame_number > 0);
+    TRY(check_handle(__func__, "renderer", r));
+    TRY(check_pointer(CALL(&r->host), "out", out));
+    if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
     TRY(gpu_frame_wait(r->device, r->frame_number));
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
     pools_grow(r, counts);
@@ -137,10 +144,17 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     return FNL_OK;
 }
 
+static bool can_print(const char *function, const fnl_renderer *r, const char *text, size_t capacity) {
+    if (check_handle(function, "renderer", r) != FNL_OK) return false;
+    if (text || !capacity) return true;
+    misuse(&(struct call){&r->host, function}, "text is NULL, but capacity is %zu", capacity);
+    return false;
+}
+
 size_t fnl_renderer_print_plan(const fnl_renderer *r, char *text, size_t capacity) {
-    return r ? graph_print(r->graph, text, capacity) : 0;
+    return can_print(__func__, r, text, capacity) ? graph_print(r->graph, text, capacity) : 0;
 }
 
 size_t fnl_renderer_print_traffic(const fnl_renderer *r, char *text, size_t capacity) {
-    return r ? graph_print_traffic(r->graph, text, capacity) : 0;
+    return can_print(__func__, r, text, capacity) ? graph_print_traffic(r->graph, text, capacity) : 0;
 }

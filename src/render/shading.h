@@ -34,7 +34,7 @@ VkFormat shading_format(const struct frame_state *f);
 /** Sets light_scale and light_max of f->view. */
 void shading_scale_light(struct frame_state *f);
 /** Fails with a log line unless the frame's options of dais are in range and the device can do what they ask for. */
-fnl_result dais_check(fnl_renderer *r, const fnl_frame *frame);
+fnl_result dais_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 /** From counters (DAIS_COUNTS words) of the last frame to its stats. */
 void dais_query(const fnl_renderer *r, const uint32_t *counts, struct fnl_dais_stats *out);
 /** Whether the device has formats for the frame's order; logs why not. */

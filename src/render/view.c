@@ -1,16 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/view.h"
 
-bool camera_valid(const fnl_camera *c) {
-    if (!vec3_finite(c->position) || !vec3_finite(c->target) || !vec3_finite(c->up)) return false;
-    if (!(vec3_distance(c->position, c->target) > 0) || !isfinite(c->shift.x) || !isfinite(c->shift.y)) return false;
-    if (!(c->near_distance > 0) || !isfinite(c->near_distance)) return false;
-    if (c->orthographic)
-        return c->vertical_extent > 0 && isfinite(c->vertical_extent) && c->far_distance > c->near_distance &&
-               isfinite(c->far_distance);
-    return c->vertical_fov > 0 && c->vertical_fov < PI;
-}
-
 /* A plane (row3 + sign * row) of the clip matrix, scaled so that its normal is unit. */
 static vec4 clip_plane(const mat4 *m, int row, float sign) {
     float p[4];

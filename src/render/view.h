@@ -7,10 +7,8 @@
 #include "fanal/scene.h"
 #include "view_shared.h"
 
-/** Fills in everything of the camera; ambient light and the rest stay zero. The camera was checked with camera_valid. */
+/** Fills in everything of the camera; ambient light and the rest stay zero. The camera was checked with camera_check. */
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height);
-/** All numbers finite and in their stated ranges. */
-bool camera_valid(const fnl_camera *camera);
 
 /** View depth of the farthest corner of a box in world space, 1 at least, metres. */
 float view_reach(const struct gpu_view *view, const struct box *bounds);

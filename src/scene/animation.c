@@ -105,9 +105,10 @@ void skin_matrices(const fnl_scene *scene, uint32_t skin, mat4 *out) {
 }
 
 fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double seconds) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, isfinite(seconds));
-    REQUIRE(&scene->host, animation < MAX(scene->animations.count, 1u));
+    TRY(check_handle(__func__, "scene", scene));
+    if (!isfinite(seconds)) return misuse(CALL(&scene->host), "seconds is %g, must be finite", seconds);
+    if (scene->animations.count || animation)
+        TRY(check_index(CALL(&scene->host), "animation", animation, scene->animations.count, "animations"));
     animation_apply(scene, animation, seconds);
     scene_update_transforms(scene);
     /* Morph weights move no node, but renderers follow them by the same counter. */

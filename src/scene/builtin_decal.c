@@ -293,14 +293,14 @@ static fnl_result scatter(fnl_scene *scene, uint32_t count, uint64_t seed, const
                                            : 0.5f + size);
         fnl_decal_params decal = prototypes[kind];
         decal.transform = decal_at(point, normal, turn, vec3_make(metres, metres, fminf(0.5f * metres, 0.4f * scale)));
-        if (decal_check(&scene->host, &decal) == FNL_OK && scene_add_decal(scene, &decal, SCENE_NONE) == SCENE_NONE)
+        if (decal_check(CALL(&scene->host), &decal) == FNL_OK && scene_add_decal(scene, &decal, SCENE_NONE) == SCENE_NONE)
             return FNL_ERROR_MEMORY;
     }
     return FNL_OK;
 }
 
 fnl_result fnl_scene_scatter_decals(fnl_scene *scene, uint32_t count, uint64_t seed) {
-    if (!scene) return FNL_ERROR_INVALID;
+    TRY(check_handle(__func__, "scene", scene));
     if (count == 0) return FNL_OK;
     struct surfaces surfaces = {.area = 0};
     fnl_result result = find_surfaces(scene, &surfaces);

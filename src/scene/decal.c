@@ -29,12 +29,6 @@ fnl_decal_params fnl_decal_params_default(void) {
 
 /* ---- checks ---- */
 
-static bool in_range(const float *values, uint32_t count, float low, float high) {
-    for (uint32_t i = 0; i < count; i++)
-        if (!(values[i] >= low && values[i] <= high)) return false;
-    return true;
-}
-
 static bool is_invertible(const mat4 *m) {
     mat4 inverse;
     for (int i = 0; i < 16; i++)
@@ -49,42 +43,40 @@ static bool needs_instance(fnl_decal_kind kind) {
     return kind == FNL_DECAL_MESH || kind == FNL_DECAL_REDRAW || kind == FNL_DECAL_BAKED;
 }
 
-fnl_result decal_check(const fnl_host *host, const fnl_decal_params *p) {
-    REQUIRE(host, p != NULL);
-    REQUIRE(host, (uint32_t)p->kind < FNL_DECAL_KIND_COUNT);
-    REQUIRE(host, (uint32_t)p->blend < FNL_DECAL_BLEND_COUNT);
-    REQUIRE(host, is_invertible(&p->transform));
-    REQUIRE(host, in_range(p->color, 4, 0, 1));
-    REQUIRE(host, in_range(&p->metallic, 1, 0, 1));
-    REQUIRE(host, in_range(&p->roughness, 1, 0, 1));
-    REQUIRE(host, isfinite(p->normal_scale));
-    REQUIRE(host, in_range(p->emissive, 3, 0, FLT_MAX));
-    REQUIRE(host, p->channels <= FNL_DECAL_ALL);
-    REQUIRE(host, p->fade_start >= 0 && p->fade_end >= p->fade_start && p->fade_end <= PI + 1e-6f);
-    REQUIRE(host, p->receivers <= 255);
-    REQUIRE(host, in_range(&p->cut, 1, 0, 1));
-    REQUIRE(host, p->slices >= 1 && p->slices <= 4096);
-    return FNL_OK;
+fnl_result decal_check(const struct call *call, const fnl_decal_params *p) {
+    TRY(check_pointer(call, "params", p));
+    const double infinite = (double)FLT_MAX;
+    TRY(check_enum(call, "kind", (int)p->kind, FNL_DECAL_KIND_COUNT, "fnl_decal_kind"));
+    TRY(check_enum(call, "blend", (int)p->blend, FNL_DECAL_BLEND_COUNT, "fnl_decal_blend"));
+    TRY(check_floats(call, "transform.m", p->transform.m, 16, -infinite, infinite, ""));
+    if (!is_invertible(&p->transform)) return misuse(call, "transform is not affine and invertible, must be both");
+    TRY(check_floats(call, "color", p->color, 4, 0, 1, ""));
+    TRY(check_range(call, "metallic", (double)p->metallic, 0, 1, ""));
+    TRY(check_range(call, "roughness", (double)p->roughness, 0, 1, ""));
+    TRY(check_range(call, "normal_scale", (double)p->normal_scale, -infinite, infinite, ""));
+    TRY(check_floats(call, "emissive", p->emissive, 3, 0, infinite, " cd/m^2"));
+    TRY(check_count(call, "channels", p->channels, 0, FNL_DECAL_ALL));
+    TRY(check_range(call, "fade_start", (double)p->fade_start, 0, (double)(PI + 1e-6f), " radians"));
+    TRY(check_range(call, "fade_end", (double)p->fade_end, (double)p->fade_start, (double)(PI + 1e-6f),
+                    " radians (fade_start .. pi)"));
+    TRY(check_count(call, "receivers", p->receivers, 0, 255));
+    TRY(check_range(call, "cut", (double)p->cut, 0, 1, ""));
+    return check_count(call, "slices", p->slices, 1, 4096);
 }
 
-static bool image_known(const fnl_scene *scene, fnl_image_id id) {
-    return id.generation ? id.generation == 1 && id.index < scene->images.count : id.index == 0;
+static fnl_result check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id) {
+    bool known = id.generation ? id.generation == 1 && id.index < scene->images.count : id.index == 0;
+    return check_id(call, name, known, id.index, id.generation, "an image");
 }
 
-static bool instance_alive(const fnl_scene *scene, fnl_instance_id id) {
-    return id.generation != 0 && id.index < scene->nodes.count && !scene->nodes.data[id.index].removed &&
-           scene->nodes.data[id.index].generation == id.generation;
-}
-
-static fnl_result check_all(const fnl_scene *scene, const fnl_decal_params *p) {
-    TRY(decal_check(&scene->host, p));
-    REQUIRE(&scene->host, image_known(scene, p->color_image));
-    REQUIRE(&scene->host, image_known(scene, p->normal_image));
-    REQUIRE(&scene->host, image_known(scene, p->metallic_roughness_image));
-    REQUIRE(&scene->host, image_known(scene, p->emissive_image));
+static fnl_result check_all(const struct call *call, const fnl_scene *scene, const fnl_decal_params *p) {
+    TRY(decal_check(call, p));
+    TRY(check_image(call, scene, "color_image", p->color_image));
+    TRY(check_image(call, scene, "normal_image", p->normal_image));
+    TRY(check_image(call, scene, "metallic_roughness_image", p->metallic_roughness_image));
+    TRY(check_image(call, scene, "emissive_image", p->emissive_image));
     bool nothing = p->instance.generation == 0 && p->instance.index == 0;
-    REQUIRE(&scene->host, (nothing && !needs_instance(p->kind)) || instance_alive(scene, p->instance));
-    return FNL_OK;
+    return nothing && !needs_instance(p->kind) ? FNL_OK : scene_check_instance(call, scene, p->instance);
 }
 
 /* ---- where they are ---- */
@@ -147,31 +139,34 @@ uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint3
 }
 
 fnl_result fnl_scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, fnl_decal_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_decal_id){0};
-    TRY(check_all(scene, params));
+    TRY(check_all(CALL(&scene->host), scene, params));
     uint32_t index = scene_add_decal(scene, params, params->instance.generation ? params->instance.index : SCENE_NONE);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_decal_id){index, scene->decals.data[index].generation};
     return FNL_OK;
 }
 
-static bool decal_alive(const fnl_scene *scene, fnl_decal_id id) {
-    if (id.generation == 0 || id.index >= scene->decals.count) return false;
-    const struct scene_decal *decal = &scene->decals.data[id.index];
-    return decal->generation == id.generation && !decal->removed;
+static fnl_result check_decal_id(const struct call *call, const fnl_scene *scene, fnl_decal_id id) {
+    const struct scene_decal *decal = id.index < scene->decals.count ? &scene->decals.data[id.index] : NULL;
+    bool alive = decal && id.generation && decal->generation == id.generation && !decal->removed;
+    return check_id(call, "decal", alive, id.index, id.generation, "a decal");
 }
 
 fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_decal_params *params) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, decal_alive(scene, id));
-    TRY(check_all(scene, params));
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_decal_id(call, scene, id));
+    TRY(check_all(call, scene, params));
     struct scene_decal *decal = &scene->decals.data[id.index];
-    REQUIRE(&scene->host, params->kind == decal->params.kind);
+    if (params->kind != decal->params.kind)
+        return misuse(call, "kind is %s, must stay %s", fnl_decal_kind_name(params->kind),
+                      fnl_decal_kind_name(decal->params.kind));
     bool same = params->instance.index == decal->params.instance.index &&
                 params->instance.generation == decal->params.instance.generation;
-    REQUIRE(&scene->host, same || !needs_instance(params->kind));
+    if (!same && needs_instance(params->kind)) return misuse(call, "instance is another, must stay the same");
     decal->params = *params;
     decal->node = params->instance.generation ? params->instance.index : SCENE_NONE;
     touch(scene);
@@ -179,8 +174,8 @@ fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_deca
 }
 
 fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id id) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, decal_alive(scene, id));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_decal_id(CALL(&scene->host), scene, id));
     if (!array_push(&scene->host, &scene->free_decals, id.index)) return FNL_ERROR_MEMORY;
     struct scene_decal *decal = &scene->decals.data[id.index];
     bool shown = decal_shows(scene, decal);
@@ -190,18 +185,18 @@ fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id id) {
 }
 
 fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, instance_alive(scene, instance));
-    REQUIRE(&scene->host, receivers <= 255);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
+    TRY(check_count(CALL(&scene->host), "receivers", receivers, 0, 255));
     scene->nodes.data[instance.index].refuses = (uint8_t)~receivers;
     scene->structure_version++;
     return FNL_OK;
 }
 
 fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->decals.count - scene->free_decals.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->decals.count - scene->free_decals.count, "decals"));
     uint32_t alive = index;
     for (index = 0; alive > 0 || scene->decals.data[index].removed; index++)
         if (!scene->decals.data[index].removed) alive--;

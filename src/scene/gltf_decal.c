@@ -121,7 +121,7 @@ static void place_decal(struct gltf *g, json_t *object, const struct at *at, uin
     gltf_quiet_host_init(&quiet, g->host);
     mat4 world = p.transform;
     if (!needs_target(p.kind)) p.transform = nodes[index].world; /* only to see whether it can be inverted */
-    fnl_result result = decal_check(&quiet.host, &p);
+    fnl_result result = decal_check(CALL(&quiet.host), &p);
     p.transform = needs_target(p.kind) ? world : mat4_identity();
     if (result != FNL_OK) {
         gltf_warn(g, at, "its node has no size in some direction; the decal is left out");

@@ -51,8 +51,8 @@ static fnl_result grow_image(fnl_scene *scene, uint32_t index, uint32_t texels, 
 }
 
 fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, texels <= 64);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_count(CALL(&scene->host), "texels", texels, 0, 64));
     bool *done = host_allocate_zero(&scene->host, MAX(scene->images.count, 1u));
     if (!done) return FNL_ERROR_MEMORY;
     fnl_result result = FNL_OK;

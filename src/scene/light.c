@@ -8,6 +8,7 @@ const char *fnl_light_kind_name(fnl_light_kind kind) {
 }
 
 float fnl_light_range(const fnl_light_params *light, float min_roughness, float threshold) {
+    if (check_handle(__func__, "params", light) != FNL_OK) return 0;
     if (light->kind == FNL_LIGHT_DIRECTIONAL) return INFINITY;
     if (light->kind == FNL_LIGHT_BOX) return 0.5f * vec3_length(light->box_size);
     if (isfinite(light->range)) return light->range;

@@ -102,15 +102,17 @@ static void shape_light(struct random_state *random, fnl_light_params *light, ve
 }
 
 fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, params != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "params", params));
+    TRY(check_floats(call, "shares", params->shares, FNL_LIGHT_KIND_COUNT, 0, (double)FLT_MAX, ""));
     double shares = 0;
-    for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++) {
-        REQUIRE(&scene->host, params->shares[k] >= 0 && isfinite(params->shares[k]));
-        shares += (double)params->shares[k];
-    }
-    REQUIRE(&scene->host, shares > 0 && params->shares[FNL_LIGHT_DIRECTIONAL] == 0);
-    REQUIRE(&scene->host, params->radius_scale > 0 && isfinite(params->radius_scale));
+    for (int k = 0; k < FNL_LIGHT_KIND_COUNT; k++) shares += (double)params->shares[k];
+    if (!(shares > 0)) return misuse(call, "shares are all 0, one must be above");
+    if (params->shares[FNL_LIGHT_DIRECTIONAL] != 0)
+        return misuse(call, "shares[%d] is %g, must be 0: directional lights cannot be scattered", FNL_LIGHT_DIRECTIONAL,
+                      (double)params->shares[FNL_LIGHT_DIRECTIONAL]);
+    TRY(check_above(call, "radius_scale", (double)params->radius_scale, 0, (double)FLT_MAX, ""));
     uint32_t count = params->count, given[FNL_LIGHT_KIND_COUNT] = {0};
     if (count == 0) return FNL_OK;
     struct box bounds = scene_bounds(scene);
@@ -148,6 +150,7 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
 }
 
 fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed) {
+    TRY(check_handle(__func__, "scene", scene));
     fnl_scatter_params params = fnl_scatter_params_default();
     params.count = count;
     params.seed = seed;

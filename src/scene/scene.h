@@ -7,6 +7,7 @@
 #define FNL_SCENE_SCENE_H
 
 #include "base/base.h"
+#include "base/check.h"
 #include "base/file.h"
 #include "base/jobs.h"
 #include "base/maths.h"
@@ -281,7 +282,11 @@ uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint3
 /** Whether what a decal is on or moves with is shown. */
 bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal);
 /** Whether numbers are in their ranges; logged. Instance and pictures are left to the caller. */
-fnl_result decal_check(const fnl_host *host, const fnl_decal_params *params);
+fnl_result decal_check(const struct call *call, const fnl_decal_params *params);
+/** Whether a camera can be used; `prefix` stands before the names of its fields, such as "camera.". */
+fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera);
+/** The argument `instance` of a public function. */
+fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id);
 /** From the unit cube to the world, or for mesh, redraw and baked decals to the space of their mesh. */
 mat4 decal_transform(const fnl_scene *scene, const struct scene_decal *decal);
 /** An index of a picture; SCENE_NONE: none. */

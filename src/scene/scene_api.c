@@ -1,34 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* The public calls of fanal/scene.h that fill and ask a scene, but for cameras (scene_camera.c) and time (animation.c). */
+#include "base/check.h"
 #include "image/image.h"
 #include "scene/scene.h"
 
 fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out) {
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, out != NULL);
+    TRY(check_pointer(CALL(&resolved), "out", out));
     return scene_create(host, "scene", out);
 }
 
 fnl_result fnl_scene_load(const fnl_host *host, const char *source, fnl_scene **out) {
     static const char prefix[] = "builtin:";
     fnl_host resolved = host_resolve(host);
-    REQUIRE(&resolved, out != NULL);
+    TRY(check_pointer(CALL(&resolved), "out", out));
     *out = NULL;
-    REQUIRE(&resolved, source != NULL);
+    TRY(check_pointer(CALL(&resolved), "source", source));
     if (strncmp(source, prefix, sizeof prefix - 1) == 0) return builtin_load(&resolved, source + sizeof prefix - 1, out);
     return gltf_load(&resolved, source, out);
-}
-
-static bool all_finite(const float *values, uint64_t count) {
-    for (uint64_t i = 0; i < count; i++)
-        if (!isfinite(values[i])) return false;
-    return true;
-}
-
-static bool all_in_range(const float *values, uint32_t count, float low, float high) {
-    for (uint32_t i = 0; i < count; i++)
-        if (!(values[i] >= low && values[i] <= high)) return false;
-    return true;
 }
 
 /* ---- images and materials: never removed, so one generation marks them all ---- */
@@ -36,14 +25,17 @@ static bool all_in_range(const float *values, uint32_t count, float low, float h
 enum { FIXED_GENERATION = 1 };
 
 fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_image_id){0};
-    REQUIRE(&scene->host, image != NULL);
-    REQUIRE(&scene->host, image->format == FNL_PIXEL_FORMAT_RGBA8);
-    REQUIRE(&scene->host, image->width > 0 && image->width <= IMAGE_SIDE_MAX);
-    REQUIRE(&scene->host, image->height > 0 && image->height <= IMAGE_SIDE_MAX);
-    REQUIRE(&scene->host, image->pixels != NULL);
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "image", image));
+    if (image->format != FNL_PIXEL_FORMAT_RGBA8)
+        return misuse(call, "image.format is %d, must be FNL_PIXEL_FORMAT_RGBA8 (%d)", (int)image->format,
+                      FNL_PIXEL_FORMAT_RGBA8);
+    TRY(check_count(call, "image.width", image->width, 1, IMAGE_SIDE_MAX));
+    TRY(check_count(call, "image.height", image->height, 1, IMAGE_SIDE_MAX));
+    TRY(check_pointer(call, "image.pixels", image->pixels));
     struct scene_image copy = {
         .name = arena_format(&scene->arena, "%s: image %u", scene->source, scene->images.count),
         .file_kind = "generated",
@@ -99,8 +91,31 @@ struct scene_material scene_material_default(void) {
     return material_of(&params);
 }
 
-static bool image_id_valid(const fnl_scene *scene, fnl_image_id id) {
-    return (id.index == 0 && id.generation == 0) || (id.generation == FIXED_GENERATION && id.index < scene->images.count);
+static fnl_result check_image(const struct call *call, const fnl_scene *scene, const char *name, fnl_image_id id) {
+    bool none = id.index == 0 && id.generation == 0;
+    return check_id(call, name, none || (id.generation == FIXED_GENERATION && id.index < scene->images.count), id.index,
+                    id.generation, "an image");
+}
+
+static fnl_result check_material(const struct call *call, const fnl_scene *scene, const fnl_material_params *p) {
+    const double infinite = (double)FLT_MAX;
+    TRY(check_floats(call, "base_color", p->base_color, 4, 0, 1, ""));
+    TRY(check_range(call, "metallic", (double)p->metallic, 0, 1, ""));
+    TRY(check_range(call, "roughness", (double)p->roughness, 0, 1, ""));
+    TRY(check_floats(call, "emissive", p->emissive, 3, 0, infinite, " cd/m^2"));
+    TRY(check_range(call, "normal_scale", (double)p->normal_scale, -infinite, infinite, ""));
+    TRY(check_range(call, "occlusion_strength", (double)p->occlusion_strength, 0, 1, ""));
+    if (p->ior != 0 && !(p->ior >= 1 && isfinite(p->ior)))
+        return misuse(call, "ior is %g, must be 0, or at least 1 and finite", (double)p->ior);
+    TRY(check_range(call, "specular", (double)p->specular, 0, 1, ""));
+    TRY(check_floats(call, "specular_color", p->specular_color, 3, 0, infinite, ""));
+    TRY(check_enum(call, "alpha_mode", (int)p->alpha_mode, FNL_ALPHA_BLEND + 1, "fnl_alpha_mode"));
+    TRY(check_range(call, "alpha_cutoff", (double)p->alpha_cutoff, 0, infinite, ""));
+    TRY(check_image(call, scene, "base_color_image", p->base_color_image));
+    TRY(check_image(call, scene, "metallic_roughness_image", p->metallic_roughness_image));
+    TRY(check_image(call, scene, "normal_image", p->normal_image));
+    TRY(check_image(call, scene, "occlusion_image", p->occlusion_image));
+    return check_image(call, scene, "emissive_image", p->emissive_image);
 }
 
 static void set_image(struct scene_material *material, enum scene_texture_slot slot, fnl_image_id id) {
@@ -108,29 +123,13 @@ static void set_image(struct scene_material *material, enum scene_texture_slot s
 }
 
 fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    const fnl_host *host = &scene->host;
-    REQUIRE(host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "out", out));
     *out = (fnl_material_id){0};
     fnl_material_params defaults = fnl_material_params_default();
     const fnl_material_params *p = params ? params : &defaults;
-    REQUIRE(host, all_in_range(p->base_color, 4, 0, 1));
-    REQUIRE(host, p->metallic >= 0 && p->metallic <= 1);
-    REQUIRE(host, p->roughness >= 0 && p->roughness <= 1);
-    REQUIRE(host, all_in_range(p->emissive, 3, 0, FLT_MAX));
-    REQUIRE(host, isfinite(p->normal_scale));
-    REQUIRE(host, p->occlusion_strength >= 0 && p->occlusion_strength <= 1);
-    REQUIRE(host, p->ior == 0 || (p->ior >= 1 && isfinite(p->ior)));
-    REQUIRE(host, p->specular >= 0 && p->specular <= 1);
-    REQUIRE(host, all_in_range(p->specular_color, 3, 0, FLT_MAX));
-    REQUIRE(host, p->alpha_mode >= FNL_ALPHA_OPAQUE && p->alpha_mode <= FNL_ALPHA_BLEND);
-    REQUIRE(host, p->alpha_cutoff >= 0 && isfinite(p->alpha_cutoff));
-    REQUIRE(host, image_id_valid(scene, p->base_color_image));
-    REQUIRE(host, image_id_valid(scene, p->metallic_roughness_image));
-    REQUIRE(host, image_id_valid(scene, p->normal_image));
-    REQUIRE(host, image_id_valid(scene, p->occlusion_image));
-    REQUIRE(host, image_id_valid(scene, p->emissive_image));
-
+    TRY(check_material(call, scene, p));
     struct scene_material material = material_of(p);
     material.name = "";
     set_image(&material, SCENE_TEXTURE_BASE_COLOR, p->base_color_image);
@@ -146,10 +145,38 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
 
 /* ---- meshes and instances ---- */
 
-static bool indices_below(const uint32_t *indices, uint32_t count, uint32_t limit) {
-    for (uint32_t i = 0; i < count; i++)
-        if (indices[i] >= limit) return false;
-    return true;
+static fnl_result check_indices(const struct call *call, const fnl_mesh_params *p) {
+    for (uint32_t i = 0; i < p->index_count; i++)
+        if (p->indices[i] >= p->vertex_count)
+            return misuse(call, "indices[%u] is %u, must be below vertex_count, %u", i, p->indices[i], p->vertex_count);
+    return FNL_OK;
+}
+
+static fnl_result check_vertices(const struct call *call, const char *name, const float *values, uint64_t count) {
+    return values ? check_floats(call, name, values, count, -(double)FLT_MAX, (double)FLT_MAX, "") : FNL_OK;
+}
+
+static fnl_result check_mesh(const struct call *call, const fnl_scene *scene, const fnl_mesh_params *p) {
+    uint64_t count = p->vertex_count;
+    TRY(check_count(call, "vertex_count", count, 1, UINT32_MAX - 1));
+    TRY(check_pointer(call, "positions", p->positions));
+    if (!p->indices && p->index_count)
+        return misuse(call, "indices is NULL, but index_count is %u; both or neither must be there", p->index_count);
+    if (p->indices && !p->index_count)
+        return misuse(call, "index_count is 0, but indices is not NULL; both or neither must be there");
+    if ((p->indices ? p->index_count : p->vertex_count) % 3 != 0)
+        return misuse(call, "%s is %u, must be a multiple of 3", p->indices ? "index_count" : "vertex_count (without indices)",
+                      p->indices ? p->index_count : p->vertex_count);
+    TRY(check_indices(call, p));
+    TRY(check_vertices(call, "positions", p->positions, count * 3));
+    TRY(check_vertices(call, "normals", p->normals, count * 3));
+    TRY(check_vertices(call, "tangents", p->tangents, count * 4));
+    TRY(check_vertices(call, "uv", p->uv, count * 2));
+    TRY(check_vertices(call, "colors", p->colors, count * 4));
+    bool none = p->material.index == 0 && p->material.generation == 0;
+    return check_id(call, "material",
+                    none || (p->material.generation == FIXED_GENERATION && p->material.index < scene->materials.count),
+                    p->material.index, p->material.generation, "a material");
 }
 
 /** A copy of an optional array; `failed` is set when memory ran out. */
@@ -161,26 +188,14 @@ static const void *copy_optional(struct arena *arena, const void *data, uint64_t
 }
 
 fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, fnl_mesh_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    const fnl_host *host = &scene->host;
-    REQUIRE(host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "out", out));
     *out = (fnl_mesh_id){0};
-    REQUIRE(host, params != NULL);
+    TRY(check_pointer(call, "params", params));
     const fnl_mesh_params *p = params;
     uint64_t count = p->vertex_count;
-    REQUIRE(host, p->vertex_count > 0 && p->vertex_count < UINT32_MAX);
-    REQUIRE(host, p->positions != NULL);
-    REQUIRE(host, (p->indices != NULL) == (p->index_count > 0));
-    REQUIRE(host, (p->indices ? p->index_count : p->vertex_count) % 3 == 0);
-    REQUIRE(host, !p->indices || indices_below(p->indices, p->index_count, p->vertex_count));
-    REQUIRE(host, all_finite(p->positions, count * 3));
-    REQUIRE(host, !p->normals || all_finite(p->normals, count * 3));
-    REQUIRE(host, !p->tangents || all_finite(p->tangents, count * 4));
-    REQUIRE(host, !p->uv || all_finite(p->uv, count * 2));
-    REQUIRE(host, !p->colors || all_finite(p->colors, count * 4));
-    REQUIRE(host, p->material.generation == 0
-                      ? p->material.index == 0
-                      : p->material.generation == FIXED_GENERATION && p->material.index < scene->materials.count);
+    TRY(check_mesh(call, scene, p));
     bool failed = false;
     struct arena *arena = &scene->arena;
     struct scene_primitive primitive = {
@@ -203,22 +218,29 @@ fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, f
     return FNL_OK;
 }
 
-static bool is_affine(const fnl_mat4 *m) {
-    return m && all_finite(m->m, 16) && m->m[3] == 0 && m->m[7] == 0 && m->m[11] == 0 && m->m[15] == 1;
+static fnl_result check_affine(const struct call *call, const fnl_mat4 *m) {
+    TRY(check_pointer(call, "transform", m));
+    TRY(check_floats(call, "transform.m", m->m, 16, -(double)FLT_MAX, (double)FLT_MAX, ""));
+    if (m->m[3] != 0 || m->m[7] != 0 || m->m[11] != 0 || m->m[15] != 1)
+        return misuse(call, "the last row of transform is %g, %g, %g, %g, must be 0, 0, 0, 1", (double)m->m[3], (double)m->m[7],
+                      (double)m->m[11], (double)m->m[15]);
+    return FNL_OK;
 }
 
-static bool instance_alive(const fnl_scene *scene, fnl_instance_id id) {
-    if (id.generation == 0 || id.index >= scene->nodes.count) return false;
-    const struct scene_node *node = &scene->nodes.data[id.index];
-    return node->generation == id.generation && !node->removed;
+fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id) {
+    const struct scene_node *node = id.index < scene->nodes.count ? &scene->nodes.data[id.index] : NULL;
+    bool alive = node && id.generation && node->generation == id.generation && !node->removed;
+    return check_id(call, "instance", alive, id.index, id.generation, "an instance");
 }
 
 fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform, fnl_instance_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_instance_id){0};
-    REQUIRE(&scene->host, mesh.generation == FIXED_GENERATION && mesh.index < scene->meshes.count);
-    REQUIRE(&scene->host, is_affine(transform));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_id(call, "mesh", mesh.generation == FIXED_GENERATION && mesh.index < scene->meshes.count, mesh.index,
+                 mesh.generation, "a mesh"));
+    TRY(check_affine(call, transform));
     uint32_t index = scene_add_node(scene, "", SCENE_NONE, transform, mesh.index);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_instance_id){index, scene->nodes.data[index].generation};
@@ -226,16 +248,17 @@ fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_
 }
 
 fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, instance_alive(scene, instance));
-    REQUIRE(&scene->host, is_affine(transform));
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(scene_check_instance(call, scene, instance));
+    TRY(check_affine(call, transform));
     scene_move_node(scene, instance.index, transform);
     return FNL_OK;
 }
 
 fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, instance_alive(scene, instance));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
     if (!array_push(&scene->host, &scene->free_nodes, instance.index)) return FNL_ERROR_MEMORY;
     struct scene_node *node = &scene->nodes.data[instance.index];
     node->removed = true;
@@ -265,29 +288,35 @@ fnl_light_params fnl_light_params_default(void) {
 }
 
 /** Checks a light's parameters and makes direction and up unit vectors at right angles. */
-static fnl_result check_light(const fnl_host *host, const fnl_light_params *params, fnl_light_params *out) {
-    REQUIRE(host, params != NULL);
-    REQUIRE(host, params->kind >= FNL_LIGHT_DIRECTIONAL && params->kind < FNL_LIGHT_KIND_COUNT);
-    REQUIRE(host, vec3_finite(params->position));
-    REQUIRE(host, vec3_finite(params->direction));
-    REQUIRE(host, params->kind == FNL_LIGHT_POINT || vec3_length(params->direction) > 0);
-    REQUIRE(host, all_in_range(params->color, 3, 0, FLT_MAX));
-    REQUIRE(host, params->intensity >= 0 && isfinite(params->intensity));
-    REQUIRE(host, params->kind == FNL_LIGHT_DIRECTIONAL || params->kind == FNL_LIGHT_BOX || params->range > 0);
-    if (params->kind == FNL_LIGHT_SPOT) {
-        REQUIRE(host, params->outer_cone_angle > 0 && params->outer_cone_angle <= PI / 2 + 1e-6f);
-        REQUIRE(host, params->inner_cone_angle >= 0 && params->inner_cone_angle <= params->outer_cone_angle);
+static fnl_result check_light(const struct call *call, const fnl_light_params *params, fnl_light_params *out) {
+    TRY(check_pointer(call, "params", params));
+    const double infinite = (double)FLT_MAX;
+    fnl_light_kind kind = params->kind;
+    TRY(check_enum(call, "kind", (int)kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
+    TRY(check_finite(call, "position", params->position));
+    TRY(check_finite(call, "direction", params->direction));
+    if (kind != FNL_LIGHT_POINT && !(vec3_length(params->direction) > 0))
+        return misuse(call, "direction is 0, 0, 0, must have a length");
+    TRY(check_floats(call, "color", params->color, 3, 0, infinite, ""));
+    TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite,
+                    kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX ? " lux" : " candela"));
+    if (kind != FNL_LIGHT_DIRECTIONAL && kind != FNL_LIGHT_BOX)
+        TRY(check_above(call, "range", (double)params->range, 0, (double)INFINITY, " metres"));
+    if (kind == FNL_LIGHT_SPOT) {
+        TRY(check_above(call, "outer_cone_angle", (double)params->outer_cone_angle, 0, (double)(PI / 2 + 1e-6f), " radians"));
+        TRY(check_range(call, "inner_cone_angle", (double)params->inner_cone_angle, 0, (double)params->outer_cone_angle,
+                        " radians (outer_cone_angle)"));
     }
-    if (params->kind == FNL_LIGHT_CAPSULE) REQUIRE(host, params->length >= 0 && isfinite(params->length));
-    if (params->kind == FNL_LIGHT_WEDGE) {
-        REQUIRE(host, params->wedge_angles[0] > 0 && params->wedge_angles[0] <= 1.5f);
-        REQUIRE(host, params->wedge_angles[1] > 0 && params->wedge_angles[1] <= 1.5f);
+    if (kind == FNL_LIGHT_CAPSULE) TRY(check_range(call, "length", (double)params->length, 0, infinite, " metres"));
+    if (kind == FNL_LIGHT_WEDGE) {
+        TRY(check_above(call, "wedge_angles[0]", (double)params->wedge_angles[0], 0, 1.5, " radians"));
+        TRY(check_above(call, "wedge_angles[1]", (double)params->wedge_angles[1], 0, 1.5, " radians"));
     }
-    if (params->kind == FNL_LIGHT_BOX)
-        REQUIRE(host, all_in_range(&params->box_size.x, 3, FLT_MIN, 1e18f)); /* the square of the diagonal stays finite */
-    if (params->kind == FNL_LIGHT_WEDGE || params->kind == FNL_LIGHT_BOX) {
-        REQUIRE(host, vec3_finite(params->up));
-        REQUIRE(host, params->inner_fraction >= 0 && params->inner_fraction <= 1);
+    if (kind == FNL_LIGHT_BOX) /* the square of the diagonal stays finite */
+        TRY(check_vector(call, "box_size", params->box_size, (double)FLT_MIN, 1e18, " metres"));
+    if (kind == FNL_LIGHT_WEDGE || kind == FNL_LIGHT_BOX) {
+        TRY(check_finite(call, "up", params->up));
+        TRY(check_range(call, "inner_fraction", (double)params->inner_fraction, 0, 1, ""));
     }
     *out = *params;
     out->direction = vec3_normalize(params->direction);
@@ -296,28 +325,28 @@ static fnl_result check_light(const fnl_host *host, const fnl_light_params *para
 }
 
 fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
     *out = (fnl_light_id){0};
     fnl_light_params checked;
-    TRY(check_light(&scene->host, params, &checked));
+    TRY(check_light(CALL(&scene->host), params, &checked));
     uint32_t index = scene_add_light(scene, &checked, SCENE_NONE);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_light_id){index, scene->lights.data[index].generation};
     return FNL_OK;
 }
 
-static bool light_alive(const fnl_scene *scene, fnl_light_id id) {
-    if (id.generation == 0 || id.index >= scene->lights.count) return false;
-    const struct scene_light *light = &scene->lights.data[id.index];
-    return light->generation == id.generation && !light->removed;
+static fnl_result check_light_id(const struct call *call, const fnl_scene *scene, fnl_light_id id) {
+    const struct scene_light *light = id.index < scene->lights.count ? &scene->lights.data[id.index] : NULL;
+    bool alive = light && id.generation && light->generation == id.generation && !light->removed;
+    return check_id(call, "light", alive, id.index, id.generation, "a light");
 }
 
 fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, light_alive(scene, light));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_light_id(CALL(&scene->host), scene, light));
     fnl_light_params checked;
-    TRY(check_light(&scene->host, params, &checked));
+    TRY(check_light(CALL(&scene->host), params, &checked));
     fnl_light_params *changed = &scene->lights.data[light.index].params;
     bool stays = (changed->kind == FNL_LIGHT_DIRECTIONAL) == (checked.kind == FNL_LIGHT_DIRECTIONAL);
     *changed = checked;
@@ -329,8 +358,8 @@ fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_l
 }
 
 fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, light_alive(scene, light));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_light_id(CALL(&scene->host), scene, light));
     if (!array_push(&scene->host, &scene->free_lights, light.index)) return FNL_ERROR_MEMORY;
     light_hull_free(scene, &scene->lights.data[light.index]);
     scene->lights.data[light.index].removed = true;
@@ -339,17 +368,18 @@ fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
 }
 
 fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, light_alive(scene, light));
-    REQUIRE(&scene->host, (points != NULL) == (count > 0));
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_light_id(call, scene, light));
+    if (!points && count) return misuse(call, "points is NULL, but count is %u; NULL and 0 remove the hull", count);
     struct scene_light *target = &scene->lights.data[light.index];
     if (!points) {
         light_hull_free(scene, target);
         scene_lights_changed(scene);
         return FNL_OK;
     }
-    REQUIRE(&scene->host, count >= 4 && count <= LIGHT_HULL_POINTS_MAX);
-    REQUIRE(&scene->host, all_finite(&points->x, count * 3ull));
+    TRY(check_count(call, "count", count, 4, LIGHT_HULL_POINTS_MAX));
+    for (uint32_t i = 0; i < count; i++) TRY(check_finite(call, "points", points[i]));
     struct light_hull *hull;
     TRY(light_hull_create(&scene->host, points, count, &hull));
     light_hull_free(scene, target);
@@ -360,9 +390,10 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
 }
 
 fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, min_roughness >= 0 && min_roughness <= 1);
-    REQUIRE(&scene->host, threshold > 0 && isfinite(threshold));
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_range(call, "min_roughness", (double)min_roughness, 0, 1, ""));
+    TRY(check_above(call, "threshold", (double)threshold, 0, (double)FLT_MAX, " lux"));
     scene->cutoff_roughness = min_roughness;
     scene->cutoff_illuminance = threshold;
     scene_lights_changed(scene);
@@ -370,9 +401,9 @@ fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, flo
 }
 
 fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, all_in_range(&sky.x, 3, 0, FLT_MAX));
-    REQUIRE(&scene->host, all_in_range(&ground.x, 3, 0, FLT_MAX));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_vector(CALL(&scene->host), "sky", sky, 0, (double)FLT_MAX, " cd/m^2"));
+    TRY(check_vector(CALL(&scene->host), "ground", ground, 0, (double)FLT_MAX, " cd/m^2"));
     scene->ambient_sky = sky;
     scene->ambient_ground = ground;
     scene->light_version++;
@@ -380,15 +411,15 @@ fnl_result fnl_scene_set_ambient(fnl_scene *scene, fnl_vec3 sky, fnl_vec3 ground
 }
 
 fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, all_in_range(&radiance.x, 3, 0, FLT_MAX));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_vector(CALL(&scene->host), "radiance", radiance, 0, (double)FLT_MAX, " cd/m^2"));
     scene->background = radiance;
     return FNL_OK;
 }
 
 fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, anisotropy >= 1 && anisotropy <= 16);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_range(CALL(&scene->host), "anisotropy", (double)anisotropy, 1, 16, ""));
     if (scene->anisotropy != anisotropy) scene->structure_version++;
     scene->anisotropy = anisotropy;
     return FNL_OK;
@@ -406,8 +437,8 @@ static uint64_t mesh_triangles(const fnl_scene *scene, const struct scene_mesh *
 }
 
 fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
     struct box bounds = scene_bounds(scene);
     *out = (fnl_scene_info){
         .mesh_count = scene->meshes.count,
@@ -466,40 +497,41 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
 }
 
 fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_image_info *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->images.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->images.count, "images"));
     const struct scene_image *image = &scene->images.data[index];
     *out = (fnl_image_info){image->name, image->file_kind, image->width, image->height};
     return FNL_OK;
 }
 
 fnl_result fnl_scene_query_animation(const fnl_scene *scene, uint32_t index, fnl_animation_info *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->animations.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->animations.count, "animations"));
     const struct scene_animation *animation = &scene->animations.data[index];
     *out = (fnl_animation_info){animation->name, (double)animation->duration, animation->channel_count};
     return FNL_OK;
 }
 
 fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t index, fnl_extension_info *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->extensions.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->extensions.count, "extensions"));
     const struct scene_extension *extension = &scene->extensions.data[index];
     *out = (fnl_extension_info){extension->name, extension->required, extension->treatment};
     return FNL_OK;
 }
 
 const char *fnl_scene_message(const fnl_scene *scene, uint32_t index) {
-    return scene && index < scene->messages.count ? scene->messages.data[index] : NULL;
+    if (check_handle(__func__, "scene", scene) != FNL_OK) return NULL;
+    return index < scene->messages.count ? scene->messages.data[index] : NULL;
 }
 
 fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->lights.count - scene->free_lights.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->lights.count - scene->free_lights.count, "lights"));
     if (scene->free_lights.count > 0) { /* count past the holes */
         uint32_t alive = index;
         for (index = 0; alive > 0 || scene->lights.data[index].removed; index++)

@@ -13,12 +13,14 @@ fnl_camera fnl_camera_default(void) {
     };
 }
 
-uint32_t fnl_scene_camera_count(const fnl_scene *scene) { return scene ? scene->cameras.count : 0; }
+uint32_t fnl_scene_camera_count(const fnl_scene *scene) {
+    return check_handle(__func__, "scene", scene) == FNL_OK ? scene->cameras.count : 0;
+}
 
 fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, index < scene->cameras.count);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->cameras.count, "cameras"));
     const struct scene_camera *camera = &scene->cameras.data[index];
     *out = camera->camera;
     if (camera->node == SCENE_NONE) return FNL_OK;
@@ -34,9 +36,9 @@ fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_ca
 }
 
 fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint32_t *out_index) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, name != NULL);
-    REQUIRE(&scene->host, out_index != NULL);
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "name", name));
+    TRY(check_pointer(CALL(&scene->host), "out_index", out_index));
     for (uint32_t i = 0; i < scene->cameras.count; i++)
         if (strcmp(scene->cameras.data[i].name, name) == 0) {
             *out_index = i;
@@ -52,30 +54,46 @@ fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint3
     return FNL_ERROR_INVALID;
 }
 
-fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera) {
-    if (!scene) return FNL_ERROR_INVALID;
-    const fnl_host *host = &scene->host;
-    REQUIRE(host, camera != NULL);
-    REQUIRE(host, vec3_finite(camera->position));
-    REQUIRE(host, vec3_finite(camera->target));
-    REQUIRE(host, vec3_distance(camera->position, camera->target) > 0);
-    REQUIRE(host, vec3_finite(camera->up) && vec3_length(camera->up) > 0);
-    REQUIRE(host, camera->near_distance > 0 && isfinite(camera->near_distance));
-    REQUIRE(host, isfinite(camera->shift.x) && isfinite(camera->shift.y));
-    if (camera->orthographic) {
-        REQUIRE(host, camera->vertical_extent > 0 && isfinite(camera->vertical_extent));
-        REQUIRE(host, camera->far_distance > camera->near_distance && isfinite(camera->far_distance));
-    } else {
-        REQUIRE(host, camera->vertical_fov > 0 && camera->vertical_fov < PI);
+/* The field's name in the struct that holds the camera, such as "camera.up". */
+static const char *in(const char *prefix, const char *field, char text[64]) {
+    snprintf(text, 64, "%s%s", prefix, field);
+    return text;
+}
+
+fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera) {
+    const double infinite = (double)FLT_MAX;
+    char name[64];
+    TRY(check_finite(call, in(prefix, "position", name), camera->position));
+    TRY(check_finite(call, in(prefix, "target", name), camera->target));
+    if (!(vec3_distance(camera->position, camera->target) > 0))
+        return misuse(call, "%starget is the position, must be another point", prefix);
+    TRY(check_finite(call, in(prefix, "up", name), camera->up));
+    TRY(check_above(call, in(prefix, "near_distance", name), (double)camera->near_distance, 0, infinite, " metres"));
+    TRY(check_range(call, in(prefix, "shift.x", name), (double)camera->shift.x, -infinite, infinite, ""));
+    TRY(check_range(call, in(prefix, "shift.y", name), (double)camera->shift.y, -infinite, infinite, ""));
+    if (!camera->orthographic) {
+        if (camera->vertical_fov > 0 && camera->vertical_fov < PI) return FNL_OK;
+        return misuse(call, "%svertical_fov is %g, must be above 0 and below pi radians", prefix, (double)camera->vertical_fov);
     }
+    TRY(check_above(call, in(prefix, "vertical_extent", name), (double)camera->vertical_extent, 0, infinite, " metres"));
+    return check_above(call, in(prefix, "far_distance", name), (double)camera->far_distance, (double)camera->near_distance,
+                       infinite, " metres (near_distance)");
+}
+
+fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "camera", camera));
+    TRY(camera_check(CALL(&scene->host), "", camera));
+    if (!(vec3_length(camera->up) > 0)) return misuse(CALL(&scene->host), "up is 0, 0, 0, must have a length");
     struct scene_camera added = {
         .name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
-    if (!added.name || !array_push(host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
+    if (!added.name || !array_push(&scene->host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
     return FNL_OK;
 }
 
 const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index) {
-    return scene && index < scene->cameras.count ? scene->cameras.data[index].name : NULL;
+    if (check_handle(__func__, "scene", scene) != FNL_OK) return NULL;
+    return index < scene->cameras.count ? scene->cameras.data[index].name : NULL;
 }
 
 /** What there is to see: the geometry, else the lights, else a metre around the origin. */
@@ -91,9 +109,9 @@ static struct box box_to_frame(const fnl_scene *scene) {
 }
 
 fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out) {
-    if (!scene) return FNL_ERROR_INVALID;
-    REQUIRE(&scene->host, out != NULL);
-    REQUIRE(&scene->host, aspect > 0 && isfinite(aspect));
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_above(CALL(&scene->host), "aspect", (double)aspect, 0, (double)FLT_MAX, ""));
     struct box bounds = box_to_frame(scene);
     vec3 center = vec3_scale(vec3_add(bounds.low, bounds.high), 0.5f);
     vec3 half = vec3_scale(vec3_sub(bounds.high, bounds.low), 0.5f);

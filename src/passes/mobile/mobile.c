@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/mobile/mobile.h"
 
+#include "base/check.h"
 #include "passes/mobile/mobile_volume_shared.h"
 #include "passes/post/post_shared.h"
 #include "passes/transparency/transparency.h"
@@ -110,6 +111,7 @@ struct mobile_layout mobile_layout(fnl_mobile_layout layout, fnl_mobile_gamma ga
 
 uint32_t fnl_mobile_layout_targets(fnl_mobile_layout layout, fnl_mobile_target *out, uint32_t capacity) {
     if ((uint32_t)layout >= FNL_MOBILE_LAYOUT_COUNT) return 0;
+    if (capacity && check_handle(__func__, "out", out) != FNL_OK) return 0;
     struct mobile_layout known = mobile_layout(layout, FNL_MOBILE_GAMMA_SRGB, false);
     for (uint32_t i = 0; i < MIN(known.target_count, capacity); i++)
         out[i] = (fnl_mobile_target){known.targets[i].name, known.targets[i].bits, known.targets[i].used_bits};

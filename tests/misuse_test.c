@@ -1,0 +1,603 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * What public functions say when they are misused: every export is called with NULL for each of its pointers, and every field of the
+ * params structs is set out of its range. One line names the function, the field or argument, what was given and what may be.
+ */
+#include "base/base.h"
+#include "base/maths.h"
+#include "fanal/fanal.h"
+#include "fanal/vulkan.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static struct {
+    fnl_device *device;
+    fnl_scene *scene;
+    fnl_renderer *renderer;
+    fnl_light_id light;
+    fnl_mesh_id mesh;
+    fnl_instance_id instance;
+    fnl_decal_id decal;
+    const char *function; /* that is tried */
+    uint32_t tried;       /* pointers of it */
+    FILE *kept;           /* what stands in for stderr, where lines without a host go */
+    int terminal;
+} w;
+
+/* ---- what is logged ---- */
+
+static void capture(void) {
+    fflush(stderr);
+    rewind(w.kept);
+    assert_int_equal(ftruncate(fileno(w.kept), 0), 0);
+    w.terminal = dup(STDERR_FILENO);
+    dup2(fileno(w.kept), STDERR_FILENO);
+}
+
+static void expect(fnl_result result, const char *function, const char *words) {
+    char text[4096], line[1024];
+    fflush(stderr);
+    dup2(w.terminal, STDERR_FILENO);
+    close(w.terminal);
+    ssize_t length = pread(fileno(w.kept), text, sizeof text - 1, 0);
+    text[MAX(length, 0)] = 0;
+    snprintf(line, sizeof line, "fanal: error: %s: %s\n", function, words);
+    if (result != FNL_ERROR_INVALID) fail_msg("%s: '%s' is no misuse, but %s", function, words, fnl_result_name(result));
+    if (strcmp(text, line) != 0) fail_msg("logged:\n%sinstead of:\n%s", text, line);
+}
+
+#define SAYS(function, words, call)                                                                                         \
+    do {                                                                                                                    \
+        capture();                                                                                                          \
+        fnl_result result_ = (call);                                                                                        \
+        expect(result_, function, words);                                                                                   \
+    } while (0)
+
+/* An argument that is NULL; functions without an fnl_result give `nothing`. */
+#define NULLED(argument, call) (w.tried++, null_begins(), null_ends(argument, call))
+#define GIVES(argument, nothing, call) (w.tried++, null_begins(), null_ends(argument, (call) == (nothing) ? FNL_ERROR_INVALID : FNL_OK))
+#define DOES(argument, call) (w.tried++, null_begins(), call, null_ends(argument, FNL_ERROR_INVALID))
+/* NULL has a meaning: nothing is logged. */
+#define SILENT(call) (w.tried++, null_begins(), (void)(call), null_was_silent())
+
+static void null_begins(void) { capture(); }
+static void null_ends(const char *argument, fnl_result result) {
+    char words[100];
+    snprintf(words, sizeof words, "%s is NULL", argument);
+    expect(result, w.function, words);
+}
+static void null_was_silent(void) {
+    fflush(stderr);
+    dup2(w.terminal, STDERR_FILENO);
+    close(w.terminal);
+    if (lseek(fileno(w.kept), 0, SEEK_END) != 0) fail_msg("%s: NULL is not silent", w.function);
+}
+
+/* ---- every export ---- */
+
+static fnl_host host;
+static fnl_image picture, other, difference_image;
+static fnl_image_difference difference;
+static fnl_exr_channel channel;
+static fnl_device_info device_info;
+static fnl_vulkan_import handles;
+static fnl_material_params material;
+static fnl_mesh_params mesh;
+static fnl_light_params light;
+static fnl_decal_params decal;
+static fnl_camera camera;
+static fnl_frame_stats stats;
+static fnl_scene_info info;
+static fnl_image_info image_info;
+static fnl_animation_info animation_info;
+static fnl_extension_info extension_info;
+static fnl_image_id image_id;
+static fnl_material_id material_id;
+static fnl_mesh_id mesh_id;
+static fnl_instance_id instance_id;
+static fnl_light_id light_id;
+static fnl_decal_id decal_id;
+static fnl_scatter_params scatter;
+static fnl_frame frame;
+static fnl_vulkan_target target;
+static fnl_scene *made;
+static fnl_device *made_device;
+static fnl_renderer *made_renderer;
+static fnl_mat4 matrix;
+static uint32_t number;
+
+/* X(function, what is tried with each pointer of its declaration). Where a host is NULL it stands for the built-in one. */
+#define EXPORTS(X)                                                                                                          \
+    X(fnl_device_create, SILENT(fnl_device_create(NULL, &made_device)); NULLED("out", fnl_device_create(NULL, NULL)))       \
+    X(fnl_device_destroy, SILENT(fnl_device_destroy(NULL)))                                                                 \
+    X(fnl_device_import, NULLED("import", fnl_device_import(NULL, NULL, &made_device));                                     \
+      NULLED("out", fnl_device_import(NULL, &handles, NULL)); NULLED("import", fnl_device_import(NULL, NULL, &made_device))) \
+    X(fnl_device_query_info, NULLED("device", fnl_device_query_info(NULL, &device_info));                                   \
+      NULLED("out", fnl_device_query_info(w.device, NULL)))                                                                 \
+    X(fnl_device_validation_count, GIVES("device", 0, fnl_device_validation_count(NULL)))                                   \
+    X(fnl_enumerate_devices, SILENT(fnl_enumerate_devices(NULL, NULL, 0, &number));                                         \
+      SILENT(fnl_enumerate_devices(&host, NULL, 0, &number)); NULLED("out_count", fnl_enumerate_devices(NULL, NULL, 0, NULL))) \
+    X(fnl_exr_save, NULLED("path", fnl_exr_save(NULL, NULL, 1, 1, &channel, 1));                                            \
+      NULLED("path", fnl_exr_save(&host, NULL, 1, 1, &channel, 1));                                                         \
+      NULLED("channels", fnl_exr_save(&host, "x.exr", 1, 1, NULL, 1)))                                                      \
+    X(fnl_gbuffer_query_info, NULLED("out", fnl_gbuffer_query_info(FNL_GBUFFER_DEFAULT, NULL)))                             \
+    X(fnl_image_compare, NULLED("a", fnl_image_compare(NULL, NULL, &other, &difference));                                   \
+      NULLED("a", fnl_image_compare(&host, NULL, &other, &difference));                                                     \
+      NULLED("b", fnl_image_compare(&host, &picture, NULL, &difference));                                                   \
+      NULLED("out", fnl_image_compare(&host, &picture, &other, NULL)))                                                      \
+    X(fnl_image_difference_picture, NULLED("a", fnl_image_difference_picture(NULL, NULL, &other, 1, &difference_image));               \
+      NULLED("a", fnl_image_difference_picture(&host, NULL, &other, 1, &difference_image));                                 \
+      NULLED("b", fnl_image_difference_picture(&host, &picture, NULL, 1, &difference_image));                               \
+      NULLED("out", fnl_image_difference_picture(&host, &picture, &other, 1, NULL)))                                        \
+    X(fnl_image_free, SILENT(fnl_image_free(NULL, NULL)); SILENT(fnl_image_free(&host, NULL)))                              \
+    X(fnl_image_load, NULLED("path", fnl_image_load(NULL, NULL, &difference_image));                                        \
+      NULLED("path", fnl_image_load(&host, NULL, &difference_image)); NULLED("out", fnl_image_load(&host, "x.png", NULL)))  \
+    X(fnl_image_save, NULLED("path", fnl_image_save(NULL, NULL, &picture));                                                 \
+      NULLED("path", fnl_image_save(&host, NULL, &picture)); NULLED("image", fnl_image_save(&host, "x.png", NULL)))         \
+    X(fnl_light_range, GIVES("params", 0, fnl_light_range(NULL, 1, 1)))                                                     \
+    X(fnl_mobile_layout_targets, GIVES("out", 0, fnl_mobile_layout_targets(FNL_MOBILE_METALLIC_128, NULL, 1)))              \
+    X(fnl_renderer_create, NULLED("device", fnl_renderer_create(NULL, w.scene, &made_renderer));                            \
+      NULLED("scene", fnl_renderer_create(w.device, NULL, &made_renderer));                                                 \
+      NULLED("out", fnl_renderer_create(w.device, w.scene, NULL)))                                                          \
+    X(fnl_renderer_destroy, SILENT(fnl_renderer_destroy(NULL)))                                                             \
+    X(fnl_renderer_print_plan, GIVES("renderer", 0, fnl_renderer_print_plan(NULL, NULL, 0));                                \
+      SILENT(fnl_renderer_print_plan(w.renderer, NULL, 0)))                                                                 \
+    X(fnl_renderer_print_traffic, GIVES("renderer", 0, fnl_renderer_print_traffic(NULL, NULL, 0));                          \
+      SILENT(fnl_renderer_print_traffic(w.renderer, NULL, 0)))                                                              \
+    X(fnl_renderer_query_stats, NULLED("renderer", fnl_renderer_query_stats(NULL, &stats));                                 \
+      NULLED("out", fnl_renderer_query_stats(w.renderer, NULL)))                                                            \
+    X(fnl_renderer_read, NULLED("renderer", fnl_renderer_read(NULL, FNL_OUTPUT_COLOR, &difference_image));                  \
+      NULLED("out", fnl_renderer_read(w.renderer, FNL_OUTPUT_COLOR, NULL)))                                                 \
+    X(fnl_renderer_render, NULLED("renderer", fnl_renderer_render(NULL, &frame));                                           \
+      SILENT(fnl_renderer_render(w.renderer, NULL)))                                                                        \
+    X(fnl_renderer_render_to, NULLED("renderer", fnl_renderer_render_to(NULL, &frame, &target));                            \
+      NULLED("target", fnl_renderer_render_to(w.renderer, NULL, NULL));                                                     \
+      NULLED("target", fnl_renderer_render_to(w.renderer, &frame, NULL)))                                                   \
+    X(fnl_scene_add_camera, NULLED("scene", fnl_scene_add_camera(NULL, "c", &camera));                                      \
+      SILENT(fnl_scene_add_camera(w.scene, NULL, &camera)); NULLED("camera", fnl_scene_add_camera(w.scene, "c", NULL)))     \
+    X(fnl_scene_add_decal, NULLED("scene", fnl_scene_add_decal(NULL, &decal, &decal_id));                                   \
+      NULLED("params", fnl_scene_add_decal(w.scene, NULL, &decal_id)); NULLED("out", fnl_scene_add_decal(w.scene, &decal, NULL))) \
+    X(fnl_scene_add_image, NULLED("scene", fnl_scene_add_image(NULL, &picture, true, &image_id));                           \
+      NULLED("image", fnl_scene_add_image(w.scene, NULL, true, &image_id));                                                 \
+      NULLED("out", fnl_scene_add_image(w.scene, &picture, true, NULL)))                                                    \
+    X(fnl_scene_add_instance, NULLED("scene", fnl_scene_add_instance(NULL, w.mesh, &matrix, &instance_id));                 \
+      NULLED("transform", fnl_scene_add_instance(w.scene, w.mesh, NULL, &instance_id));                                     \
+      NULLED("out", fnl_scene_add_instance(w.scene, w.mesh, &matrix, NULL)))                                                \
+    X(fnl_scene_add_light, NULLED("scene", fnl_scene_add_light(NULL, &light, &light_id));                                   \
+      NULLED("params", fnl_scene_add_light(w.scene, NULL, &light_id)); NULLED("out", fnl_scene_add_light(w.scene, &light, NULL))) \
+    X(fnl_scene_add_material, NULLED("scene", fnl_scene_add_material(NULL, &material, &material_id));                       \
+      SILENT(fnl_scene_add_material(w.scene, NULL, &material_id)); NULLED("out", fnl_scene_add_material(w.scene, &material, NULL))) \
+    X(fnl_scene_add_mesh, NULLED("scene", fnl_scene_add_mesh(NULL, &mesh, &mesh_id));                                       \
+      NULLED("params", fnl_scene_add_mesh(w.scene, NULL, &mesh_id)); NULLED("out", fnl_scene_add_mesh(w.scene, &mesh, NULL))) \
+    X(fnl_scene_camera_count, GIVES("scene", 0, fnl_scene_camera_count(NULL)))                                              \
+    X(fnl_scene_camera_name, GIVES("scene", NULL, fnl_scene_camera_name(NULL, 0)))                                          \
+    X(fnl_scene_create, SILENT((fnl_scene_create(NULL, &made), fnl_scene_destroy(&made)));                                  \
+      NULLED("out", fnl_scene_create(&host, NULL)))                                                                         \
+    X(fnl_scene_destroy, SILENT(fnl_scene_destroy(NULL)))                                                                   \
+    X(fnl_scene_find_camera, NULLED("scene", fnl_scene_find_camera(NULL, "c", &number));                                    \
+      NULLED("name", fnl_scene_find_camera(w.scene, NULL, &number)); NULLED("out_index", fnl_scene_find_camera(w.scene, "c", NULL))) \
+    X(fnl_scene_grow_metal, NULLED("scene", fnl_scene_grow_metal(NULL, 1)))                                                 \
+    X(fnl_scene_load, NULLED("source", fnl_scene_load(NULL, NULL, &made)); NULLED("source", fnl_scene_load(&host, NULL, &made)); \
+      NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL)))                                                        \
+    X(fnl_scene_message, GIVES("scene", NULL, fnl_scene_message(NULL, 0)))                                                  \
+    X(fnl_scene_query_animation, NULLED("scene", fnl_scene_query_animation(NULL, 0, &animation_info));                      \
+      NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \
+    X(fnl_scene_query_camera, NULLED("scene", fnl_scene_query_camera(NULL, 0, &camera));                                    \
+      NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
+    X(fnl_scene_query_decal, NULLED("scene", fnl_scene_query_decal(NULL, 0, &decal));                                       \
+      NULLED("out", fnl_scene_query_decal(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_query_extension, NULLED("scene", fnl_scene_query_extension(NULL, 0, &extension_info));                      \
+      NULLED("out", fnl_scene_query_extension(w.scene, 0, NULL)))                                                           \
+    X(fnl_scene_query_framing_camera, NULLED("scene", fnl_scene_query_framing_camera(NULL, 1, &camera));                    \
+      NULLED("out", fnl_scene_query_framing_camera(w.scene, 1, NULL)))                                                      \
+    X(fnl_scene_query_image, NULLED("scene", fnl_scene_query_image(NULL, 0, &image_info));                                  \
+      NULLED("out", fnl_scene_query_image(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_query_info, NULLED("scene", fnl_scene_query_info(NULL, &info));                                             \
+      NULLED("out", fnl_scene_query_info(w.scene, NULL)))                                                                   \
+    X(fnl_scene_query_light, NULLED("scene", fnl_scene_query_light(NULL, 0, &light));                                       \
+      NULLED("out", fnl_scene_query_light(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_remove_decal, NULLED("scene", fnl_scene_remove_decal(NULL, w.decal)))                                       \
+    X(fnl_scene_remove_instance, NULLED("scene", fnl_scene_remove_instance(NULL, w.instance)))                              \
+    X(fnl_scene_remove_light, NULLED("scene", fnl_scene_remove_light(NULL, w.light)))                                       \
+    X(fnl_scene_scatter_decals, NULLED("scene", fnl_scene_scatter_decals(NULL, 1, 1)))                                      \
+    X(fnl_scene_scatter_light_shapes, NULLED("scene", fnl_scene_scatter_light_shapes(NULL, &scatter));                      \
+      NULLED("params", fnl_scene_scatter_light_shapes(w.scene, NULL)))                                                      \
+    X(fnl_scene_scatter_lights, NULLED("scene", fnl_scene_scatter_lights(NULL, 1, 1)))                                      \
+    X(fnl_scene_set_ambient, NULLED("scene", fnl_scene_set_ambient(NULL, camera.up, camera.up)))                            \
+    X(fnl_scene_set_anisotropy, NULLED("scene", fnl_scene_set_anisotropy(NULL, 1)))                                         \
+    X(fnl_scene_set_background, NULLED("scene", fnl_scene_set_background(NULL, camera.up)))                                 \
+    X(fnl_scene_set_decal, NULLED("scene", fnl_scene_set_decal(NULL, w.decal, &decal));                                     \
+      NULLED("params", fnl_scene_set_decal(w.scene, w.decal, NULL)))                                                        \
+    X(fnl_scene_set_instance_receivers, NULLED("scene", fnl_scene_set_instance_receivers(NULL, w.instance, 1)))             \
+    X(fnl_scene_set_instance_transform, NULLED("scene", fnl_scene_set_instance_transform(NULL, w.instance, &matrix));       \
+      NULLED("transform", fnl_scene_set_instance_transform(w.scene, w.instance, NULL)))                                     \
+    X(fnl_scene_set_light, NULLED("scene", fnl_scene_set_light(NULL, w.light, &light));                                     \
+      NULLED("params", fnl_scene_set_light(w.scene, w.light, NULL)))                                                        \
+    X(fnl_scene_set_light_cutoff, NULLED("scene", fnl_scene_set_light_cutoff(NULL, 1, 1)))                                  \
+    X(fnl_scene_set_light_hull, NULLED("scene", fnl_scene_set_light_hull(NULL, w.light, NULL, 0));                          \
+      SILENT(fnl_scene_set_light_hull(w.scene, w.light, NULL, 0)))                                                          \
+    X(fnl_scene_set_time, NULLED("scene", fnl_scene_set_time(NULL, 0, 0)))                                                  \
+    X(fnl_vulkan_requirements_init, DOES("requirements", fnl_vulkan_requirements_init(NULL)))
+
+#define ROW(name, ...)                                                                                                      \
+    static void try_##name(void) { __VA_ARGS__; }
+EXPORTS(ROW)
+#undef ROW
+
+static const struct {
+    const char *name;
+    void (*run)(void);
+} exports[] = {
+#define ROW(name, ...) {#name, try_##name},
+    EXPORTS(ROW)
+#undef ROW
+};
+
+static char headers[256 << 10];
+
+static void read_headers(void) {
+    static const char *const names[] = {"base", "device", "image", "scene", "renderer", "vulkan"};
+    size_t length = 0;
+    for (uint32_t i = 0; i < COUNT_OF(names); i++) {
+        char path[64];
+        snprintf(path, sizeof path, "include/fanal/%s.h", names[i]);
+        FILE *file = fopen(path, "r");
+        assert_non_null(file);
+        length += fread(headers + length, 1, sizeof headers - 1 - length, file);
+        fclose(file);
+    }
+    assert_true(length < sizeof headers - 1);
+}
+
+/* Pointers among the arguments of a function's declaration. */
+static uint32_t count_pointers(const char *name) {
+    char start[128];
+    snprintf(start, sizeof start, "%.99s(", name);
+    for (const char *line = headers; (line = strstr(line, "\nFNL_API")); line++) {
+        const char *at = strstr(line, start), *end = strchr(line, ';');
+        if (!at || at > end) continue;
+        uint32_t count = 0;
+        for (at += strlen(start); at < end; at++) count += *at == '*' && at[1] != '*';
+        return count;
+    }
+    fail_msg("%s is not declared", name);
+    return 0;
+}
+
+/* Functions that are no row of the table have no pointers. */
+static void test_null_is_named_by_every_export(void **state) {
+    UNUSED(state);
+    read_headers();
+    FILE *list = fopen("docs/api.txt", "r");
+    assert_non_null(list);
+    char name[100];
+    uint32_t found = 0;
+    while (fscanf(list, "%99s", name) == 1) {
+        uint32_t row = 0, pointers = count_pointers(name);
+        while (row < COUNT_OF(exports) && strcmp(exports[row].name, name) != 0) row++;
+        if (row == COUNT_OF(exports)) {
+            if (pointers) fail_msg("%s takes %u pointers, but is not in the table of this test", name, pointers);
+            continue;
+        }
+        found++;
+        w.function = exports[row].name;
+        w.tried = 0;
+        exports[row].run();
+        if (w.tried != pointers) fail_msg("%s takes %u pointers, %u are tried", name, pointers, w.tried);
+    }
+    fclose(list);
+    assert_int_equal(found, COUNT_OF(exports));
+    fnl_device_destroy(&made_device);
+}
+
+/* ---- fields out of their range ---- */
+
+#define LIGHT(of, field, value, words)                                                                                      \
+    do {                                                                                                                    \
+        light = fnl_light_params_default();                                                                                 \
+        light.kind = FNL_LIGHT_##of;                                                                                        \
+        light.field = value;                                                                                                \
+        SAYS("fnl_scene_add_light", words, fnl_scene_add_light(w.scene, &light, &light_id));                                \
+        SAYS("fnl_scene_set_light", words, fnl_scene_set_light(w.scene, w.light, &light));                                  \
+        light = fnl_light_params_default();                                                                                 \
+    } while (0)
+
+static void test_fields_of_lights(void **state) {
+    UNUSED(state);
+    LIGHT(POINT, kind, (fnl_light_kind)-1, "kind is -1, must be a value of fnl_light_kind, 0 .. 5");
+    LIGHT(POINT, kind, (fnl_light_kind)77, "kind is 77, must be a value of fnl_light_kind, 0 .. 5");
+    LIGHT(POINT, position.y, NAN, "position.y is NaN, must be finite");
+    LIGHT(POINT, position.x, -INFINITY, "position.x is -infinity, must be finite");
+    LIGHT(SPOT, direction.z, INFINITY, "direction.z is infinity, must be finite");
+    LIGHT(SPOT, direction.z, 0, "direction is 0, 0, 0, must have a length");
+    LIGHT(POINT, color[1], -0.5f, "color[1] is -0.5, must be at least 0 and finite");
+    LIGHT(POINT, color[2], NAN, "color[2] is NaN, must be at least 0 and finite");
+    LIGHT(POINT, intensity, -2, "intensity is -2, must be at least 0 candela and finite");
+    LIGHT(POINT, intensity, INFINITY, "intensity is infinity, must be at least 0 candela and finite");
+    LIGHT(DIRECTIONAL, intensity, NAN, "intensity is NaN, must be at least 0 lux and finite");
+    LIGHT(POINT, range, -3, "range is -3, must be above 0 metres");
+    LIGHT(POINT, range, 0, "range is 0, must be above 0 metres");
+    LIGHT(SPOT, range, NAN, "range is NaN, must be above 0 metres");
+    LIGHT(SPOT, outer_cone_angle, 2, "outer_cone_angle is 2, must be above 0 and at most 1.5708 radians");
+    LIGHT(SPOT, outer_cone_angle, NAN, "outer_cone_angle is NaN, must be above 0 and at most 1.5708 radians");
+    LIGHT(SPOT, inner_cone_angle, 1, "inner_cone_angle is 1, must be 0 .. 0.785398 radians (outer_cone_angle)");
+    LIGHT(CAPSULE, length, -1, "length is -1, must be at least 0 metres and finite");
+    LIGHT(WEDGE, wedge_angles[0], 1.6f, "wedge_angles[0] is 1.6, must be above 0 and at most 1.5 radians");
+    LIGHT(WEDGE, wedge_angles[1], NAN, "wedge_angles[1] is NaN, must be above 0 and at most 1.5 radians");
+    LIGHT(WEDGE, up.x, INFINITY, "up.x is infinity, must be finite");
+    LIGHT(BOX, box_size.y, INFINITY, "box_size.y is infinity, must be 1.17549e-38 .. 1e+18 metres");
+    LIGHT(BOX, inner_fraction, 1.5f, "inner_fraction is 1.5, must be 0 .. 1");
+    LIGHT(BOX, inner_fraction, 1.0000001f, "inner_fraction is 1.0000001, must be 0 .. 1");
+}
+
+#define MATERIAL(field, value, words)                                                                                       \
+    do {                                                                                                                    \
+        material = fnl_material_params_default();                                                                           \
+        material.field = value;                                                                                             \
+        SAYS("fnl_scene_add_material", words, fnl_scene_add_material(w.scene, &material, &material_id));                    \
+        material = fnl_material_params_default();                                                                           \
+    } while (0)
+
+static void test_fields_of_materials(void **state) {
+    UNUSED(state);
+    const fnl_image_id unknown = {400, 1};
+    MATERIAL(base_color[3], 1.5f, "base_color[3] is 1.5, must be 0 .. 1");
+    MATERIAL(metallic, NAN, "metallic is NaN, must be 0 .. 1");
+    MATERIAL(roughness, -1, "roughness is -1, must be 0 .. 1");
+    MATERIAL(emissive[0], INFINITY, "emissive[0] is infinity, must be at least 0 cd/m^2 and finite");
+    MATERIAL(normal_scale, NAN, "normal_scale is NaN, must be finite");
+    MATERIAL(occlusion_strength, 2, "occlusion_strength is 2, must be 0 .. 1");
+    MATERIAL(ior, 0.5f, "ior is 0.5, must be 0, or at least 1 and finite");
+    MATERIAL(specular, INFINITY, "specular is infinity, must be 0 .. 1");
+    MATERIAL(specular_color[2], -1, "specular_color[2] is -1, must be at least 0 and finite");
+    MATERIAL(alpha_mode, (fnl_alpha_mode)3, "alpha_mode is 3, must be a value of fnl_alpha_mode, 0 .. 2");
+    MATERIAL(alpha_cutoff, NAN, "alpha_cutoff is NaN, must be at least 0 and finite");
+    MATERIAL(base_color_image, unknown, "base_color_image (index 400, generation 1) must be the id of an image that is in the scene");
+    MATERIAL(emissive_image, unknown, "emissive_image (index 400, generation 1) must be the id of an image that is in the scene");
+}
+
+#define DECAL(field, value, words)                                                                                          \
+    do {                                                                                                                    \
+        decal = fnl_decal_params_default();                                                                                 \
+        decal.field = value;                                                                                                \
+        SAYS("fnl_scene_add_decal", words, fnl_scene_add_decal(w.scene, &decal, &decal_id));                                \
+        SAYS("fnl_scene_set_decal", words, fnl_scene_set_decal(w.scene, w.decal, &decal));                                  \
+        decal = fnl_decal_params_default();                                                                                 \
+    } while (0)
+
+static void test_fields_of_decals(void **state) {
+    UNUSED(state);
+    DECAL(kind, (fnl_decal_kind)9, "kind is 9, must be a value of fnl_decal_kind, 0 .. 4");
+    DECAL(blend, (fnl_decal_blend)-4, "blend is -4, must be a value of fnl_decal_blend, 0 .. 4");
+    DECAL(transform.m[3], 1, "transform is not affine and invertible, must be both");
+    DECAL(transform.m[5], 0, "transform is not affine and invertible, must be both");
+    DECAL(transform.m[5], NAN, "transform.m[5] is NaN, must be finite");
+    DECAL(kind, FNL_DECAL_MESH, "instance is the empty id, must be that of an instance of the scene");
+    DECAL(color[0], 2, "color[0] is 2, must be 0 .. 1");
+    DECAL(metallic, -1, "metallic is -1, must be 0 .. 1");
+    DECAL(roughness, NAN, "roughness is NaN, must be 0 .. 1");
+    DECAL(normal_scale, INFINITY, "normal_scale is infinity, must be finite");
+    DECAL(emissive[1], -1, "emissive[1] is -1, must be at least 0 cd/m^2 and finite");
+    DECAL(channels, 32, "channels is 32, must be 0 .. 31");
+    DECAL(fade_start, -1, "fade_start is -1, must be 0 .. 3.14159 radians");
+    DECAL(fade_end, 0.5f, "fade_end is 0.5, must be 1.13446 .. 3.14159 radians (fade_start .. pi)");
+    DECAL(receivers, 256, "receivers is 256, must be 0 .. 255");
+    DECAL(cut, 2, "cut is 2, must be 0 .. 1");
+    DECAL(slices, 0, "slices is 0, must be 1 .. 4096");
+}
+
+#define MESH(field, value, words)                                                                                           \
+    do {                                                                                                                    \
+        fnl_mesh_params good = mesh;                                                                                        \
+        mesh.field = value;                                                                                                 \
+        SAYS("fnl_scene_add_mesh", words, fnl_scene_add_mesh(w.scene, &mesh, &mesh_id));                                    \
+        mesh = good;                                                                                                        \
+    } while (0)
+#define CAMERA(field, value, words)                                                                                         \
+    do {                                                                                                                    \
+        camera = fnl_camera_default();                                                                                      \
+        camera.field = value;                                                                                               \
+        SAYS("fnl_scene_add_camera", words, fnl_scene_add_camera(w.scene, "c", &camera));                                   \
+        camera = fnl_camera_default();                                                                                      \
+    } while (0)
+
+static void test_other_arguments(void **state) {
+    UNUSED(state);
+    const float broken[9] = {0, 0, 0, 0, NAN};
+    MESH(vertex_count, 0, "vertex_count is 0, must be 1 .. 4294967294");
+    MESH(vertex_count, 2, "vertex_count (without indices) is 2, must be a multiple of 3");
+    MESH(index_count, 3, "indices is NULL, but index_count is 3; both or neither must be there");
+    MESH(positions, NULL, "positions is NULL");
+    MESH(positions, broken, "positions[4] is NaN, must be finite");
+    MESH(uv, broken, "uv[4] is NaN, must be finite");
+    CAMERA(position.x, NAN, "position.x is NaN, must be finite");
+    CAMERA(target.z, 5, "target is the position, must be another point");
+    CAMERA(up.y, 0, "up is 0, 0, 0, must have a length");
+    CAMERA(near_distance, 0, "near_distance is 0, must be above 0 metres and finite");
+    CAMERA(vertical_fov, 4, "vertical_fov is 4, must be above 0 and below pi radians");
+    CAMERA(shift.y, INFINITY, "shift.y is infinity, must be finite");
+
+    fnl_mat4 bad = matrix;
+    bad.m[15] = 2;
+    SAYS("fnl_scene_set_instance_transform", "the last row of transform is 0, 0, 0, 2, must be 0, 0, 0, 1",
+         fnl_scene_set_instance_transform(w.scene, w.instance, &bad));
+    bad.m[15] = NAN;
+    SAYS("fnl_scene_add_instance", "transform.m[15] is NaN, must be finite",
+         fnl_scene_add_instance(w.scene, w.mesh, &bad, &instance_id));
+    SAYS("fnl_scene_remove_light", "light is the empty id, must be that of a light of the scene",
+         fnl_scene_remove_light(w.scene, (fnl_light_id){0}));
+    SAYS("fnl_scene_remove_instance", "instance (index 0, generation 99) must be the id of an instance that is in the scene",
+         fnl_scene_remove_instance(w.scene, (fnl_instance_id){0, 99}));
+    SAYS("fnl_scene_set_light_hull", "count is 3, must be 4 .. 64",
+         fnl_scene_set_light_hull(w.scene, w.light, (const fnl_vec3[3]){{0}}, 3));
+    SAYS("fnl_scene_set_light_cutoff", "min_roughness is 2, must be 0 .. 1", fnl_scene_set_light_cutoff(w.scene, 2, 1));
+    SAYS("fnl_scene_set_light_cutoff", "threshold is NaN, must be above 0 lux and finite",
+         fnl_scene_set_light_cutoff(w.scene, 1, NAN));
+    SAYS("fnl_scene_set_ambient", "ground.y is -1, must be at least 0 cd/m^2 and finite",
+         fnl_scene_set_ambient(w.scene, (fnl_vec3){0}, (fnl_vec3){0, -1, 0}));
+    SAYS("fnl_scene_set_anisotropy", "anisotropy is 17, must be 1 .. 16", fnl_scene_set_anisotropy(w.scene, 17));
+    SAYS("fnl_scene_set_time", "seconds is nan, must be finite", fnl_scene_set_time(w.scene, 0, (double)NAN));
+    SAYS("fnl_scene_set_time", "animation is 1, but there are no animations", fnl_scene_set_time(w.scene, 1, 0));
+    SAYS("fnl_scene_grow_metal", "texels is 65, must be 0 .. 64", fnl_scene_grow_metal(w.scene, 65));
+    scatter.radius_scale = 0;
+    SAYS("fnl_scene_scatter_light_shapes", "radius_scale is 0, must be above 0 and finite",
+         fnl_scene_scatter_light_shapes(w.scene, &scatter));
+    scatter = fnl_scatter_params_default();
+    scatter.shares[2] = -1;
+    SAYS("fnl_scene_scatter_light_shapes", "shares[2] is -1, must be at least 0 and finite",
+         fnl_scene_scatter_light_shapes(w.scene, &scatter));
+    scatter = fnl_scatter_params_default();
+    SAYS("fnl_image_difference_picture", "gain is -1, must be at least 0 and finite",
+         fnl_image_difference_picture(NULL, &picture, &other, -1, &difference_image));
+    SAYS("fnl_exr_save", "width is 0, must be 1 .. 32768", fnl_exr_save(NULL, "x.exr", 0, 1, &channel, 1));
+    SAYS("fnl_exr_save", "channels[0].name is NULL",
+         fnl_exr_save(NULL, "x.exr", 1, 1, &(fnl_exr_channel){.values = (const float[]){1}, .stride = 1}, 1));
+    fnl_device_params params = fnl_device_params_default();
+    params.index = -2;
+    SAYS("fnl_device_create", "index is -2, must be -1 or the number of a device", fnl_device_create(&params, &made_device));
+}
+
+/* ---- frames ---- */
+
+#define FRAME(field, value, words)                                                                                          \
+    do {                                                                                                                    \
+        frame = small_frame();                                                                                              \
+        frame.field = value;                                                                                                \
+        SAYS("fnl_renderer_render", words, fnl_renderer_render(w.renderer, &frame));                                        \
+        frame = small_frame();                                                                                              \
+    } while (0)
+#define FRAME_ENUM(field, type, most)                                                                                       \
+    FRAME(field, (type)1000, #field " is 1000, must be a value of " #type ", 0 .. " #most);                                 \
+    FRAME(field, (type)-1, #field " is -1, must be a value of " #type ", 0 .. " #most)
+
+static fnl_frame small_frame(void) {
+    fnl_frame small = fnl_frame_default();
+    small.width = 16;
+    small.height = 9;
+    small.lists = FNL_LISTS_ALL;
+    return small;
+}
+
+static void test_fields_of_frames(void **state) {
+    UNUSED(state);
+    FRAME(width, 0, "width is 0, must be 1 .. 16384");
+    FRAME(height, 16385, "height is 16385, must be 1 .. 16384");
+    FRAME(camera.position.y, NAN, "camera.position.y is NaN, must be finite");
+    FRAME(camera.vertical_fov, -1, "camera.vertical_fov is -1, must be above 0 and below pi radians");
+    FRAME(camera.near_distance, INFINITY, "camera.near_distance is infinity, must be above 0 metres and finite");
+    FRAME_ENUM(shading, fnl_shading, 16);
+    FRAME_ENUM(lists, fnl_light_lists, 19);
+    FRAME_ENUM(msaa_method, fnl_msaa_method, 5);
+    FRAME_ENUM(transparency, fnl_transparency, 2);
+    FRAME_ENUM(decals, fnl_decals, 2);
+    FRAME_ENUM(culling, fnl_culling, 2);
+    FRAME_ENUM(geometry, fnl_geometry, 2);
+    FRAME_ENUM(aa, fnl_antialiasing, 3);
+    FRAME_ENUM(tonemap, fnl_tonemap, 3);
+    FRAME_ENUM(exposure, fnl_exposure, 2);
+    FRAME_ENUM(gbuffer, fnl_gbuffer, 7);
+    FRAME_ENUM(normals, fnl_normal_encoding, 9);
+    FRAME_ENUM(deferred_pass, fnl_deferred_pass, 1);
+    FRAME_ENUM(gradients, fnl_gradients, 1);
+    FRAME_ENUM(mobile.layout, fnl_mobile_layout, 3);
+    FRAME_ENUM(mobile.gamma, fnl_mobile_gamma, 2);
+    FRAME_ENUM(mobile.light, fnl_mobile_light, 1);
+    FRAME_ENUM(mobile.lights, fnl_mobile_lights, 1);
+    FRAME_ENUM(visibility.sort, fnl_visibility_sort, 2);
+    FRAME_ENUM(coarse.criterion, fnl_coarse_criterion, 2);
+    FRAME_ENUM(coarse.split, fnl_coarse_split, 3);
+    FRAME_ENUM(coarse.filter, fnl_coarse_filter, 2);
+    FRAME_ENUM(dais.mode, fnl_dais_mode, 1);
+    FRAME_ENUM(list_options.tile_bounds, fnl_tile_bounds, 2);
+    FRAME_ENUM(list_options.backface_axis, fnl_backface_axis, 2);
+    FRAME_ENUM(list_options.distribution, fnl_slices, 1);
+    FRAME_ENUM(list_options.raster_path, fnl_raster_path, 2);
+    FRAME_ENUM(list_options.raster_nodes, fnl_raster_nodes, 2);
+    FRAME_ENUM(list_options.volume_shape, fnl_volume_shape, 5);
+    FRAME_ENUM(list_options.light_buffer, fnl_light_buffer, 3);
+    FRAME_ENUM(list_options.light_packing, fnl_light_packing, 2);
+    FRAME(list_options.tile_size, 12, "list_options.tile_size is 12, must be 8, 16, 32 or 64");
+    FRAME(list_options.fine_masks, 3, "list_options.fine_masks is 3, must be 0 .. 2");
+    FRAME(list_options.cluster_size, 7, "list_options.cluster_size is 7, must be 8 .. 256");
+    FRAME(list_options.slices, 0, "list_options.slices is 0, must be 1 .. 1024");
+    FRAME(list_options.light_layers, 17, "list_options.light_layers is 17, must be 1 .. 16");
+    FRAME(list_options.light_scale, 3, "list_options.light_scale is 3, must be 2 or 4");
+    FRAME(list_options.cluster_near, NAN, "list_options.cluster_near is NaN, must be above 0 metres");
+    FRAME(list_options.cluster_far, 0, "list_options.cluster_far is 0, must be above 0 metres");
+    FRAME(msaa, 3, "msaa is 3, must be 1, 2, 4 or 8");
+    FRAME(msaa_groups, 4, "msaa_groups is 4, must be 2 or 3");
+    FRAME(msaa_tolerance, NAN, "msaa_tolerance is NaN, must be 0 .. 1");
+    FRAME(jitter.y, -9, "jitter.y is -9, must be -8 .. 8 pixels");
+    FRAME(outputs, 64, "outputs is 64, must be 0 .. 63");
+    FRAME(class_blocks, 5, "class_blocks is 5, must be 0, 4 or 8");
+    FRAME(light_lod, NAN, "light_lod is NaN, must be at least 0 pixels and finite");
+    FRAME(atlas_size, 300, "atlas_size is 300, must be a multiple of 256");
+    FRAME(atlas_size, 0, "atlas_size is 0, must be 256 .. 8192");
+    FRAME(shade_cost, 100001, "shade_cost is 100001, must be 0 .. 100000");
+    FRAME(mobile.range, 0, "mobile.range is 0, must be above 0 and finite");
+    FRAME(coarse.size, 3, "coarse.size is 3, must be 1, 2 or 4");
+    FRAME(coarse.depth_factor, -1, "coarse.depth_factor is -1, must be at least 0 and finite");
+    FRAME(coarse.normal_degrees, 181, "coarse.normal_degrees is 181, must be 0 .. 180 degrees");
+    FRAME(coarse.tolerance, NAN, "coarse.tolerance is NaN, must be 0 .. 1");
+    FRAME(coarse.albedo_tolerance, 2, "coarse.albedo_tolerance is 2, must be 0 .. 1");
+    FRAME(coarse.ao_radius, INFINITY, "coarse.ao_radius is infinity, must be at least 0 metres and finite");
+    FRAME(dais.cache_buckets, 3, "dais.cache_buckets is 3, must be a power of two");
+    FRAME(dais.cache_buckets, 0, "dais.cache_buckets is 0, must be 1 .. 4194304");
+    frame.exposure = FNL_EXPOSURE_EV;
+    frame.ev = NAN;
+    SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64", fnl_renderer_render(w.renderer, &frame));
+    frame = small_frame();
+    SAYS("fnl_renderer_read", "output is 3, must be one value of fnl_output",
+         fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
+}
+
+/* ---- the whole ---- */
+
+static int set_up(void **state) {
+    UNUSED(state);
+    static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static uint8_t pixels[2][4];
+    w.kept = tmpfile();
+    host = fnl_host_default();
+    picture = other = (fnl_image){1, 1, FNL_PIXEL_FORMAT_RGBA8, pixels[0]};
+    other.pixels = pixels[1];
+    channel = (fnl_exr_channel){"R", triangle, 1};
+    material = fnl_material_params_default();
+    mesh = (fnl_mesh_params){.vertex_count = 3, .positions = triangle};
+    light = fnl_light_params_default();
+    decal = fnl_decal_params_default();
+    camera = fnl_camera_default();
+    scatter = fnl_scatter_params_default();
+    matrix = mat4_identity();
+    frame = small_frame();
+    fnl_device_params params = fnl_device_params_default();
+    params.cache_folder = "";
+    bool good = w.kept && fnl_scene_create(NULL, &w.scene) == FNL_OK && fnl_scene_add_mesh(w.scene, &mesh, &w.mesh) == FNL_OK &&
+                fnl_scene_add_instance(w.scene, w.mesh, &matrix, &w.instance) == FNL_OK &&
+                fnl_scene_add_light(w.scene, &light, &w.light) == FNL_OK &&
+                fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_device_create(&params, &w.device) == FNL_OK &&
+                fnl_renderer_create(w.device, w.scene, &w.renderer) == FNL_OK;
+    return good ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    UNUSED(state);
+    fnl_renderer_destroy(&w.renderer);
+    fnl_device_destroy(&w.device);
+    fnl_scene_destroy(&w.scene);
+    fclose(w.kept);
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_fields_of_lights),   cmocka_unit_test(test_fields_of_materials),
+        cmocka_unit_test(test_fields_of_decals),   cmocka_unit_test(test_other_arguments),
+        cmocka_unit_test(test_fields_of_frames),   cmocka_unit_test(test_null_is_named_by_every_export),
+    };
+    return cmocka_run_group_tests_name("misuse", tests, set_up, tear_down);
+}
