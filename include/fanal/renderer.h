@@ -507,6 +507,13 @@ FNL_API fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *
 
 /** Whether a shading order can be combined with a kind of lists; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
 FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
+/** Whether FNL_SHADING_AUTO chooses among orders of which this is one. */
+FNL_API bool fnl_shading_likely(fnl_shading shading);
+/**
+ * Whether FNL_LISTS_AUTO would measure these lists with this order, in a scene of so many point, spot and shaped lights, with 1, 2, 4 or 8 samples a
+ * pixel: a few dozen pairs that are worth comparing, of several hundred. False for pairs that do not go together, and for AUTO itself.
+ */
+FNL_API bool fnl_lists_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa);
 /** Whether pixels may have several samples (fnl_frame.msaa) with an order; FNL_SHADING_AUTO chooses one that has them. */
 FNL_API bool fnl_msaa_supported(fnl_shading shading);
 

@@ -90,6 +90,31 @@ static void test_brute_force_is_tried_with_few_lights_only(void **state) {
     }
 }
 
+/* What others may know of the rules is what is measured, pair by pair. */
+static void test_likely_pairs_are_those_that_are_tried(void **state) {
+    UNUSED(state);
+    static const uint32_t counts[] = {0, 64, 65, 16384, 16385};
+    for (uint32_t n = 0; n < 2 * COUNT_OF(counts); n++)
+        for (uint32_t shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+            struct chooser chooser = {0};
+            struct machine m = machine_make(&chooser);
+            struct choice_case at = some_case(counts[n / 2]);
+            at.msaa = n % 2 ? 4 : 1;
+            at.asked.shading = (fnl_shading)shading;
+            settle(&m, &at);
+            uint32_t tried = 0;
+            for (uint32_t l = 0; l < FNL_LISTS_AUTO; l++) {
+                assert_int_equal(m.tried[l], fnl_lists_likely((fnl_shading)shading, (fnl_light_lists)l, at.light_count, at.msaa));
+                tried += m.tried[l];
+            }
+            assert_true(tried >= 2 && tried <= CHOOSER_CANDIDATES);
+        }
+    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++)
+        assert_int_equal(fnl_shading_likely((fnl_shading)shading), shading < 3); /* as fnl_shading says */
+    assert_false(fnl_lists_likely(FNL_SHADING_AUTO, FNL_LISTS_TILED, 100, 1) ||
+                 fnl_lists_likely(FNL_SHADING_DEFERRED, FNL_LISTS_AUTO, 100, 1));
+}
+
 static void test_slow_candidates_get_fewer_turns(void **state) {
     UNUSED(state);
     static struct chooser c;
@@ -278,6 +303,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_the_fastest_wins_whatever_it_is, harness_check),
         cmocka_unit_test_teardown(test_brute_force_is_tried_with_few_lights_only, harness_check),
+        cmocka_unit_test_teardown(test_likely_pairs_are_those_that_are_tried, harness_check),
         cmocka_unit_test_teardown(test_slow_candidates_get_fewer_turns, harness_check),
         cmocka_unit_test_teardown(test_order_and_lists_together, harness_check),
         cmocka_unit_test_teardown(test_decides_again_when_much_changes, harness_check),
