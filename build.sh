@@ -15,7 +15,8 @@ usage: ./build.sh VERB [OPTIONS]
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
        --clang        in build/clang, compiled by clang
-  bench             setup, builds the command, measures every shading order with every light list on the hall: build/bench/report.html
+  bench             setup, builds the command, measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
+                    build/bench/report.html (build/fanal bench --all measures every pair)
   fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60)
   bundle            setup, builds, makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
   clean             removes build/ and demo.png
@@ -72,7 +73,7 @@ test)
     ;;
 fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
     -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
-bench) setup; build build fanal_cli; build/fanal bench builtin:hall -o build/bench ;;
+bench) setup; build build fanal_cli; build/fanal bench builtin:hall --overwrite -o build/bench ;;
 bundle) setup; build build fanal_cli; tools/bundle.sh build ;;
 clean) rm -rf build demo.png ;;
 help | -h | --help) usage ;;

@@ -10,18 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LIGHTS_MAX = 1 << 20, VALUES_MAX = 64 };
+enum { LIGHTS_MAX = 1 << 20 };
 
 struct bench_options {
     struct bench_settings settings;
     const struct bench_suite *suite;
-    const char *camera;
-    char list_options[512]; /* "key=value,key=value" */
-    bool every_shading, every_lists;
-    uint32_t way_counts[BENCH_WAY_COUNT];
-    int ways[BENCH_WAY_COUNT][VALUES_MAX];
-    uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
-    uint32_t shading[VALUES_MAX], lists[VALUES_MAX], lights[VALUES_MAX], sizes[VALUES_MAX][2], msaa[VALUES_MAX];
+    struct bench_matrix matrix;
+    bool all; /* every order and every kind of lists, where none is named */
 };
 
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
@@ -62,11 +57,13 @@ static void print_help(void) {
          "pictures with brute force, and writes DIR/results.csv, results.json and report.html, a page with plots that\n"
          "needs nothing else.\n"
          "\n"
-         "What is compared (lists are separated by commas)\n"
-         "  --shading KINDS|all        shading orders (all)\n"
-         "  --lists KINDS|all          light lists; 'all' alone means every kind, 'brute' brute force alone (all)\n"
+         "What is compared (values are separated by commas). Without --shading and --lists: the likely pairs, which are those\n"
+         "that '--shading auto --lists auto' would measure for this number of lights, and brute force up to 4096 lights\n"
+         "  --shading KINDS|all        shading orders (the likely ones)\n"
+         "  --lists KINDS|all          light lists; 'all' alone means every kind, 'brute' brute force alone (the likely ones)\n"
+         "  --all                      every order with every kind of lists: hundreds of pairs, an hour on a CPU\n"
          "  --lights N,...             lights of the scene (as it is); a glTF scene gets N scattered ones more\n"
-         "  --sizes WxH,...            pixels (1280x720)\n"
+         "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
          "  --gbuffer KINDS|all        layouts of the G-buffer, of orders that have one (default)\n"
          "  --transparency KINDS|all   how blended surfaces are put together (sorted)\n"
@@ -91,12 +88,13 @@ static void print_help(void) {
          "                             'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
          "\n"
          "Run\n"
-         "  -o, --output DIR           where the results go; made if it is not there\n"
-         "  --frames N                 timed frames of each (10)\n"
+         "  -o, --output DIR           where the results go; made if it is not there. If it holds results: --resume or --overwrite\n"
+         "  --frames N                 timed frames of each (10; on a CPU 6)\n"
          "  --warm-up N                frames of each before them (2)\n"
          "  --checks N                 points of the path whose pictures are compared; 0: none (1, with a path 3)\n"
-         "  --reference KIND           the lists that the others are compared with (all)\n"
+         "  --reference KIND           the lists that the others are compared with (all: brute force)\n"
          "  --resume                   goes on with DIR: measures only what it does not hold yet\n"
+         "  --overwrite                replaces the results in DIR\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
          "  --validate                 Vulkan validation (slow, times mean little); any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
@@ -113,12 +111,13 @@ static void print_help(void) {
     print_names(msaa_method_name);
     fputs("Suites:", stdout);
     print_names(bench_suite_name);
-    puts("\nCtrl-C ends the measuring; what was measured is kept and written.\n"
+    puts("\nCtrl-C or SIGTERM ends the measuring; what was measured of each way is kept and written, and --resume goes on.\n"
          "Exit status: 0 when everything was measured and written, 1 when a picture differs from the reference, 2 on an\n"
-         "error, 130 after Ctrl-C.\n"
+         "error, 130 after Ctrl-C or SIGTERM.\n"
          "\n"
          "Examples:\n"
-         "  fanal bench builtin:hall --lights 64,256,1024,4096 --shading deferred -o hall\n"
+         "  fanal bench builtin:hall -o hall\n"
+         "  fanal bench builtin:hall --lights 64,256,1024,4096 --shading deferred -o deferred\n"
          "  fanal bench city.glb builtin:glass --lists brute,tiled,clustered --msaa 1,4 --frames 30 -o compare\n"
          "  fanal bench --suite thesis -o thesis\n"
          "  fanal bench --suite geometry -o geometry\n"
@@ -138,23 +137,23 @@ static bool parse_value(struct bench_options *o, const char *option, const char 
     int value;
     if (strcmp(option, "shading") == 0) {
         if (!argument_name(option, text, shading_name, &value)) return false;
-        o->shading[o->shading_count++] = (uint32_t)value;
+        o->matrix.shading[o->matrix.shading_count++] = (uint32_t)value;
     } else if (strcmp(option, "lists") == 0) {
         if (strcmp(text, "brute") == 0) text = fnl_light_lists_name(FNL_LISTS_ALL);
         if (!argument_name(option, text, lists_name, &value)) return false;
-        o->lists[o->lists_count++] = (uint32_t)value;
+        o->matrix.lists[o->matrix.lists_count++] = (uint32_t)value;
     } else if (strcmp(option, "lights") == 0) {
-        return parse_count(option, text, 0, LIGHTS_MAX, &o->lights[o->light_count++]);
+        return parse_count(option, text, 0, LIGHTS_MAX, &o->matrix.lights[o->matrix.light_count++]);
     } else if (strcmp(option, "msaa") == 0) {
-        uint32_t *samples = &o->msaa[o->msaa_count++];
+        uint32_t *samples = &o->matrix.msaa[o->matrix.msaa_count++];
         if (!parse_count(option, text, 1, 8, samples)) return false;
         if (*samples & (*samples - 1)) return argument_bad(option, text, "one of 1 2 4 8");
     } else if (strcmp(option, "sizes") != 0) {
         int way = 0;
         while (strcmp(option, bench_way_key((enum bench_way)way)) != 0) way++;
-        return argument_name(option, text, way_names[way], &o->ways[way][o->way_counts[way]++]);
+        return argument_name(option, text, way_names[way], &o->matrix.ways[way][o->matrix.way_counts[way]++]);
     } else {
-        uint32_t *size = o->sizes[o->size_count++];
+        uint32_t *size = o->matrix.sizes[o->matrix.size_count++];
         return argument_size(option, text, &size[0], &size[1]);
     }
     return true;
@@ -169,7 +168,7 @@ static bool parse_values(struct bench_options *o, const char *option, const char
     for (char *part = copy, *next; part; part = next) {
         next = strchr(part, ',');
         if (next) *next++ = 0;
-        if (*count == VALUES_MAX) return argument_bad(option, text, "a list of at most 64 values");
+        if (*count == BENCH_VALUES_MAX) return argument_bad(option, text, "a list of at most 64 values");
         if (!parse_value(o, option, part)) return false;
     }
     return true;
@@ -177,19 +176,19 @@ static bool parse_values(struct bench_options *o, const char *option, const char
 
 /* "all" means every value, unless it is the name of one. */
 static bool parse_way(struct bench_options *o, enum bench_way way, const char *text) {
-    uint32_t *count = &o->way_counts[way];
+    uint32_t *count = &o->matrix.way_counts[way];
     bool every = strcmp(text, "all") == 0;
     for (int i = 0; bench_way_name(way, i) && every; i++) every = strcmp(bench_way_name(way, i), text) != 0;
     if (!every) return parse_values(o, bench_way_key(way), text, count);
-    for (*count = 0; bench_way_name(way, (int)*count); ++*count) o->ways[way][*count] = (int)*count;
+    for (*count = 0; bench_way_name(way, (int)*count); ++*count) o->matrix.ways[way][*count] = (int)*count;
     return true;
 }
 
 static bool add_list_option(struct bench_options *o, const char *text) {
     fnl_list_options parsed = fnl_list_options_default();
-    size_t length = strlen(o->list_options), left = sizeof o->list_options - length;
+    size_t length = strlen(o->matrix.list_options), left = sizeof o->matrix.list_options - length;
     if (!argument_list_options("list-option", text, &parsed)) return false;
-    return snprintf(o->list_options + length, left, "%s%s", length ? "," : "", text) < (int)left ||
+    return snprintf(o->matrix.list_options + length, left, "%s%s", length ? "," : "", text) < (int)left ||
            argument_bad("list-option", text, "short enough");
 }
 
@@ -223,6 +222,8 @@ enum {
     O_CHECKS,
     O_REFERENCE,
     O_RESUME,
+    O_OVERWRITE,
+    O_ALL,
     O_DEVICE,
     O_VALIDATE
 };
@@ -259,6 +260,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"checks", required_argument, NULL, O_CHECKS},
                                              {"reference", required_argument, NULL, O_REFERENCE},
                                              {"resume", no_argument, NULL, O_RESUME},
+                                             {"overwrite", no_argument, NULL, O_OVERWRITE},
+                                             {"all", no_argument, NULL, O_ALL},
                                              {"device", required_argument, NULL, O_DEVICE},
                                              {"validate", no_argument, NULL, O_VALIDATE},
                                              {NULL, 0, NULL, 0}};
@@ -274,17 +277,17 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         s->quiet = true;
         return true;
     case O_SHADING:
-        o->every_shading = strcmp(value, "all") == 0;
-        return o->every_shading || parse_values(o, "shading", value, &o->shading_count);
+        o->matrix.shading_count = 0;
+        return (o->matrix.every_shading = strcmp(value, "all") == 0) || parse_values(o, "shading", value, &o->matrix.shading_count);
     case O_LISTS:
-        o->every_lists = strcmp(value, "all") == 0;
-        return o->every_lists || parse_values(o, "lists", value, &o->lists_count);
+        o->matrix.lists_count = 0;
+        return (o->matrix.every_lists = strcmp(value, "all") == 0) || parse_values(o, "lists", value, &o->matrix.lists_count);
     case O_LIGHTS:
-        return parse_values(o, "lights", value, &o->light_count);
+        return parse_values(o, "lights", value, &o->matrix.light_count);
     case O_SIZES:
-        return parse_values(o, "sizes", value, &o->size_count);
+        return parse_values(o, "sizes", value, &o->matrix.size_count);
     case O_MSAA:
-        return parse_values(o, "msaa", value, &o->msaa_count);
+        return parse_values(o, "msaa", value, &o->matrix.msaa_count);
     case O_GBUFFER:
         return parse_way(o, BENCH_WAY_GBUFFER, value);
     case O_TRANSPARENCY:
@@ -321,7 +324,7 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         o->suite = bench_suite_find(value);
         return o->suite || argument_name("suite", value, bench_suite_name, &index);
     case O_CAMERA:
-        o->camera = value;
+        o->matrix.camera = value;
         return true;
     case O_CAMERA_PATH:
         s->camera_path = value;
@@ -339,6 +342,12 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
     case O_RESUME:
         s->resume = true;
         return true;
+    case O_OVERWRITE:
+        s->overwrite = true;
+        return true;
+    case O_ALL:
+        o->all = true;
+        return true;
     case O_DEVICE:
         s->device = value;
         return true;
@@ -350,138 +359,6 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
     }
 }
 
-/* ---- the plan ---- */
-
-static bool same_case(const struct bench_case *a, const struct bench_case *b) {
-    return strcmp(a->scene, b->scene) == 0 && a->lights == b->lights && a->width == b->width && a->height == b->height &&
-           a->msaa == b->msaa;
-}
-
-struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_case *wanted) {
-    for (uint32_t i = 0; i < plan->case_count; i++)
-        if (same_case(&plan->cases[i], wanted)) return &plan->cases[i];
-    struct bench_case *bigger = realloc(plan->cases, (plan->case_count + 1) * sizeof *bigger);
-    if (!bigger) return NULL;
-    plan->cases = bigger;
-    struct bench_case *added = &bigger[plan->case_count++];
-    *added = *wanted;
-    added->candidates = NULL;
-    added->candidate_count = 0;
-    return added;
-}
-
-static bool skip(struct bench_plan *plan, const struct bench_case *where, const struct bench_candidate *what,
-                 const char *reason) {
-    json_t *entry = bench_key(where, what);
-    const json_t *other;
-    size_t i;
-    if (!entry) return false;
-    json_object_set_new(entry, "reason", json_string(reason));
-    json_array_foreach(plan->skipped, i, other) {
-        if (!json_equal(entry, other)) continue;
-        json_decref(entry);
-        return true;
-    }
-    return json_array_append_new(plan->skipped, entry) == 0;
-}
-
-bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const struct bench_candidate *candidate) {
-    for (uint32_t i = 0; i < to->candidate_count; i++) {
-        const struct bench_candidate *other = &to->candidates[i];
-        if (other->shading == candidate->shading && other->lists == candidate->lists &&
-            strcmp(other->options, candidate->options) == 0)
-            return true;
-    }
-    if (!fnl_lists_supported(candidate->shading, candidate->lists))
-        return skip(plan, to, candidate, "these lists do not go with this shading order");
-    if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
-        return skip(plan, to, candidate, "this shading order has no MSAA");
-    if (strstr(candidate->options, "visibility-barycentrics=on") && strstr(candidate->options, "visibility-grid=on"))
-        return skip(plan, to, candidate, "the grid stores no barycentrics");
-    if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "cull="))
-        return skip(plan, to, candidate, "mesh shaders draw what culling by clusters or triangles leaves");
-    struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
-    if (!bigger) return false;
-    to->candidates = bigger;
-    bigger[to->candidate_count] = *candidate;
-    bigger[to->candidate_count].options = strdup(candidate->options);
-    return bigger[to->candidate_count++].options != NULL;
-}
-
-/* Every combination of the ways that were asked for; those that an order does not heed add nothing. */
-static bool plan_ways(const struct bench_options *o, struct bench_plan *plan, struct bench_case *to, fnl_shading shading,
-                      fnl_light_lists lists) {
-    uint32_t combinations = 1;
-    for (int w = 0; w < BENCH_WAY_COUNT; w++) combinations *= o->way_counts[w] ? o->way_counts[w] : 1;
-    for (uint32_t i = 0; i < combinations; i++) {
-        struct bench_ways chosen = bench_ways_default();
-        char options[sizeof o->list_options + 256];
-        for (uint32_t w = 0, rest = i; w < BENCH_WAY_COUNT; w++) {
-            if (!o->way_counts[w]) continue;
-            int value = o->ways[w][rest % o->way_counts[w]];
-            rest /= o->way_counts[w];
-            if (bench_way_heeded((enum bench_way)w, value, shading, to->msaa)) chosen.values[w] = value;
-        }
-        bench_ways_print(&chosen, o->list_options, options, sizeof options);
-        struct bench_candidate candidate = {shading, lists, options};
-        if (!bench_plan_candidate(plan, to, &candidate)) return false;
-    }
-    return true;
-}
-
-static bool plan_case(const struct bench_options *o, struct bench_plan *plan, const struct bench_case *wanted) {
-    struct bench_case *to = bench_plan_case(plan, wanted);
-    for (uint32_t s = 0; to && s < o->shading_count; s++)
-        for (uint32_t l = 0; l < o->lists_count; l++) {
-            /* Its pictures and times are the same with all lists but for transparent surfaces. */
-            if (o->every_lists && l > 0 &&
-                (o->shading[s] == FNL_SHADING_DEFERRED_VOLUMES || o->shading[s] == FNL_SHADING_PRE_LIGHTING ||
-                 o->shading[s] == FNL_SHADING_LIGHT_INDEXED || o->shading[s] == FNL_SHADING_ZIOMA))
-                break;
-            if (!plan_ways(o, plan, to, (fnl_shading)o->shading[s], (fnl_light_lists)o->lists[l])) return false;
-        }
-    return to != NULL;
-}
-
-/* All but the choosers, which are none of their own. */
-static uint32_t every_name(const char *(*name_of)(int), uint32_t *out) {
-    uint32_t count = 0;
-    for (int i = 0; name_of(i) && count < VALUES_MAX; i++)
-        if (strcmp(name_of(i), "auto") != 0) out[count++] = (uint32_t)i;
-    return count;
-}
-
-static bool plan_matrix(struct bench_options *o, const char *const *scenes, int scene_count, struct bench_plan *plan) {
-    o->every_shading |= o->shading_count == 0;
-    o->every_lists |= o->lists_count == 0;
-    if (o->every_shading) o->shading_count = every_name(shading_name, o->shading);
-    if (o->every_lists) o->lists_count = every_name(lists_name, o->lists);
-    if (o->size_count == 0) memcpy(o->sizes[o->size_count++], (uint32_t[2]){1280, 720}, sizeof o->sizes[0]);
-    if (o->msaa_count == 0) o->msaa[o->msaa_count++] = 1;
-    for (int scene = 0; scene < scene_count; scene++)
-        for (uint32_t lights = 0; lights < o->light_count + !o->light_count; lights++)
-            for (uint32_t size = 0; size < o->size_count; size++)
-                for (uint32_t m = 0; m < o->msaa_count; m++) {
-                    struct bench_case wanted = {.scene = scenes[scene],
-                                                .camera = o->camera,
-                                                .lights = o->light_count ? (int64_t)o->lights[lights] : -1,
-                                                .width = o->sizes[size][0],
-                                                .height = o->sizes[size][1],
-                                                .msaa = o->msaa[m]};
-                    if (!plan_case(o, plan, &wanted)) return false;
-                }
-    return true;
-}
-
-static void free_plan(struct bench_plan *plan) {
-    for (uint32_t i = 0; i < plan->case_count; i++) {
-        for (uint32_t c = 0; c < plan->cases[i].candidate_count; c++) free(plan->cases[i].candidates[c].options);
-        free(plan->cases[i].candidates);
-    }
-    free(plan->cases);
-    json_decref(plan->skipped);
-}
-
 /* ---- running ---- */
 
 /* What only makes sense together. */
@@ -489,12 +366,13 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     const char *problem = NULL;
     bool closed = o->suite && bench_suite_kind_of(o->suite) != BENCH_SUITE_MATRIX;
     if (closed && scene_count > 0) problem = "--suite brings its own scenes: give none";
-    if (closed && (o->shading_count || o->lists_count || o->every_shading || o->every_lists || o->light_count ||
-                     o->msaa_count || *o->list_options || o->camera || o->settings.camera_path))
+    if (closed && (o->matrix.shading_count || o->matrix.lists_count || o->matrix.every_shading || o->matrix.every_lists || o->all || o->matrix.light_count ||
+                     o->matrix.msaa_count || *o->matrix.list_options || o->matrix.camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
     for (int w = 0; w < BENCH_WAY_COUNT && closed; w++)
-        if (o->way_counts[w]) problem = "--suite chooses G-buffers, transparency, decals and MSAA methods itself";
-    if (closed && o->size_count > 1) problem = "--suite takes one size";
+        if (o->matrix.way_counts[w]) problem = "--suite chooses G-buffers, transparency, decals and MSAA methods itself";
+    if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
+    if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal bench --help'\n", problem);
@@ -502,22 +380,53 @@ static bool check_options(const struct bench_options *o, int scene_count) {
 }
 
 /* A misspelt name must not cost the time of the measurements before it. */
-static bool check_scenes(const char *const *scenes, int count) {
-    for (int i = 0; i < count; i++) {
-        fnl_scene *scene = NULL;
-        fnl_host host = fnl_host_default();
-        if (fnl_scene_load(&host, scenes[i], &scene) != FNL_OK) return false;
-        fnl_scene_destroy(&scene);
-    }
+static bool check_scenes(const struct bench_options *o, const char *const *scenes, int count, uint32_t *lights) {
+    for (int i = 0; i < count; i++)
+        if (!bench_scene_check(&o->settings, scenes[i], o->matrix.camera, &lights[i])) return false;
     return true;
 }
 
-static int run(struct bench_options *o, const struct bench_plan *plan, struct bench_data *data) {
+/* What is not asked for goes by the device: a CPU draws fewer frames of a quarter of the pixels, which tell the same in ratios. */
+static bool complete_options(struct bench_options *o) {
+    static const struct {
+        uint32_t size[2], frames;
+    } usual[2] = {{{1280, 720}, 10}, {{640, 360}, 6}};
+    struct bench_matrix *m = &o->matrix;
+    struct bench_settings *s = &o->settings;
+    fnl_device *device = NULL;
+    fnl_device_info info = {0};
+    bool good = bench_create_device(s, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK,
+         cpu = info.type == FNL_DEVICE_CPU;
+    fnl_device_destroy(&device);
+    m->every_shading |= o->all && m->shading_count == 0;
+    m->every_lists |= o->all && m->lists_count == 0;
+    if (m->size_count == 0) memcpy(m->sizes[m->size_count++], usual[cpu].size, sizeof usual[cpu].size);
+    if (m->msaa_count == 0) m->msaa[m->msaa_count++] = 1;
+    if (s->frames == UINT32_MAX) s->frames = usual[cpu].frames;
+    if (s->checks == UINT32_MAX) s->checks = s->camera_path ? 3 : 1;
+    return good;
+}
+
+/* Whether there is anything to be written. */
+static bool has_results(const struct bench_data *data) {
+    static const char *const parts[] = {"results", "antialiasing", "coarse", "dais"};
+    size_t count = 0;
+    for (int i = 0; i < 4; i++) count += json_array_size(json_object_get(data->root, parts[i]));
+    return count > 0;
+}
+
+static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t width, uint32_t height, struct bench_data *data) {
     const struct bench_settings *s = &o->settings;
-    uint32_t width = o->size_count ? o->sizes[0][0] : 0, height = o->size_count ? o->sizes[0][1] : 0;
+    bench_catch_interrupts(true);
     enum bench_end end = bench_measure(s, plan, data);
+    if (end == BENCH_DONE && o->suite) end = bench_suite_measure(o->suite, s, width, height, data);
+    if (end == BENCH_DONE && bench_interrupted()) end = BENCH_INTERRUPTED;
+    bench_catch_interrupts(false);
     if (end == BENCH_REFUSED) return 2;
-    if (end == BENCH_DONE && o->suite && !bench_suite_measure(o->suite, s, width, height, data)) end = BENCH_FAILED;
+    if (end != BENCH_DONE && !has_results(data)) {
+        fprintf(stderr, "fanal: %s before anything was measured: nothing was written\n", end == BENCH_INTERRUPTED ? "interrupted" : "ended");
+        return end == BENCH_INTERRUPTED ? 130 : 2;
+    }
     bench_conclude(data);
     if (o->suite) bench_suite_conclude(o->suite, width, height, data);
     if (!bench_save(s->output, data, true)) return 2;
@@ -551,7 +460,7 @@ static int read_arguments(struct bench_options *o, int argc, char **argv) {
 }
 
 static struct bench_options default_options(void) {
-    return (struct bench_options){.settings = {.frames = 10, .warm_up = 2, .checks = UINT32_MAX}};
+    return (struct bench_options){.settings = {.frames = UINT32_MAX, .warm_up = 2, .checks = UINT32_MAX}};
 }
 
 /* The options of a suite first, then those of the command once more, which replace them. */
@@ -576,26 +485,27 @@ int command_bench(int argc, char **argv) {
     int scene_count = argc - optind;
     if (o.suite && scene_count == 0)
         for (scenes = bench_suite_scenes(o.suite); scenes[scene_count]; scene_count++) continue;
-    if (o.settings.checks == UINT32_MAX) o.settings.checks = o.settings.camera_path ? 3 : 1;
-    if (!check_options(&o, scene_count) || !check_scenes(scenes, scene_count) || !bench_prepare_folder(o.settings.output))
-        return 2;
+    if (!check_options(&o, scene_count)) return 2;
 
     struct bench_plan plan = {.skipped = json_array()};
     struct bench_data data = {NULL, NULL};
     bool matrix = !o.suite || bench_suite_kind_of(o.suite) == BENCH_SUITE_MATRIX;
-    bool planned =
-        matrix ? plan_matrix(&o, scenes, scene_count, &plan)
-               : bench_suite_plan(o.suite, o.size_count ? o.sizes[0][0] : 0, o.size_count ? o.sizes[0][1] : 0, &plan);
+    uint32_t width = o.matrix.size_count ? o.matrix.sizes[0][0] : 0, height = o.matrix.size_count ? o.matrix.sizes[0][1] : 0;
+    uint32_t *lights = calloc((size_t)scene_count + 1, sizeof *lights);
     int status = 2;
-    if (!planned)
-        fputs("fanal: error: memory ran out\n", stderr);
-    else if (!o.settings.resume || bench_load(o.settings.output, &data)) {
+    /* Everything that can be wrong is found before the folder is touched. */
+    if (lights && bench_check_folder(&o.settings) && complete_options(&o) && check_scenes(&o, scenes, scene_count, lights) &&
+        (!o.settings.resume || bench_load(o.settings.output, &data)) && bench_prepare_folder(o.settings.output)) {
         if (!data.root) data.root = json_object();
         if (!data.pictures) data.pictures = json_object();
-        status = run(&o, &plan, &data);
+        if (matrix ? bench_plan_matrix(&o.matrix, scenes, lights, scene_count, &plan) : bench_suite_plan(o.suite, width, height, &plan))
+            status = run(&o, &plan, width, height, &data);
+        else
+            fputs("fanal: error: memory ran out\n", stderr);
     }
+    free(lights);
     json_decref(data.root);
     json_decref(data.pictures);
-    free_plan(&plan);
+    bench_plan_free(&plan);
     return status;
 }

@@ -25,6 +25,7 @@ struct bench_case {
 struct bench_plan {
     struct bench_case *cases;
     uint32_t case_count;
+    bool likely;     /* orders or lists are only the likely ones */
     json_t *skipped; /* array of objects: pairs that cannot be measured, with the reason */
 };
 
@@ -34,7 +35,7 @@ struct bench_settings {
     fnl_light_lists reference;
     const char *camera_path; /* NULL: the camera stands still; "orbit"; or a file */
     const char *device, *output;
-    bool resume, validate, quiet;
+    bool resume, overwrite, validate, quiet;
 };
 
 /** What was measured: `root` is results.json; `pictures` maps keys to data URIs and is only in the page. */
@@ -42,17 +43,22 @@ struct bench_data {
     json_t *root, *pictures;
 };
 
+/** REFUSED: nothing was measured and nothing is to be written; FAILED: the device or memory gave up on the way. */
+enum bench_end { BENCH_DONE, BENCH_INTERRUPTED, BENCH_FAILED, BENCH_REFUSED };
+
 /* What a suite measures by itself, and what it makes of results. */
 typedef bool bench_suite_measurer(const struct bench_settings *settings, uint32_t width, uint32_t height,
                                   struct bench_data *data);
 typedef void bench_suite_tabulator(const struct bench_data *data, json_t *tables);
 
-/* ---- plan (bench.c) ---- */
+/* ---- plan (bench_plan.c) ---- */
 
 /** The case for these values, added when it is not there yet; NULL when memory ran out. */
 struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_case *wanted);
 /** Adds a candidate unless it is there already. A pair that does not fit goes to `skipped`. False when memory ran out. */
 bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const struct bench_candidate *candidate);
+
+void bench_plan_free(struct bench_plan *plan);
 
 /* ---- ways (bench_ways.c) ---- */
 
@@ -100,6 +106,25 @@ void bench_ways_of(const char *options, char *text, size_t capacity);
 /** Adds "ways", as bench_ways_of gives them, and each way by its name ("" where the order does not heed it). */
 void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa, json_t *result);
 
+/* ---- the matrix of the command (bench_plan.c) ---- */
+
+enum { BENCH_VALUES_MAX = 64 };
+
+/** What the options name. Orders and lists that are not named and not every_…: the likely ones. */
+struct bench_matrix {
+    const char *camera;
+    char list_options[512]; /* "key=value,key=value" */
+    bool every_shading, every_lists;
+    uint32_t way_counts[BENCH_WAY_COUNT];
+    int ways[BENCH_WAY_COUNT][BENCH_VALUES_MAX];
+    uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
+    uint32_t shading[BENCH_VALUES_MAX], lists[BENCH_VALUES_MAX], lights[BENCH_VALUES_MAX], sizes[BENCH_VALUES_MAX][2], msaa[BENCH_VALUES_MAX];
+};
+
+/** Adds the cases of the matrix, which names a size and samples; scene_lights as bench_scene_check gives them. False when memory ran out. */
+bool bench_plan_matrix(const struct bench_matrix *matrix, const char *const *scenes, const uint32_t *scene_lights, int scene_count,
+                       struct bench_plan *plan);
+
 /* ---- cameras (bench_camera.c) ---- */
 
 struct bench_point {
@@ -118,12 +143,35 @@ bool bench_path_create(struct bench_path *path, const char *source, const fnl_sc
                        uint32_t orbit_count, float aspect);
 void bench_path_destroy(struct bench_path *path);
 
+/* ---- scenes (bench_scene.c) ---- */
+
+/** The scene with the lights that a case asks for (-1: as it is). False with a message of the log. */
+bool bench_scene_load(const fnl_host *host, const char *name, int64_t lights, fnl_scene **out);
+/** The settings' path through it, or a camera that stands still; `camera` may be NULL. False with a message. */
+bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *settings, const char *camera, float aspect, struct bench_path *out);
+/** Whether a scene, the camera and the path can be had at all, before anything is measured; its own lights, directional ones left out. */
+bool bench_scene_check(const struct bench_settings *settings, const char *name, const char *camera, uint32_t *lights);
+/** Lights of a scene that has `own` when a case asks for so many. */
+uint32_t bench_scene_lights(const char *name, uint32_t own, int64_t asked);
+
+/* ---- progress (bench_progress.c) ---- */
+
+/** While on, Ctrl-C and SIGTERM only set what bench_interrupted tells; the second one ends the program at once. */
+void bench_catch_interrupts(bool on);
+bool bench_interrupted(void);
+/** From here on time counts; quiet: nothing is shown. */
+void bench_progress_begin(bool quiet);
+double bench_progress_elapsed(void); /* seconds */
+/** What is being done: as a bar on a terminal, elsewhere a line every few seconds. `left`: seconds; negative: not known. */
+__attribute__((format(printf, 2, 3))) void bench_progress_show(double left, const char *format, ...);
+void bench_progress_clear(void);
+
 /* ---- measuring (bench_run.c) ---- */
 
-/** REFUSED: nothing was measured and nothing is to be written; FAILED: the device or memory gave up on the way. */
-enum bench_end { BENCH_DONE, BENCH_INTERRUPTED, BENCH_FAILED, BENCH_REFUSED };
-
-/** Measures what `data` does not hold yet and saves data after each case. */
+/**
+ * Measures what `data` does not hold yet. Saves data after each way that was compared and timed for the first time, and after each round of frames:
+ * what ends it leaves all that was measured.
+ */
 enum bench_end bench_measure(const struct bench_settings *settings, const struct bench_plan *plan, struct bench_data *data);
 
 /** The device that the settings name; `host` may be NULL. */
@@ -181,20 +229,27 @@ json_t *bench_find(const struct bench_data *data, const struct bench_case *where
 json_t *bench_key(const struct bench_case *where, const struct bench_candidate *what);
 /** Are two results of one case, that is, comparable? */
 bool bench_same_case(const json_t *a, const json_t *b);
-/** "deferred, tiled lists" or with options "deferred, tiled lists (tile_size=8)", of a result. */
+/** "deferred with tiled lists (tile-size=8)", "forward with brute force", of a result or a candidate. */
 void bench_describe(const json_t *result, char *text, size_t capacity);
-/** "builtin:hall, 1024 lights, 1280x720, MSAA 4", of a result. */
-void bench_describe_case(const json_t *result, char *text, size_t capacity);
+void bench_describe_candidate(const struct bench_candidate *candidate, char *text, size_t capacity);
+/** "hall.glb with 1024 lights at 1280x720, MSAA 4", of one of the results. */
+void bench_describe_case(const json_t *results, const json_t *result, char *text, size_t capacity);
+/** What a scene is called: its file's name without folders, but for as many as tell it from scenes of other results with the same name. */
+void bench_scene_name(const json_t *results, const char *scene, char *text, size_t capacity);
 double bench_number(const json_t *object, const char *key, double otherwise);
 /** The median of one of a result's times, such as "frame_ms"; NaN when there is none. */
 double bench_median(const json_t *result, const char *key);
 
+/** False with a message when the folder of the settings holds results that nobody said to replace or to go on with. */
+bool bench_check_folder(const struct bench_settings *settings);
 /** Checks that a folder can be written to, making it if it is not there. False with a message. */
 bool bench_prepare_folder(const char *folder);
 /** Reads DIR/results.json, and the pictures out of DIR/report.html. A missing file leaves `data` empty; false with a message if it is broken. */
 bool bench_load(const char *folder, struct bench_data *data);
 /** Writes results.json, results.csv, and with `page` report.html; each is complete or not there. False with a message. */
 bool bench_save(const char *folder, const struct bench_data *data, bool page);
+/** Removes the page of results that are being replaced, whose pictures are not of the new ones. */
+void bench_drop_page(const char *folder);
 /** Writes `size` bytes as DIR/name under a temporary name, then renames it. */
 bool bench_save_file(const char *folder, const char *name, const char *text, size_t size);
 /** The page as text of *size bytes; free() it. NULL when memory ran out. */
@@ -223,8 +278,8 @@ enum bench_suite_kind bench_suite_kind_of(const struct bench_suite *suite);
 /** Of a matrix: its scenes, and its options by name and value, which others may replace; NULL beyond the last. */
 const char *const *bench_suite_scenes(const struct bench_suite *suite);
 const char *const *bench_suite_option(const struct bench_suite *suite, int index);
-/** What a suite measures besides the plan. False with a message. */
-bool bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
+/** What a suite measures besides the plan; with a message when it fails. */
+enum bench_end bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
                          uint32_t height, struct bench_data *data);
 /** Adds the cases of a suite of ratios; width 0: the size of the source. False when memory ran out. */
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);

@@ -49,28 +49,42 @@ bool bench_clear(const json_t *fast, const json_t *slow) {
     return bench_median(slow, "frame_ms") - bench_median(fast, "frame_ms") > spread;
 }
 
+/* Three digits that count, without an exponent. */
+static void format_ms(double ms, char *text, size_t capacity) { snprintf(text, capacity, ms >= 100 ? "%.0f ms" : "%.3g ms", ms); }
+
+static bool is_brute(const json_t *result) {
+    const char *lists = json_string_value(json_object_get(result, "lists"));
+    return lists && strcmp(lists, "all") == 0;
+}
+
+/* The answer of a case in words. */
 static json_t *conclude_case(const json_t *results, const json_t *first) {
-    char place[512], best[256], next[256], text[1280];
-    size_t count, other = 1;
+    char place[768], best[256], other[256], ms[32], text[2048];
+    size_t count, brute = 1;
     const json_t **sorted = sorted_case(results, first, &count);
     if (!sorted || count == 0) {
         free(sorted);
         return NULL;
     }
-    bench_describe_case(first, place, sizeof place);
+    bench_describe_case(results, first, place, sizeof place);
     bench_describe(sorted[0], best, sizeof best);
     double time = bench_median(sorted[0], "frame_ms");
-    if (count > other) {
-        bench_describe(sorted[other], next, sizeof next);
-        double ratio = bench_median(sorted[other], "frame_ms") / time;
-        if (bench_clear(sorted[0], sorted[other]))
-            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms, %.2fx ahead of %s.", place, best, time, ratio, next);
-        else
-            snprintf(text, sizeof text, "Fastest on %s: %s, %.3g ms; %s (%.2fx) is within the spread.", place, best, time,
-                     next, ratio);
-    } else {
-        snprintf(text, sizeof text, "On %s: %s, %.3g ms.", place, best, time);
+    format_ms(time, ms, sizeof ms);
+    size_t used = (size_t)snprintf(text, sizeof text, "On %s, %s %s: %s", place, best, count > 1 ? "was fastest" : "alone was measured", ms);
+    if (count > 1) {
+        bench_describe(sorted[1], other, sizeof other);
+        double ratio = bench_median(sorted[1], "frame_ms") / time;
+        bool clear = bench_clear(sorted[0], sorted[1]);
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 clear ? ", %.2f times as fast as %s" : "; %.2f times that, but within the spread, took %s", ratio, other);
+        while (brute < count && !is_brute(sorted[brute])) brute++;
+        if (brute > 1 && brute < count && !is_brute(sorted[0])) {
+            bench_describe(sorted[brute], other, sizeof other);
+            used += (size_t)snprintf(text + used, sizeof text - used, clear ? " and %.2f times as fast as %s" : "; it was %.2f times as fast as %s",
+                                     bench_median(sorted[brute], "frame_ms") / time, other);
+        }
     }
+    snprintf(text + used, sizeof text - used, ".");
     free(sorted);
     return json_string(text);
 }
@@ -85,7 +99,7 @@ void bench_conclude(struct bench_data *data) {
     json_array_foreach(results, i, result) {
         char place[512], what[256], text[1024];
         if (!is_unequal(result)) continue;
-        bench_describe_case(result, place, sizeof place);
+        bench_describe_case(results, result, place, sizeof place);
         bench_describe(result, what, sizeof what);
         snprintf(text, sizeof text, "WRONG PICTURE on %s: with %s %.0f pixels differ from the reference, by up to %.4g.",
                  place, what, bench_number(result, "differing_pixels", 0), bench_number(result, "max_difference", 0));
@@ -105,7 +119,7 @@ static void print_case(const json_t *results, const json_t *first) {
         bench_describe(sorted[i], text, sizeof text);
         if ((int)strlen(text) > width) width = (int)strlen(text);
     }
-    bench_describe_case(first, text, sizeof text);
+    bench_describe_case(results, first, text, sizeof text);
     printf("\n%s\n  %-*s %10s %8s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "+-", "lists, ms",
            "shade, ms", "lights/px", "of least", "picture");
     for (size_t i = 0; sorted && i < count; i++) {

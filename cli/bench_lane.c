@@ -187,6 +187,7 @@ static void add_counts(const struct lane *lane, json_t *result) {
     /* Of opaque surfaces and cutouts of all instances: those drawn, and how fast the scene went by. */
     uint64_t drawn = lane->frame.culling == FNL_CULLING_INSTANCES ? s->triangles_visible : s->triangles_drawn;
     double total = fmax((double)s->triangles_total, 1);
+    set_integer(result, "triangles_total", s->triangles_total);
     set_integer(result, "triangles_drawn", drawn);
     json_object_set_new(result, "triangles_culled", json_real(1 - (double)drawn / total));
     set_integer(result, "image_bytes_read", lane->image_bytes_read);
@@ -199,11 +200,55 @@ static void add_comparison(const struct lane *lane, json_t *result) {
         json_object_set_new(result, "unchecked", json_string(lane->unchecked));
         return;
     }
+    json_object_del(result, "unchecked");
     json_object_set_new(result, "equal", json_boolean(lane->differing == 0));
     set_integer(result, "pictures_compared", lane->checked);
     set_integer(result, "differing_pixels", lane->differing);
     /* JSON knows no infinity */
     json_object_set_new(result, "max_difference", json_real(fmin(lane->max_difference, 3.4e38)));
+}
+
+/* ---- times of single frames, to go on from ---- */
+
+static json_t *numbers_of(const double *values, uint32_t count) {
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++) json_array_append_new(array, json_real(rounded(values[i])));
+    return array;
+}
+
+static json_t *samples_of(const struct lane *lane) {
+    json_t *samples = json_object(), *passes = json_object();
+    for (int m = 0; m < LANE_METRIC_COUNT; m++) json_object_set_new(samples, metric_names[m], numbers_of(lane->times[m], lane->measured));
+    for (uint32_t i = 0; i < lane->pass_count; i++)
+        json_object_set_new(passes, lane->passes[i].name, numbers_of(lane->passes[i].times, lane->measured));
+    json_object_set_new(samples, "passes", passes);
+    return samples;
+}
+
+static bool read_numbers(const json_t *array, double *values, size_t count) {
+    if (json_array_size(array) != count) return false;
+    for (size_t i = 0; i < count; i++) values[i] = json_number_value(json_array_get(array, i));
+    return true;
+}
+
+void lane_restore(struct lane *lane, const json_t *result, uint32_t checks) {
+    const json_t *samples = json_object_get(result, "samples"), *pass;
+    size_t count = json_array_size(json_object_get(samples, metric_names[LANE_FRAME]));
+    const char *name;
+    bool good = count > 0 && count < lane->capacity;
+    for (int m = 0; m < LANE_METRIC_COUNT && good; m++) good = read_numbers(json_object_get(samples, metric_names[m]), lane->times[m], count);
+    json_object_foreach(json_object_get(samples, "passes"), name, pass) {
+        struct lane_pass *own = good ? find_pass(lane, name, lane->pass_count) : NULL;
+        good = own && read_numbers(pass, own->times, count);
+    }
+    for (uint32_t i = 0; i < lane->pass_count && !good; i++) memset(lane->passes[i].times, 0, lane->capacity * sizeof(double));
+    if (!good) return;
+    lane->measured = (uint32_t)count;
+    lane->wall = lane->times[LANE_WALL][count - 1];
+    lane->image_bytes_read = (uint64_t)bench_number(result, "image_bytes_read", 0);
+    lane->image_bytes_written = (uint64_t)bench_number(result, "image_bytes_written", 0);
+    bool unchecked = json_is_string(json_object_get(result, "unchecked"));
+    lane->kept = unchecked || bench_number(result, "pictures_compared", 0) >= checks;
 }
 
 void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_info *scene, bool shared,
@@ -212,15 +257,17 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
     set_integer(result, "instances", scene->instance_count);
     bench_ways_describe(lane->candidate, lane->frame.msaa, result);
     if (lane->counted) add_counts(lane, result);
-    add_comparison(lane, result);
+    if (!lane->kept) add_comparison(lane, result);
     set_integer(result, "frames", lane->measured);
     json_object_set_new(result, "complete", json_boolean(lane->measured == wanted_frames));
+    json_object_del(result, "samples");
+    if (lane->measured < wanted_frames) json_object_set_new(result, "samples", samples_of(lane));
     json_object_set_new(result, "shared_renderer", json_boolean(shared));
     for (int m = 0; m < LANE_METRIC_COUNT; m++)
         json_object_set_new(result, metric_names[m], summarise(lane->times[m], lane->measured));
     double median = json_real_value(json_object_get(json_object_get(result, metric_names[LANE_FRAME]), "median"));
     if (median > 0)
-        json_object_set_new(result, "triangles_per_second", json_real(1000 / median * (double)lane->stats.triangles_total));
+        json_object_set_new(result, "triangles_per_second", json_real(1000 / median * bench_number(result, "triangles_total", 0)));
     json_t *passes = json_array();
     for (uint32_t i = 0; i < lane->pass_count; i++) {
         json_t *pass = summarise(lane->passes[i].times, lane->measured);

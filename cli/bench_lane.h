@@ -42,6 +42,8 @@ struct lane {
     double max_difference;
     char unchecked[256];               /* why it was not compared */
     bool failed, unsupported, visited; /* visited: compared at this point of the path */
+    bool kept;                         /* an earlier run compared it: its counts and comparison stand */
+    bool told;                         /* that it failed */
     char reason[512];
 };
 
@@ -51,7 +53,9 @@ void lane_finish(struct lane *lane);
 /** Keeps a timed frame; false when memory ran out. */
 bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats);
 void lane_note_counts(struct lane *lane, const fnl_frame_stats *stats);
-/** Adds all numbers to `result`, which holds the key already. */
+/** Takes up what an earlier run timed, where `result` (or NULL) holds frames of it; its comparison stands if it was at `checks` points, or could not be. */
+void lane_restore(struct lane *lane, const json_t *result, uint32_t checks);
+/** Adds all numbers to `result`, which holds the key already; while frames are missing, what lane_restore takes. */
 void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_info *scene, bool shared,
                      uint32_t wanted_frames);
 /** The name of a picture in bench_data.pictures: "scene|lights|640x360|1|deferred|tiled||kind". */

@@ -5,30 +5,11 @@
 #include "bench_lane.h"
 
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-
-/* ---- Ctrl-C ---- */
-
-static volatile sig_atomic_t interrupted;
-
-static void note_interrupt(int signal_number) {
-    (void)signal_number;
-    interrupted = 1;
-}
-
-/* The second Ctrl-C ends the program at once. */
-static void catch_interrupts(bool on) {
-    struct sigaction action = {0};
-    action.sa_handler = on ? note_interrupt : SIG_DFL;
-    action.sa_flags = (int)SA_RESETHAND;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-}
 
 /* ---- log ---- */
 
@@ -63,129 +44,64 @@ struct bench_run {
     int64_t scene_lights;
     struct bench_path path;
     struct lane *lanes;
-    uint32_t lane_count, case_index;
-    bool shared; /* one renderer for all lanes, because memory is short */
-    double started, work_done, work_total;
+    uint32_t lane_count, opened, case_index;
+    bool shared;         /* one renderer for all lanes, because memory is short */
+    double case_started, saved; /* seconds of progress */
     bool failed;
 };
 
-static bool stopped(const struct bench_run *run) { return interrupted || run->failed; }
+static bool stopped(const struct bench_run *run) { return bench_interrupted() || run->failed; }
 
 /* ---- progress ---- */
 
-static void format_seconds(double seconds, char *text, size_t capacity) {
-    unsigned long s = seconds > 0 && seconds < 1e9 ? (unsigned long)(seconds + 0.5) : 0;
-    if (s >= 3600)
-        snprintf(text, capacity, "%lu:%02lu:%02lu", s / 3600, s / 60 % 60, s % 60);
-    else
-        snprintf(text, capacity, "%lu:%02lu", s / 60, s % 60);
+/* Cases count by their pixels and ways. */
+static double case_work(const struct bench_case *c) { return (double)c->width * c->height * c->msaa * c->candidate_count; }
+
+/* Seconds: frames that are still to be timed, as long as those of their ways so far; ways still to be opened, as those that were; then other cases,
+ * by their work. Negative: not known yet. */
+static double seconds_left(const struct bench_run *run) {
+    double frames = 0, walls = 0, left = 0, mean, elapsed = bench_progress_elapsed() - run->case_started, later = 0;
+    for (uint32_t i = 0; i < run->lane_count; i++) {
+        frames += run->lanes[i].measured > 0;
+        walls += run->lanes[i].measured > 0 ? run->lanes[i].wall * 1e-3 : 0;
+    }
+    if (frames == 0 || run->opened == 0) return -1;
+    mean = walls / frames;
+    for (uint32_t i = 0; i < run->lane_count; i++) {
+        const struct lane *lane = &run->lanes[i];
+        uint32_t timed = run->settings->frames - lane->measured;
+        if (!lane->failed) left += timed * (lane->measured ? lane->wall * 1e-3 : mean) * (run->shared ? 2 : 1);
+    }
+    if (run->opened < run->lane_count) left += elapsed / run->opened * (run->lane_count - run->opened);
+    for (uint32_t i = run->case_index + 1; i < run->plan->case_count; i++) later += case_work(&run->plan->cases[i]);
+    return left + (elapsed + left) * later / fmax(case_work(&run->plan->cases[run->case_index]), 1);
 }
 
-static void show_progress(const struct bench_run *run, const char *what) {
-    enum { WIDTH = 24 };
-    if (run->settings->quiet || !isatty(STDERR_FILENO)) return;
-    double part = run->work_total > 0 ? fmin(run->work_done / run->work_total, 0.99) : 1,
-           elapsed = lane_now() - run->started;
-    char left[32] = "?";
-    if (part > 0) format_seconds(elapsed / part * (1 - part), left, sizeof left);
-    fputs("\r[", stderr);
-    for (int i = 0; i < WIDTH; i++) fputc(i < part * WIDTH ? '#' : '.', stderr);
-    fprintf(stderr, "] %3.0f%%  %s left  case %u of %u  %.34s\033[K", part * 100, left, run->case_index + 1,
-            run->plan->case_count, what);
-    fflush(stderr);
-}
-
-static void end_progress(const struct bench_run *run) {
-    if (!run->settings->quiet && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
-}
-
-/* Frames of a case count by their pixels. */
-static double frame_work(const struct bench_case *c) { return (double)c->width * c->height * c->msaa; }
-static double lane_work(const struct bench_run *run, const struct bench_case *c) {
-    /* Besides the timed ones: to warm up, again after the comparison, two for each point compared, and a heat map. */
-    return frame_work(c) * (run->settings->frames + run->settings->warm_up + 2 * run->settings->checks + 2);
+/* "case 1 of 2, way 3 of 22: deferred with tiled lists, comparing pictures" */
+static void show_progress(const struct bench_run *run, const struct lane *lane, const char *what) {
+    char name[256], of_case[64] = "";
+    bench_describe_candidate(lane->candidate, name, sizeof name);
+    if (run->plan->case_count > 1) snprintf(of_case, sizeof of_case, "case %u of %u, ", run->case_index + 1, run->plan->case_count);
+    bench_progress_show(seconds_left(run), "%sway %u of %u: %s, %s", of_case, (unsigned)(lane - run->lanes) + 1, run->lane_count, name, what);
 }
 
 static bool is_measured(const struct bench_run *run, const struct bench_case *c, const struct bench_candidate *candidate) {
     return json_is_true(json_object_get(bench_find(run->data, c, candidate), "complete"));
 }
 
-static void count_work(struct bench_run *run) {
-    for (uint32_t i = 0; i < run->plan->case_count; i++)
-        for (uint32_t j = 0; j < run->plan->cases[i].candidate_count; j++)
-            if (!is_measured(run, &run->plan->cases[i], &run->plan->cases[i].candidates[j]))
-                run->work_total += lane_work(run, &run->plan->cases[i]);
-}
-
 /* ---- the scene ---- */
-
-/* builtin:city?lights=N&…: the built-in scenes take the number themselves. */
-static void scene_source(const struct bench_case *c, char *text, size_t capacity) {
-    snprintf(text, capacity, "%s", c->scene);
-    if (c->lights < 0 || strncmp(c->scene, "builtin:", 8) != 0) return;
-    char rest[1024] = "";
-    const char *query = strchr(c->scene, '?');
-    int name = query ? (int)(query - c->scene) : (int)strlen(c->scene);
-    while (query && *query) { /* all keys but this one stay */
-        size_t length = strcspn(++query, "&");
-        if (strncmp(query, "lights=", 7) != 0 && strlen(rest) + length + 2 < sizeof rest) {
-            strcat(rest, "&");
-            strncat(rest, query, length);
-        }
-        query += length;
-    }
-    snprintf(text, capacity, "%.*s?lights=%lld%s", name, c->scene, (long long)c->lights, rest);
-}
-
-/* As `fanal render` does: a file without any light gets a sun and a sky. */
-static fnl_result add_default_light(const struct bench_case *c, fnl_scene *scene) {
-    fnl_scene_info info;
-    fnl_light_params sun = fnl_light_params_default();
-    fnl_light_id id;
-    fnl_result result = fnl_scene_query_info(scene, &info);
-    if (result != FNL_OK || info.light_count > 0 || strncmp(c->scene, "builtin:", 8) == 0) return result;
-    sun.kind = FNL_LIGHT_DIRECTIONAL;
-    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
-    sun.intensity = 3;
-    result = fnl_scene_add_light(scene, &sun, &id);
-    return result != FNL_OK ? result
-                            : fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
-}
 
 static bool prepare_scene(struct bench_run *run, const struct bench_case *c) {
     if (run->scene && strcmp(run->scene_name, c->scene) == 0 && run->scene_lights == c->lights) return true;
-    char source[2048];
-    scene_source(c, source, sizeof source);
     fnl_scene_destroy(&run->scene);
     run->scene_name = c->scene;
     run->scene_lights = c->lights;
-    if (fnl_scene_load(&run->host, source, &run->scene) != FNL_OK) return false;
-    if (c->lights > 0 && strncmp(c->scene, "builtin:", 8) != 0 &&
-        fnl_scene_scatter_lights(run->scene, (uint32_t)c->lights, 1) != FNL_OK)
-        return false;
-    return add_default_light(c, run->scene) == FNL_OK;
+    return bench_scene_load(&run->host, c->scene, c->lights, &run->scene);
 }
 
 static bool prepare_path(struct bench_run *run, const struct bench_case *c) {
-    fnl_camera camera = fnl_camera_default();
-    uint32_t index = 0, count = fnl_scene_camera_count(run->scene);
-    float aspect = (float)c->width / (float)c->height;
-    fnl_result result = FNL_OK;
-    if (c->camera) {
-        char *end;
-        unsigned long number = strtoul(c->camera, &end, 10);
-        if (*c->camera && !*end && number < count)
-            index = (uint32_t)number;
-        else
-            result = fnl_scene_find_camera(run->scene, c->camera, &index);
-        if (result == FNL_OK) result = fnl_scene_query_camera(run->scene, index, &camera);
-    } else {
-        result = count ? fnl_scene_query_camera(run->scene, 0, &camera)
-                       : fnl_scene_query_framing_camera(run->scene, aspect, &camera);
-    }
     bench_path_destroy(&run->path);
-    return result == FNL_OK &&
-           bench_path_create(&run->path, run->settings->camera_path, run->scene, &camera, run->settings->frames, aspect);
+    return bench_scene_path(run->scene, run->settings, c->camera, (float)c->width / (float)c->height, &run->path);
 }
 
 /* ---- lanes ---- */
@@ -206,7 +122,6 @@ static bool render(struct bench_run *run, struct lane *lane, const fnl_frame *fr
     fnl_result result = fnl_renderer_render(lane->renderer, frame);
     if (result == FNL_OK) result = fnl_renderer_query_stats(lane->renderer, stats);
     lane->wall = (lane_now() - start) * 1e3;
-    run->work_done += frame_work(&run->plan->cases[run->case_index]);
     if (result != FNL_OK) lane_fail(run, lane, result);
     return result == FNL_OK;
 }
@@ -224,9 +139,9 @@ static void pose(struct bench_run *run, uint32_t index) {
         fnl_scene_set_time(run->scene, 0, run->path.points[index % run->path.count].time);
 }
 
-/* A renderer for each lane, so that none finds the memory and caches of another's frame; where these do not fit, one for all,
- * and a frame to settle before each timed one. */
-static bool make_renderers(struct bench_run *run) {
+/* A renderer for each lane, so that none finds the memory and caches of another's frame; where these do not fit, one for all, and a frame to
+ * settle before each timed one. The first one is made here and tells what one takes. */
+static bool make_first_renderer(struct bench_run *run) {
     struct lane *first = &run->lanes[0];
     fnl_frame_stats stats = {0};
     run->sink.last[0] = 0;
@@ -241,11 +156,6 @@ static bool make_renderers(struct bench_run *run) {
     uint64_t budget = run->info.memory_bytes / 4;
     if (run->info.type == FNL_DEVICE_CPU && budget > (uint64_t)2 << 30) budget = (uint64_t)2 << 30;
     run->shared = stats.device_bytes * run->lane_count > budget;
-    for (uint32_t i = 1; i < run->lane_count; i++) {
-        struct lane *lane = &run->lanes[i];
-        if (!run->shared && fnl_renderer_create(run->device, run->scene, &lane->own) != FNL_OK) run->shared = true;
-        lane->renderer = lane->own ? lane->own : first->own;
-    }
     return true;
 }
 
@@ -261,8 +171,15 @@ static void warm_up(struct bench_run *run, struct lane *lane, uint32_t frames) {
     fnl_frame frame = frame_at(run, lane, 0);
     for (uint32_t i = 0; i < frames || (stats.overflow_cells + stats.items_whole > 0 && i < frames + 4); i++) {
         if (stopped(run) || lane->failed || !render(run, lane, &frame, &stats)) return;
-        show_progress(run, "warming up");
+        show_progress(run, lane, "warming up");
     }
+}
+
+static void open_lane(struct bench_run *run, struct lane *lane) {
+    if (!lane->renderer && !run->shared && fnl_renderer_create(run->device, run->scene, &lane->own) != FNL_OK) run->shared = true;
+    if (!lane->renderer) lane->renderer = lane->own ? lane->own : run->lanes[0].own;
+    warm_up(run, lane, is_auto(lane) ? AUTO_FRAMES : 1);
+    run->opened++;
 }
 
 /* ---- comparing pictures ---- */
@@ -400,122 +317,150 @@ static bool same_reference(const struct lane *a, const struct lane *b) {
     return a->candidate->shading == b->candidate->shading && strcmp(ways_a, ways_b) == 0;
 }
 
-/* All lanes that `first` shares its reference with. */
-static void check_group(struct bench_run *run, struct lane *first, uint32_t point, bool compare, bool show,
-                        fnl_image *base) {
-    struct reference reference = {0};
-    if (strcmp(fnl_shading_name(first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
-        snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
-    } else if (compare) {
-        show_progress(run, "reference picture");
-        make_reference(run, first, point, &reference);
-        if (reference.made && show) show_reference(run, first, &reference, base);
-    }
-    for (struct lane *lane = first; lane < run->lanes + run->lane_count && !stopped(run); lane++) {
-        if (lane->visited || lane->failed || !same_reference(first, lane)) continue;
-        lane->visited = true;
-        show_progress(run, "comparing pictures");
-        check_lane(run, lane, point, &reference);
-    }
-    free_reference(run, &reference);
-}
+/* ---- results ---- */
 
-static void check_point(struct bench_run *run, uint32_t point, bool compare, bool show) {
-    fnl_image base = {0};
-    pose(run, point);
-    for (uint32_t i = 0; i < run->lane_count; i++) run->lanes[i].visited = false;
-    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++)
-        if (!run->lanes[i].visited && !run->lanes[i].failed) check_group(run, &run->lanes[i], point, compare, show, &base);
-    free(base.pixels);
-}
-
-/* ---- one case ---- */
-
-/* Each round renders the lanes in another order, so that none always follows the same one. */
-static void time_round(struct bench_run *run, uint32_t round) {
-    fnl_frame_stats stats;
-    pose(run, round);
-    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++) {
-        uint32_t turn = round % 2 ? run->lane_count - 1 - i : i;
-        struct lane *lane = &run->lanes[(turn + round / 2) % run->lane_count];
-        fnl_frame frame = frame_at(run, lane, round);
-        if (lane->failed) continue;
-        show_progress(run, fnl_light_lists_name(lane->candidate->lists));
-        if (run->shared) {
-            double done = run->work_done; /* not part of the estimate */
-            render(run, lane, &frame, &stats);
-            run->work_done = done;
-        }
-        if (!lane->failed && render(run, lane, &frame, &stats) && !lane_note_times(lane, &stats)) {
-            snprintf(lane->reason, sizeof lane->reason, "memory ran out");
-            lane->failed = true;
-        }
-    }
-}
-
-static void run_lanes(struct bench_run *run, const struct bench_case *c) {
-    const struct bench_settings *s = run->settings;
-    run->sink.keep = true;
-    if (!make_renderers(run)) {
-        run->failed = true;
-        return;
-    }
-    for (uint32_t i = 0; i < run->lane_count; i++) {
-        uint32_t decide = is_auto(&run->lanes[i]) ? AUTO_FRAMES : 0;
-        warm_up(run, &run->lanes[i], s->warm_up > decide ? s->warm_up : decide);
-    }
-    uint32_t points = run->path.count < s->frames ? run->path.count : s->frames;
-    uint32_t checks = s->checks < points ? s->checks : points, before = UINT32_MAX;
-    for (uint32_t i = 0; i < (checks ? checks : 1) && !stopped(run); i++) {
-        uint32_t point = checks > 1 ? (uint32_t)((uint64_t)i * (points - 1) / (checks - 1)) : 0;
-        if (point != before) check_point(run, point, checks > 0, i == 0 && wants_pictures(run, c));
-        before = point;
-    }
-    for (uint32_t i = 0; i < run->lane_count; i++) warm_up(run, &run->lanes[i], 1);
-    for (uint32_t round = 0; round < s->frames && !stopped(run); round++) time_round(run, round);
-    run->sink.keep = false;
-}
-
-/* What was measured replaces what an earlier run left unfinished. */
-static void keep_results(struct bench_run *run, const struct bench_case *c) {
+/* What was measured of a lane by now replaces what stood there before. */
+static void keep_result(struct bench_run *run, struct lane *lane) {
+    const struct bench_case *c = &run->plan->cases[run->case_index];
     json_t *results = json_object_get(run->data->root, "results"), *skipped = json_object_get(run->data->root, "skipped");
+    json_t *key = bench_key(c, lane->candidate), *before = bench_find(run->data, c, lane->candidate);
     fnl_scene_info info = {0};
     fnl_scene_query_info(run->scene, &info);
-    for (uint32_t i = 0; i < run->lane_count; i++) {
-        struct lane *lane = &run->lanes[i];
-        json_t *key = bench_key(c, lane->candidate);
-        if (lane->failed) {
-            json_object_set_new(key, "reason", json_string(lane->reason));
-            json_array_append_new(skipped, key);
-            continue;
-        }
-        if (lane->measured == 0) {
-            json_decref(key);
-            continue;
-        }
-        json_t *before = bench_find(run->data, c, lane->candidate);
+    if (lane->failed) {
+        json_object_set_new(key, "reason", json_string(lane->reason));
+        if (!lane->told) json_array_append(skipped, key);
+        for (size_t i = json_array_size(results); i-- > 0 && !lane->told;)
+            if (json_array_get(results, i) == before) json_array_remove(results, i);
+        lane->told = true;
+    } else if (lane->measured > 0) {
+        if (before) json_object_update_missing(key, before); /* counts and comparison of an earlier run */
         lane_add_result(lane, key, &info, run->shared, run->settings->frames);
         if (before) {
             json_object_clear(before);
             json_object_update(before, key);
-            json_decref(key);
         } else {
-            json_array_append_new(results, key);
+            json_array_append(results, key);
         }
     }
+    json_decref(key);
+}
+
+/* Once a second is enough: between frames that take milliseconds writing would be what is measured. */
+static void save_results(struct bench_run *run, bool now) {
+    if (json_array_size(json_object_get(run->data->root, "results")) == 0) return;
+    if (!now && bench_progress_elapsed() - run->saved < 1) return;
+    run->saved = bench_progress_elapsed();
+    if (!bench_save(run->settings->output, run->data, false)) run->failed = true;
+}
+
+/* ---- one case ---- */
+
+static void time_frame(struct bench_run *run, struct lane *lane, uint32_t round) {
+    fnl_frame_stats stats;
+    fnl_frame frame = frame_at(run, lane, round);
+    if (run->shared) render(run, lane, &frame, &stats);
+    if (!lane->failed && render(run, lane, &frame, &stats) && !lane_note_times(lane, &stats)) {
+        snprintf(lane->reason, sizeof lane->reason, "memory ran out");
+        lane->failed = true;
+    }
+}
+
+/* The first time a lane is seen: after the comparison its first frame is timed at once, so that whatever ends the run finds a result of it. */
+static void begin_lane(struct bench_run *run, struct lane *lane) {
+    warm_up(run, lane, run->settings->warm_up > 1 ? run->settings->warm_up - 1 : 1);
+    if (!lane->failed && !stopped(run) && lane->measured == 0) time_frame(run, lane, 0);
+    keep_result(run, lane);
+    save_results(run, false);
+}
+
+/* All lanes that `first` shares its reference with. */
+static void check_group(struct bench_run *run, struct lane *first, uint32_t point, bool compare, bool begin, fnl_image *base) {
+    struct reference reference = {0};
+    const struct lane *end = run->lanes + run->lane_count;
+    bool wanted = false;
+    for (const struct lane *lane = first; lane < end; lane++) wanted = wanted || (!lane->kept && same_reference(first, lane));
+    if (strcmp(fnl_shading_name(first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
+        snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
+    } else if (compare && wanted) {
+        show_progress(run, first, "drawing the reference picture");
+        make_reference(run, first, point, &reference);
+        if (reference.made && begin && wants_pictures(run, &run->plan->cases[run->case_index])) show_reference(run, first, &reference, base);
+    }
+    for (struct lane *lane = first; lane < end && !stopped(run); lane++) {
+        if (lane->visited || lane->failed || !same_reference(first, lane)) continue;
+        lane->visited = true;
+        if (begin && lane != first) open_lane(run, lane);
+        show_progress(run, lane, "comparing pictures");
+        if (!lane->failed && !lane->kept && !stopped(run)) check_lane(run, lane, point, &reference);
+        if (begin && !stopped(run)) begin_lane(run, lane);
+    }
+    free_reference(run, &reference);
+}
+
+static void check_point(struct bench_run *run, uint32_t point, bool compare, bool begin) {
+    fnl_image base = {0};
+    pose(run, point);
+    for (uint32_t i = 0; i < run->lane_count; i++) run->lanes[i].visited = false;
+    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++) {
+        struct lane *lane = &run->lanes[i];
+        if (lane->visited || lane->failed) continue;
+        if (begin) open_lane(run, lane);
+        if (!lane->failed && !stopped(run)) check_group(run, lane, point, compare, begin, &base);
+        if (lane->failed) keep_result(run, lane);
+    }
+    free(base.pixels);
+}
+
+/* Each round renders the lanes in another order, so that none always follows the same one. */
+static void time_round(struct bench_run *run, uint32_t round) {
+    char what[64];
+    bool any = false;
+    snprintf(what, sizeof what, "frame %u of %u", round + 1, run->settings->frames);
+    pose(run, round);
+    for (uint32_t i = 0; i < run->lane_count && !stopped(run); i++) {
+        uint32_t turn = round % 2 ? run->lane_count - 1 - i : i;
+        struct lane *lane = &run->lanes[(turn + round / 2) % run->lane_count];
+        if (lane->failed || lane->measured > round) continue;
+        show_progress(run, lane, what);
+        time_frame(run, lane, round);
+        any = true;
+    }
+    if (!any || bench_progress_elapsed() - run->saved < 1) return;
+    for (uint32_t i = 0; i < run->lane_count; i++) keep_result(run, &run->lanes[i]);
+    save_results(run, false);
+}
+
+static void run_lanes(struct bench_run *run) {
+    const struct bench_settings *s = run->settings;
+    run->sink.keep = true;
+    if (!make_first_renderer(run)) {
+        run->failed = true;
+        return;
+    }
+    uint32_t points = run->path.count < s->frames ? run->path.count : s->frames;
+    uint32_t checks = s->checks < points ? s->checks : points, before = UINT32_MAX;
+    for (uint32_t i = 0; i < run->lane_count; i++) lane_restore(&run->lanes[i], bench_find(run->data, &run->plan->cases[run->case_index], run->lanes[i].candidate), checks);
+    for (uint32_t i = 0; i < (checks ? checks : 1) && !stopped(run); i++) {
+        uint32_t point = checks > 1 ? (uint32_t)((uint64_t)i * (points - 1) / (checks - 1)) : 0;
+        if (point != before) check_point(run, point, checks > 0, i == 0);
+        before = point;
+    }
+    for (uint32_t round = 0; round < s->frames && !stopped(run); round++) time_round(run, round);
+    run->sink.keep = false;
 }
 
 static void announce_case(const struct bench_run *run, const struct bench_case *c) {
     char lights[32] = "";
     if (run->settings->quiet || isatty(STDERR_FILENO)) return;
     if (c->lights >= 0) snprintf(lights, sizeof lights, ", lights %lld", (long long)c->lights);
-    fprintf(stderr, "case %u of %u: %s%s, %ux%u, MSAA %u: %u ways\n", run->case_index + 1, run->plan->case_count, c->scene,
-            lights, c->width, c->height, c->msaa, run->lane_count);
+    fprintf(stderr, "case %u of %u: %s%s, %ux%u, MSAA %u: %u ways%s\n", run->case_index + 1, run->plan->case_count, c->scene,
+            lights, c->width, c->height, c->msaa, run->lane_count, run->plan->likely ? ", the likely ones (--all: every one)" : "");
 }
 
 static void run_case(struct bench_run *run, const struct bench_case *c) {
     run->lanes = calloc(c->candidate_count + 1, sizeof *run->lanes);
-    run->lane_count = 0;
+    run->lane_count = run->opened = 0;
+    run->case_started = bench_progress_elapsed();
     if (!run->lanes) {
         run->failed = true;
         return;
@@ -529,9 +474,9 @@ static void run_case(struct bench_run *run, const struct bench_case *c) {
             run->failed = true;
         } else {
             announce_case(run, c);
-            run_lanes(run, c);
-            keep_results(run, c);
-            bench_save(run->settings->output, run->data, false);
+            run_lanes(run);
+            for (uint32_t i = 0; i < run->lane_count; i++) keep_result(run, &run->lanes[i]);
+            save_results(run, true);
         }
     }
     for (uint32_t i = 0; i < run->lane_count; i++) lane_finish(&run->lanes[i]);
@@ -590,6 +535,7 @@ static bool begin_data(struct bench_run *run) {
         json_object_set(root, "device", device);
         json_object_set(root, "settings", settings);
         json_object_set(root, "skipped", run->plan->skipped);
+        json_object_set_new(root, "likely", json_boolean(run->plan->likely));
         if (!json_object_get(root, "results")) json_object_set_new(root, "results", json_array());
     }
     json_decref(version);
@@ -625,14 +571,12 @@ enum bench_end bench_measure(const struct bench_settings *settings, const struct
     run.host.log = receive_log;
     enum bench_end end = BENCH_REFUSED;
     if (create_device(&run) && begin_data(&run)) {
-        catch_interrupts(true);
-        run.started = lane_now();
-        count_work(&run);
+        if (!settings->resume) bench_drop_page(settings->output);
+        bench_progress_begin(settings->quiet);
         for (run.case_index = 0; run.case_index < plan->case_count && !stopped(&run); run.case_index++)
             run_case(&run, &plan->cases[run.case_index]);
-        end_progress(&run);
-        catch_interrupts(false);
-        end = run.failed ? BENCH_FAILED : interrupted ? BENCH_INTERRUPTED : BENCH_DONE;
+        bench_progress_clear();
+        end = run.failed ? BENCH_FAILED : bench_interrupted() ? BENCH_INTERRUPTED : BENCH_DONE;
         if (settings->validate && fnl_device_validation_count(run.device)) {
             fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
                     (unsigned long long)fnl_device_validation_count(run.device));

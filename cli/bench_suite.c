@@ -167,9 +167,10 @@ const char *const *bench_suite_option(const struct bench_suite *suite, int index
     return suite->options[index][0] ? suite->options[index] : NULL;
 }
 
-bool bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
-                         uint32_t height, struct bench_data *data) {
-    return !suite->measure || suite->measure(settings, width, height, data);
+enum bench_end bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
+                                   uint32_t height, struct bench_data *data) {
+    bool good = !suite->measure || suite->measure(settings, width, height, data);
+    return bench_interrupted() ? BENCH_INTERRUPTED : good ? BENCH_DONE : BENCH_FAILED;
 }
 
 /* ---- plan ---- */

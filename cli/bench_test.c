@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of `fanal bench` that need no device: comparing pictures, paths, conclusions, files. */
-#include "bench.h"
+#include "bench_lane.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -115,27 +115,99 @@ static void test_conclusions(void **state) {
     json_array_append_new(results, make_result("clustered", 2, 0.1, "yes"));
     bench_conclude(&data);
     assert_int_equal(json_array_size(json_object_get(data.root, "conclusions")), 1);
-    assert_string_equal(conclusion(&data, 0),
-                        "Fastest on a,\"b\".gltf with 9 lights, 64x36: deferred, clustered lists, 2 ms, "
-                        "2.00x ahead of deferred, tiled lists.");
+    assert_string_equal(conclusion(&data, 0), "On a,\"b\".gltf with 9 lights at 64x36, deferred with clustered lists was fastest: 2 ms, "
+                                              "2.00 times as fast as deferred with tiled lists.");
     assert_int_equal(bench_unequal_count(&data), 0);
+    /* Brute force is what the others are measured by, wherever it stands. */
+    json_array_append_new(results, make_result("all", 250, 0.1, "yes"));
+    bench_conclude(&data);
+    assert_string_equal(conclusion(&data, 0), "On a,\"b\".gltf with 9 lights at 64x36, deferred with clustered lists was fastest: 2 ms, "
+                                              "2.00 times as fast as deferred with tiled lists and 125.00 times as fast as deferred with brute force.");
+    json_array_remove(results, 2);
     /* A lead that is less than the spread is none. */
     json_array_append_new(results, make_result("zbin", 2.15, 0.1, "no"));
     bench_conclude(&data);
-    assert_non_null(strstr(conclusion(&data, 0), "deferred, zbin lists (1.07x) is within the spread"));
+    assert_non_null(strstr(conclusion(&data, 0), "was fastest: 2 ms; 1.07 times that, but within the spread, took deferred with zbin lists."));
     assert_non_null(strstr(conclusion(&data, 1),
-                           "WRONG PICTURE on a,\"b\".gltf with 9 lights, 64x36: with deferred, zbin lists 7 pixels"));
+                           "WRONG PICTURE on a,\"b\".gltf with 9 lights at 64x36: with deferred with zbin lists 7 pixels"));
     assert_int_equal(bench_unequal_count(&data), 1);
     /* Another case gets a sentence of its own. */
-    json_t *other = make_result("tiled", 8, 0.1, "unknown");
+    json_t *other = make_result("tiled", 800, 0.1, "unknown");
     json_object_set_new(other, "msaa", json_integer(4));
     json_array_append_new(results, other);
     bench_conclude(&data);
     assert_int_equal(json_array_size(json_object_get(data.root, "conclusions")), 3);
-    assert_string_equal(conclusion(&data, 1), "On a,\"b\".gltf with 9 lights, 64x36, MSAA 4: deferred, tiled lists, 8 ms.");
+    assert_string_equal(conclusion(&data, 1),
+                        "On a,\"b\".gltf with 9 lights at 64x36, MSAA 4, deferred with tiled lists alone was measured: 800 ms.");
     assert_int_equal(bench_unequal_count(&data), 1);
     json_decref(data.root);
     json_decref(data.pictures);
+}
+
+static void test_scenes_go_by_short_names(void **state) {
+    (void)state;
+    json_t *results = json_pack("[{s:s},{s:s},{s:s},{s:s},{s:s}]", "scene", "/home/me/one/scene.gltf", "scene", "/srv/two/scene.gltf", "scene",
+                                "city.glb", "scene", "builtin:hall?lights=4", "scene", "/srv/other.glb");
+    static const char *const names[] = {"one/scene.gltf", "two/scene.gltf", "city.glb", "builtin:hall?lights=4", "other.glb"};
+    char text[256];
+    for (size_t i = 0; i < 5; i++) {
+        bench_scene_name(results, json_string_value(json_object_get(json_array_get(results, i), "scene")), text, sizeof text);
+        assert_string_equal(text, names[i]);
+    }
+    json_decref(results);
+}
+
+/* ---- frames of an earlier run ---- */
+
+static void note_frame(struct lane *lane, double milliseconds) {
+    fnl_pass_time passes[] = {{"cull items", 1}, {"deferred", milliseconds}};
+    fnl_frame_stats stats = {.passes = passes, .pass_count = 2, .triangles_total = 1000, .evaluations = 7};
+    if (lane->counted == 0 && !lane->kept) lane_note_counts(lane, &stats);
+    lane->wall = milliseconds + 2;
+    assert_true(lane_note_times(lane, &stats));
+}
+
+/* A lane that was cut off after two of four frames goes on with the third, and ends as one that was not. */
+static void test_frames_are_taken_up_again(void **state) {
+    (void)state;
+    static const double times[] = {4, 10, 6, 5};
+    struct bench_case where = {.scene = "a", .width = 8, .height = 8, .msaa = 1};
+    struct bench_candidate candidate = {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, ""};
+    fnl_scene_info info = {.triangle_count = 1000};
+    struct lane whole, first, second;
+    assert_true(lane_init(&whole, &where, &candidate, 4) && lane_init(&first, &where, &candidate, 4) && lane_init(&second, &where, &candidate, 4));
+    whole.checked = first.checked = 1;
+    json_t *a = json_object(), *b = json_object();
+    for (int i = 0; i < 4; i++) note_frame(&whole, times[i]);
+    for (int i = 0; i < 2; i++) note_frame(&first, times[i]);
+    lane_add_result(&whole, a, &info, false, 4);
+    lane_add_result(&first, b, &info, false, 4);
+    assert_true(json_is_true(json_object_get(a, "complete")) && !json_object_get(a, "samples"));
+    assert_true(json_is_false(json_object_get(b, "complete")));
+    /* Fewer pictures than asked for were compared: that has to be done again, what was timed stands. */
+    lane_restore(&second, b, 3);
+    assert_true(second.measured == 2 && !second.kept);
+    lane_finish(&second);
+    assert_true(lane_init(&second, &where, &candidate, 4));
+    lane_restore(&second, b, 1);
+    assert_true(second.measured == 2 && second.kept);
+    for (int i = 2; i < 4; i++) note_frame(&second, times[i]);
+    lane_add_result(&second, b, &info, false, 4);
+    assert_true(json_equal(a, b));
+    assert_true(fabs(bench_median(b, "gpu_ms") - 6.5) < 1e-9);
+    lane_finish(&second);
+    /* Of a result that is complete, of none, or of more frames than are wanted nothing is taken. */
+    assert_true(lane_init(&second, &where, &candidate, 2));
+    lane_restore(&second, a, 1);
+    lane_restore(&second, NULL, 1);
+    json_object_set_new(b, "samples", json_pack("{s:[f,f,f]}", "frame_ms", 1.0, 2.0, 3.0));
+    lane_restore(&second, b, 1);
+    assert_true(second.measured == 0 && !second.kept);
+    lane_finish(&first);
+    lane_finish(&second);
+    lane_finish(&whole);
+    json_decref(a);
+    json_decref(b);
 }
 
 static char *read_file(const char *name) {
@@ -250,16 +322,82 @@ static void test_ways_that_an_order_heeds(void **state) {
     assert_false(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_INFERRED, 1));
 }
 
-/* ---- suites ---- */
+/* ---- the plan ---- */
 
-static void free_plan(struct bench_plan *plan) {
-    for (uint32_t c = 0; c < plan->case_count; c++) {
-        for (uint32_t k = 0; k < plan->cases[c].candidate_count; k++) free(plan->cases[c].candidates[k].options);
-        free(plan->cases[c].candidates);
-    }
-    free(plan->cases);
-    json_decref(plan->skipped);
+static bool planned(const struct bench_case *c, fnl_shading shading, fnl_light_lists lists) {
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (c->candidates[i].shading == shading && c->candidates[i].lists == lists) return true;
+    return false;
 }
+
+/* Without names: what auto would measure, and brute force with the default order as long as it is affordable. */
+static void test_likely_ways_are_those_of_auto(void **state) {
+    (void)state;
+    static const char *const scenes[] = {"a.glb"};
+    static const struct {
+        uint32_t own;
+        int64_t asked;
+    } cases[] = {{0, 0}, {60, 4}, {60, 5}, {96, 4000}, {97, 4000}, {0, 1 << 20}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        struct bench_matrix m = {.light_count = 1, .size_count = 1, .msaa_count = 1, .sizes = {{64, 36}}, .msaa = {1}};
+        struct bench_plan plan = {.skipped = json_array()};
+        uint32_t count = cases[k].own + (uint32_t)cases[k].asked, wanted = 0;
+        m.lights[0] = (uint32_t)cases[k].asked;
+        assert_true(bench_plan_matrix(&m, scenes, &cases[k].own, 1, &plan));
+        assert_int_equal(plan.case_count, 1);
+        assert_true(plan.likely);
+        for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++)
+            for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) {
+                bool likely = fnl_shading_likely((fnl_shading)s) && fnl_lists_likely((fnl_shading)s, (fnl_light_lists)l, count, 1);
+                if (s == FNL_SHADING_DEFERRED && l == FNL_LISTS_ALL) likely = likely || count <= 4096;
+                assert_int_equal(planned(plan.cases, (fnl_shading)s, (fnl_light_lists)l), likely);
+                wanted += likely;
+            }
+        assert_int_equal(plan.cases->candidate_count, wanted);
+        assert_true(wanted >= 10 && wanted <= 22);
+        assert_int_equal(json_array_size(plan.skipped), 0);
+        bench_plan_free(&plan);
+    }
+    /* Built-in scenes have as many lights as are asked for, not more. */
+    assert_int_equal(bench_scene_lights("builtin:hall", 1024, 16), 16);
+    assert_int_equal(bench_scene_lights("builtin:hall", 1024, -1), 1024);
+    assert_int_equal(bench_scene_lights("a.glb", 5, 16), 21);
+}
+
+/* Names of orders or lists leave the others likely; "all" is every one, where lists make a difference. */
+static void test_named_ways_are_planned(void **state) {
+    (void)state;
+    static const char *const scenes[] = {"builtin:hall"};
+    const uint32_t lights[] = {1024};
+    struct bench_matrix likely = {.size_count = 1, .msaa_count = 1, .sizes = {{64, 36}}, .msaa = {1}}, m = likely;
+    struct bench_plan plan = {.skipped = json_array()};
+    m.shading[m.shading_count++] = FNL_SHADING_VISIBILITY;
+    m.shading[m.shading_count++] = FNL_SHADING_DEFERRED_VOLUMES;
+    assert_true(bench_plan_matrix(&m, scenes, lights, 1, &plan) && plan.likely);
+    assert_true(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_ALL) && planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_BVH));
+    assert_false(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_MESH) || planned(plan.cases, FNL_SHADING_DEFERRED, FNL_LISTS_TILED));
+    uint32_t volumes = 0;
+    for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) volumes += planned(plan.cases, FNL_SHADING_DEFERRED_VOLUMES, (fnl_light_lists)l);
+    assert_int_equal(volumes, 1);
+    bench_plan_free(&plan);
+    m = likely;
+    m.lists[m.lists_count++] = FNL_LISTS_MESH;
+    plan = (struct bench_plan){.skipped = json_array()};
+    assert_true(bench_plan_matrix(&m, scenes, lights, 1, &plan));
+    assert_true(planned(plan.cases, FNL_SHADING_FORWARD, FNL_LISTS_MESH) && planned(plan.cases, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_MESH));
+    assert_int_equal(plan.cases->candidate_count, 2);
+    bench_plan_free(&plan);
+    m = likely;
+    m.every_shading = m.every_lists = true;
+    plan = (struct bench_plan){.skipped = json_array()};
+    assert_true(bench_plan_matrix(&m, scenes, lights, 1, &plan) && !plan.likely);
+    for (uint32_t s = 0; s < FNL_SHADING_AUTO; s++) assert_true(planned(plan.cases, (fnl_shading)s, FNL_LISTS_ALL));
+    for (uint32_t l = 0; l < FNL_LISTS_AUTO; l++) assert_true(planned(plan.cases, FNL_SHADING_FORWARD_PREPASS, (fnl_light_lists)l));
+    assert_true(plan.cases->candidate_count > 150);
+    bench_plan_free(&plan);
+}
+
+/* ---- suites ---- */
 
 /* A suite's candidates, all with the same numbers: every ratio is 1, wherever it stands. */
 static void test_suites(void **state) {
@@ -272,7 +410,7 @@ static void test_suites(void **state) {
         assert_true(bench_suite_plan(suite, 0, 0, &plan));
         if (bench_suite_kind_of(suite) != BENCH_SUITE_RATIOS) {
             assert_int_equal(plan.case_count, 0);
-            free_plan(&plan);
+            bench_plan_free(&plan);
             json_decref(data.root);
             continue;
         }
@@ -308,7 +446,7 @@ static void test_suites(void **state) {
             if (!isnan(limit)) assert_string_equal(verdict, (least ? 1 >= limit : 1 <= limit) ? "reached" : "missed");
         }
         assert_true(i >= 4);
-        free_plan(&plan);
+        bench_plan_free(&plan);
         json_decref(data.root);
     }
     assert_null(bench_suite_find("nonsense"));
@@ -347,7 +485,7 @@ static void test_suites_scale_their_clusters(void **state) {
         }
     assert_int_equal(coarse, 18);
     assert_int_equal(fine, 18);
-    free_plan(&plan);
+    bench_plan_free(&plan);
 }
 
 /* ---- tables ---- */
@@ -451,6 +589,10 @@ int main(void) {
         cmocka_unit_test(test_ways_and_list_options_are_one_text),
         cmocka_unit_test(test_ways_that_an_order_heeds),
         cmocka_unit_test(test_geometry_way),
+        cmocka_unit_test(test_scenes_go_by_short_names),
+        cmocka_unit_test(test_frames_are_taken_up_again),
+        cmocka_unit_test(test_likely_ways_are_those_of_auto),
+        cmocka_unit_test(test_named_ways_are_planned),
         cmocka_unit_test(test_suites),
         cmocka_unit_test(test_crossing_DI_15),
         cmocka_unit_test(test_suites_scale_their_clusters),

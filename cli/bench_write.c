@@ -51,20 +51,54 @@ static const char *string_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-void bench_describe(const json_t *result, char *text, size_t capacity) {
-    const char *options = string_of(result, "options");
-    snprintf(text, capacity, "%s, %s lists%s%s%s", string_of(result, "shading"), string_of(result, "lists"),
-             *options ? " (" : "", options, *options ? ")" : "");
+/* "deferred with tiled lists (tile-size=8)"; brute force is the kind `all`. */
+static void describe(const char *shading, const char *lists, const char *options, char *text, size_t capacity) {
+    bool brute = strcmp(lists, "all") == 0;
+    snprintf(text, capacity, "%s with %s%s%s%s%s", shading, brute ? "brute force" : lists, brute ? "" : " lists", *options ? " (" : "", options,
+             *options ? ")" : "");
 }
 
-void bench_describe_case(const json_t *result, char *text, size_t capacity) {
-    char lights[32] = "", msaa[32] = "";
+void bench_describe(const json_t *result, char *text, size_t capacity) {
+    describe(string_of(result, "shading"), string_of(result, "lists"), string_of(result, "options"), text, capacity);
+}
+
+void bench_describe_candidate(const struct bench_candidate *candidate, char *text, size_t capacity) {
+    describe(fnl_shading_name(candidate->shading), fnl_light_lists_name(candidate->lists), candidate->options, text, capacity);
+}
+
+void bench_describe_case(const json_t *results, const json_t *result, char *text, size_t capacity) {
+    char scene[512], lights[32] = "", msaa[32] = "";
     double count = bench_number(result, "lights", bench_number(result, "asked_lights", -1)),
            samples = bench_number(result, "msaa", 1);
+    bench_scene_name(results, string_of(result, "scene"), scene, sizeof scene);
     if (count >= 0) snprintf(lights, sizeof lights, " with %.0f light%s", count, count == 1 ? "" : "s");
     if (samples > 1) snprintf(msaa, sizeof msaa, ", MSAA %.0f", samples);
-    snprintf(text, capacity, "%s%s, %.0fx%.0f%s", string_of(result, "scene"), lights, bench_number(result, "width", 0),
+    snprintf(text, capacity, "%s%s at %.0fx%.0f%s", scene, lights, bench_number(result, "width", 0),
              bench_number(result, "height", 0), msaa);
+}
+
+/* The last `parts` parts of a path. */
+static const char *tail_of(const char *path, int parts) {
+    const char *at = path + strlen(path);
+    while (at > path && (at[-1] != '/' || --parts > 0)) at--;
+    return at;
+}
+
+void bench_scene_name(const json_t *results, const char *scene, char *text, size_t capacity) {
+    const json_t *other;
+    size_t i;
+    int parts = 1;
+    bool alone = strncmp(scene, "builtin:", 8) == 0;
+    const char *tail = alone ? scene : tail_of(scene, parts);
+    while (!alone && tail > scene) {
+        alone = true;
+        json_array_foreach(results, i, other) {
+            const char *name = string_of(other, "scene");
+            alone = alone && (strcmp(name, scene) == 0 || strcmp(tail_of(name, parts), tail) != 0);
+        }
+        if (!alone) tail = tail_of(scene, ++parts);
+    }
+    snprintf(text, capacity, "%s", tail);
 }
 
 double bench_number(const json_t *object, const char *key, double otherwise) {
@@ -81,6 +115,20 @@ double bench_median(const json_t *result, const char *key) {
 static bool complain(const char *path) {
     fprintf(stderr, "fanal: error: %s: cannot be written: %s\n", path, strerror(errno));
     return false;
+}
+
+static const char *const file_names[] = {"results.json", "results.csv", "report.html"};
+
+bool bench_check_folder(const struct bench_settings *settings) {
+    char path[4096];
+    for (size_t i = 0; i < sizeof file_names / sizeof *file_names && !settings->resume && !settings->overwrite; i++) {
+        if (snprintf(path, sizeof path, "%s/%s", settings->output, file_names[i]) >= (int)sizeof path || access(path, F_OK) != 0) continue;
+        fprintf(stderr,
+                "fanal: error: %s: there are results already: --resume goes on with them, --overwrite replaces them; or give another -o DIR\n",
+                path);
+        return false;
+    }
+    return true;
 }
 
 bool bench_prepare_folder(const char *folder) {
@@ -189,7 +237,10 @@ static bool save_csv(const char *folder, const json_t *root) {
             if (statistic) *statistic++ = 0;
             const json_t *value = json_object_get(result, name);
             if (c) append(&t, ",", 1);
-            append_field(&t, statistic ? json_object_get(value, statistic) : value);
+            if (strcmp(name, "lists") == 0 && strcmp(string_of(result, name), "all") == 0)
+                append(&t, "brute force", 11); /* the key of --lists says less to a reader */
+            else
+                append_field(&t, statistic ? json_object_get(value, statistic) : value);
         }
         append(&t, "\r\n", 2);
     }
@@ -214,8 +265,12 @@ static bool save_page(const char *folder, const struct bench_data *data) {
 }
 
 bool bench_save(const char *folder, const struct bench_data *data, bool page) {
-    bool good = save_json(folder, data->root) && save_csv(folder, data->root) && (!page || save_page(folder, data));
-    return good;
+    return save_json(folder, data->root) && save_csv(folder, data->root) && (!page || save_page(folder, data));
+}
+
+void bench_drop_page(const char *folder) {
+    char path[4096];
+    if (snprintf(path, sizeof path, "%s/report.html", folder) < (int)sizeof path) unlink(path);
 }
 
 /* ---- reading again ---- */

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# `fanal bench` as a user meets it: messages, files, resuming, Ctrl-C. Usage: bench_test.sh FANAL
+# `fanal bench` as a user meets it: messages, files, resuming, Ctrl-C and SIGTERM. Usage: bench_test.sh FANAL
 set -u
 fanal=$1
 here=$(cd "$(dirname "$0")" && pwd)
@@ -51,6 +51,9 @@ expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
 expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
 expect 2 "suite: 'x' is not one of thesis clustered aa coarse fine-pruned" --suite x -o "$out"
+expect 2 'give one of them' builtin:spheres --resume --overwrite -o "$out"
+expect 2 'chooses shading' --suite thesis --all -o "$out"
+expect 2 'no device .*99|99' builtin:spheres --device 99 -o "$out"
 expect 2 'brings its own scenes' builtin:spheres --suite thesis -o "$out"
 expect 2 'chooses shading' --suite thesis --lists tiled -o "$out"
 expect 2 "list-option: .*x" builtin:spheres --list-option x=1 -o "$out"
@@ -68,13 +71,21 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     expect 2 'path.txt: cannot be opened' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2\n' >"$work/path.txt"
     expect 2 'path.txt:3: not .seconds eye.x' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
-    rm -rf "$work/a"
+    [ ! -e "$work/a" ] || fail 'a camera or a path that cannot be had left a folder behind'
 
     # A matrix: zero lights and glass too, and a name with a comma for the CSV.
-    expect 0 'Fastest on builtin:spheres with 16 lights' builtin:spheres "builtin:glass?seed=2&lights=5" --sizes 33x17 --lights 0,16 \
+    expect 0 'On builtin:spheres with 16 lights at 33x17, .* was fastest: [0-9.]+ ms[,;] [0-9.]+ times' builtin:spheres "builtin:glass?seed=2&lights=5" --sizes 33x17 --lights 0,16 \
         --shading deferred,forward --lists brute,tiled,clustered --list-option tile-size=8,slices=16 --frames 3 -o "$work/a"
     check "$work/a" RESULTS=24 SKIPPED=0 EQUAL=24 FRAMES=3
     ls "$work/a" | tr '\n' ' ' | grep -qx 'report.html results.csv results.json ' || fail "more files than three: $(ls "$work/a")"
+
+    # Results are not overwritten by chance.
+    cp "$work/a/results.json" "$work/before.json"
+    expect 2 'a/results.json: there are results already: --resume goes on with them, --overwrite replaces' builtin:spheres $tiny -o "$work/a"
+    cmp -s "$work/before.json" "$work/a/results.json" || fail 'results were touched without --overwrite'
+    # People read what brute force is; its key stays.
+    [ "$(grep -c ',deferred,brute force,' "$work/a/results.csv")" = 4 ] || fail "brute force in results.csv: $(cat "$work/a/results.csv")"
+    grep -q '"lists": "all"' "$work/a/results.json" || fail 'the key of brute force in results.json'
 
     # Again with --resume: nothing is measured, no number changes.
     cp "$work/a/results.json" "$work/before.json"
@@ -104,14 +115,14 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     grep -q 'WRONG PICTURE' "$work/a/report.html" || fail 'the page does not tell of a wrong picture'
 
     # Pairs that do not fit are listed with a reason; MSAA pictures are compared too.
-    expect 0 'mobile, tiled lists.*: this shading order has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading mobile,forward -o "$work/m"
+    expect 0 'mobile with tiled lists.*: this shading order has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading mobile,forward -o "$work/m"
     check "$work/m" RESULTS=6 SKIPPED=2 EQUAL=6 FRAMES=2
-    expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m"
+    expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m" --overwrite
     check "$work/m" RESULTS=2 SKIPPED=0 EQUAL=0 FRAMES=2
 
     # G-buffers, transparency, decals and MSAA methods: each where the order heeds it, with a reference of its own, told apart in the files.
     ways='builtin:glass?lights=6 --sizes 33x17 --shading forward,deferred --lists tiled --frames 2'
-    expect 0 'deferred, tiled lists \(gbuffer=siege,transparency=linked\)' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g"
+    expect 0 'deferred with tiled lists \(gbuffer=siege,transparency=linked\)' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g"
     check "$work/g" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2 # forward has no G-buffer: 2 + 2 x 2
     grep -q ',forward,tiled,transparency=linked,,linked,lists,,,,,' "$work/g/results.csv" || fail "ways in results.csv: $(cat "$work/g/results.csv")"
     grep -q ',deferred,tiled,"gbuffer=siege,transparency=linked",siege,linked,lists,,,,,' "$work/g/results.csv" ||
@@ -123,12 +134,12 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     check "$work/h" RESULTS=18 SKIPPED=0 EQUAL=18 FRAMES=2
 
     # The ways of dais multiply it alone.
-    expect 0 'dais, tiled lists \(dais=list,dais-multirate=on\)' builtin:spheres --sizes 33x17 --shading dais,visibility --lists tiled \
+    expect 0 'dais with tiled lists \(dais=list,dais-multirate=on\)' builtin:spheres --sizes 33x17 --shading dais,visibility --lists tiled \
         --dais all --dais-multirate all --msaa 4 --frames 1 -o "$work/d"
     check "$work/d" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=1
 
     # Culling leaves the picture as it is: one reference for all its ways.
-    expect 0 'Fastest on builtin:spheres' builtin:spheres $tiny --lists tiled --cull all --occlusion all -o "$work/c"
+    expect 0 'On builtin:spheres .* was fastest' builtin:spheres $tiny --lists tiled --cull all --occlusion all -o "$work/c"
     check "$work/c" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2
 
     # Suites that are a matrix: scenes and options are theirs, unless others are given; tables.
@@ -139,7 +150,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     expect 0 'wins [0-9] of 1|wins nowhere' --suite visibility --frames 2 --sizes 32x18 --msaa 1 --lights 8 \
         "builtin:hall?overdraw=1" -o "$work/v"
     check "$work/v" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=2
-    grep -qE 'builtin:hall\?overdraw=1 +32x18 .* (reached|missed)' "$work/out" || fail "no ids against a G-buffer: $(cat "$work/out")"
+    grep -qE 'builtin:hall\?overdraw=1 +32x18 .* (reached|missed|undecided)' "$work/out" || fail "no ids against a G-buffer: $(cat "$work/out")"
 
     # Paths: from a file, and around the scene.
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
@@ -148,20 +159,46 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     ASAN_OPTIONS=detect_leaks=0 expect 0 '' builtin:spheres $tiny --camera-path orbit --frames 4 --validate -o "$work/o"
     grep -q '"pictures_compared": 3' "$work/o/results.json" || fail 'three points of a path should be compared'
 
-    # Ctrl-C: what was measured is there, the exit status tells, and --resume goes on.
-    "$fanal" bench builtin:spheres --sizes 16x9,17x9 --shading deferred --lists brute,tiled --frames 100000 --checks 0 -o "$work/i" \
-        >"$work/out" 2>&1 &
-    bench=$!
-    for _ in $(seq 300); do grep -q '^case 1' "$work/out" && break; sleep 0.1; done
-    sleep 2
-    kill -INT $bench
-    wait $bench
-    status=$?
-    [ $status = 130 ] || fail "Ctrl-C: exit $status, not 130: $(cat "$work/out")"
-    grep -q 'Interrupted' "$work/out" || fail 'Ctrl-C was not told of'
+    # What is not asked for goes by the device, which is a CPU here.
+    expect 0 '' "builtin:spheres?lights=4" --lists tiled --shading deferred -o "$work/u"
+    check "$work/u" RESULTS=1 SKIPPED=0 EQUAL=1 FRAMES=6
+    grep -q '"width": 640' "$work/u/results.json" || fail 'a CPU is not given a smaller picture'
+
+    # Ctrl-C: what was measured is there, the exit status tells, and --resume goes on, frame by frame. Meanwhile lines tell how far it is.
+    first_sample() { awk '/"samples"/ { s = 1 } s && /"frame_ms": \[/ { getline; print; exit }' "$1/results.json"; }
+    begin() { # FOLDER PATTERN ARGUMENTS…: measures in the background until a line of the output, or of the results, matches
+        local folder=$1 pattern=$2
+        shift 2
+        "$fanal" bench "$@" -o "$folder" >"$work/out" 2>&1 &
+        bench=$!
+        for _ in $(seq 600); do cat "$work/out" "$folder/results.json" 2>/dev/null | grep -qE "$pattern" && return; sleep 0.1; done
+        fail "bench $*: never '$pattern': $(cat "$work/out")"
+    }
+    finish() { # SIGNAL
+        kill "-$1" $bench
+        wait $bench
+        status=$?
+        [ $status = 130 ] || fail "SIG$1: exit $status, not 130: $(cat "$work/out")"
+        grep -q 'Interrupted' "$work/out" || fail "SIG$1 was not told of"
+    }
+    endless="builtin:spheres --sizes 16x9,17x9 --shading deferred --lists brute,tiled --frames 100000 --checks 0"
+    begin "$work/i" 'case 1 of 2, way [12] of 2: deferred with (brute force|tiled lists), frame [0-9]+ of 100000; about [0-9:]+ left' $endless
+    finish INT
     check "$work/i" RESULTS=2 SKIPPED=0 EQUAL=0
     [ -e "$work/i/report.html" ] || fail 'no page after Ctrl-C'
     grep -q '"complete": false' "$work/i/results.json" || fail 'a case that was cut off is not marked'
+    sample=$(first_sample "$work/i")
+    begin "$work/i" '^case 1 of 2.* 2 ways' $endless --resume
+    finish TERM
+    [ -n "$sample" ] && [ "$sample" = "$(first_sample "$work/i")" ] || fail 'resuming forgot frames that were timed'
+    # Way by way: the first ones are there while others are still to be opened, and are compared once.
+    kinds='builtin:spheres --sizes 16x9 --frames 2 --shading deferred --lists brute,tiled,clustered,zbin,bvh,world,halfz,2.5d'
+    begin "$work/k" '"equal": true' $kinds
+    finish TERM
+    some=$(grep -c '"equal": true' "$work/k/results.json")
+    [ "$some" -ge 1 ] && [ "$some" -lt 8 ] || fail "SIGTERM left $some ways"
+    expect 0 '' $kinds --resume -o "$work/k"
+    check "$work/k" RESULTS=8 SKIPPED=0 EQUAL=8 FRAMES=2
 }
 [ $failures = 0 ] && echo 'all checks of fanal bench passed'
 exit $((failures > 0))

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/* What is measured: cases, and of each the ways to render that are compared. */
+#include "bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- cases and candidates ---- */
+
+static bool same_case(const struct bench_case *a, const struct bench_case *b) {
+    return strcmp(a->scene, b->scene) == 0 && a->lights == b->lights && a->width == b->width && a->height == b->height &&
+           a->msaa == b->msaa;
+}
+
+struct bench_case *bench_plan_case(struct bench_plan *plan, const struct bench_case *wanted) {
+    for (uint32_t i = 0; i < plan->case_count; i++)
+        if (same_case(&plan->cases[i], wanted)) return &plan->cases[i];
+    struct bench_case *bigger = realloc(plan->cases, (plan->case_count + 1) * sizeof *bigger);
+    if (!bigger) return NULL;
+    plan->cases = bigger;
+    struct bench_case *added = &bigger[plan->case_count++];
+    *added = *wanted;
+    added->candidates = NULL;
+    added->candidate_count = 0;
+    return added;
+}
+
+static bool skip(struct bench_plan *plan, const struct bench_case *where, const struct bench_candidate *what,
+                 const char *reason) {
+    json_t *entry = bench_key(where, what);
+    const json_t *other;
+    size_t i;
+    if (!entry) return false;
+    json_object_set_new(entry, "reason", json_string(reason));
+    json_array_foreach(plan->skipped, i, other) {
+        if (!json_equal(entry, other)) continue;
+        json_decref(entry);
+        return true;
+    }
+    return json_array_append_new(plan->skipped, entry) == 0;
+}
+
+bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const struct bench_candidate *candidate) {
+    for (uint32_t i = 0; i < to->candidate_count; i++) {
+        const struct bench_candidate *other = &to->candidates[i];
+        if (other->shading == candidate->shading && other->lists == candidate->lists &&
+            strcmp(other->options, candidate->options) == 0)
+            return true;
+    }
+    if (!fnl_lists_supported(candidate->shading, candidate->lists))
+        return skip(plan, to, candidate, "these lists do not go with this shading order");
+    if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
+        return skip(plan, to, candidate, "this shading order has no MSAA");
+    if (strstr(candidate->options, "visibility-barycentrics=on") && strstr(candidate->options, "visibility-grid=on"))
+        return skip(plan, to, candidate, "the grid stores no barycentrics");
+    if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "cull="))
+        return skip(plan, to, candidate, "mesh shaders draw what culling by clusters or triangles leaves");
+    struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
+    if (!bigger) return false;
+    to->candidates = bigger;
+    bigger[to->candidate_count] = *candidate;
+    bigger[to->candidate_count].options = strdup(candidate->options);
+    return bigger[to->candidate_count++].options != NULL;
+}
+
+/* ---- the matrix of the command ---- */
+
+/*
+ * The likely ways, where no orders or lists are named: the pairs that `auto` would measure in a scene of so many lights. Its rules, which are
+ * the library's (fnl_shading_likely, fnl_lists_likely), are the one table of them. Brute force, which `auto` tries with few lights alone, joins as
+ * what the others are to be compared with, as long as it takes no more than a few times as long: of the orders that `auto` takes, with the default
+ * one; of orders that are named, with each.
+ */
+enum { BRUTE_LIGHTS = 4096 };
+static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_light_lists lists, uint32_t lights, uint32_t msaa) {
+    if (lists == FNL_LISTS_ALL && lights <= BRUTE_LIGHTS && (m->shading_count || m->every_shading || shading == fnl_frame_default().shading))
+        return true;
+    return fnl_lists_likely(shading, lists, lights, msaa);
+}
+
+/* Times and pictures of these are the same with all lists but for transparent surfaces: one stands for all. */
+static bool lists_matter(fnl_shading shading) {
+    return shading != FNL_SHADING_DEFERRED_VOLUMES && shading != FNL_SHADING_PRE_LIGHTING && shading != FNL_SHADING_LIGHT_INDEXED &&
+           shading != FNL_SHADING_ZIOMA;
+}
+
+/* Every combination of the ways that were asked for; those that an order does not heed add nothing. */
+static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, struct bench_case *to, fnl_shading shading,
+                      fnl_light_lists lists) {
+    uint32_t combinations = 1;
+    for (int w = 0; w < BENCH_WAY_COUNT; w++) combinations *= m->way_counts[w] ? m->way_counts[w] : 1;
+    for (uint32_t i = 0; i < combinations; i++) {
+        struct bench_ways chosen = bench_ways_default();
+        char options[sizeof m->list_options + 256];
+        for (uint32_t w = 0, rest = i; w < BENCH_WAY_COUNT; w++) {
+            if (!m->way_counts[w]) continue;
+            int value = m->ways[w][rest % m->way_counts[w]];
+            rest /= m->way_counts[w];
+            if (bench_way_heeded((enum bench_way)w, value, shading, to->msaa)) chosen.values[w] = value;
+        }
+        bench_ways_print(&chosen, m->list_options, options, sizeof options);
+        struct bench_candidate candidate = {shading, lists, options};
+        if (!bench_plan_candidate(plan, to, &candidate)) return false;
+    }
+    return true;
+}
+
+/* All but the choosers, which are none of their own, or those that were named. */
+static uint32_t values_of(uint32_t count, const uint32_t *named, const char *(*name_of)(int), uint32_t out[BENCH_VALUES_MAX]) {
+    if (count) {
+        memcpy(out, named, count * sizeof *out);
+        return count;
+    }
+    for (int i = 0; name_of(i) && count < BENCH_VALUES_MAX; i++)
+        if (strcmp(name_of(i), "auto") != 0) out[count++] = (uint32_t)i;
+    return count;
+}
+
+static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
+static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+
+static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, const struct bench_case *wanted, uint32_t lights) {
+    uint32_t orders[BENCH_VALUES_MAX], lists[BENCH_VALUES_MAX], order_count = values_of(m->shading_count, m->shading, shading_name, orders),
+             lists_count = values_of(m->lists_count, m->lists, lists_name, lists);
+    struct bench_case *to = bench_plan_case(plan, wanted);
+    for (uint32_t s = 0; to && s < order_count; s++) {
+        fnl_shading shading = (fnl_shading)orders[s];
+        if (!m->shading_count && !m->every_shading && !fnl_shading_likely(shading)) continue;
+        bool one = false;
+        for (uint32_t l = 0; l < lists_count; l++) {
+            fnl_light_lists kind = (fnl_light_lists)lists[l];
+            if (!m->lists_count && !m->every_lists && !lists_likely(m, shading, kind, lights, wanted->msaa)) continue;
+            if (!m->lists_count && !lists_matter(shading) && one) continue;
+            one = true;
+            if (!plan_ways(m, plan, to, shading, kind)) return false;
+        }
+    }
+    return to != NULL;
+}
+
+bool bench_plan_matrix(const struct bench_matrix *m, const char *const *scenes, const uint32_t *scene_lights, int scene_count,
+                       struct bench_plan *plan) {
+    plan->likely = !(m->shading_count || m->every_shading) || !(m->lists_count || m->every_lists);
+    for (int scene = 0; scene < scene_count; scene++)
+        for (uint32_t lights = 0; lights < m->light_count + !m->light_count; lights++)
+            for (uint32_t size = 0; size < m->size_count; size++)
+                for (uint32_t i = 0; i < m->msaa_count; i++) {
+                    struct bench_case wanted = {.scene = scenes[scene],
+                                                .camera = m->camera,
+                                                .lights = m->light_count ? (int64_t)m->lights[lights] : -1,
+                                                .width = m->sizes[size][0],
+                                                .height = m->sizes[size][1],
+                                                .msaa = m->msaa[i]};
+                    if (!plan_case(m, plan, &wanted, bench_scene_lights(wanted.scene, scene_lights[scene], wanted.lights))) return false;
+                }
+    return true;
+}
+
+void bench_plan_free(struct bench_plan *plan) {
+    for (uint32_t i = 0; i < plan->case_count; i++) {
+        for (uint32_t c = 0; c < plan->cases[i].candidate_count; c++) free(plan->cases[i].candidates[c].options);
+        free(plan->cases[i].candidates);
+    }
+    free(plan->cases);
+    json_decref(plan->skipped);
+}
+

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/* The scene of a case, lit as asked, and the cameras that look at it. */
+#include "bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_builtin(const char *scene) { return strncmp(scene, "builtin:", 8) == 0; }
+
+/* builtin:city?lights=N&…: the built-in scenes take the number themselves. */
+static void scene_source(const char *scene, int64_t lights, char *text, size_t capacity) {
+    snprintf(text, capacity, "%s", scene);
+    if (lights < 0 || !is_builtin(scene)) return;
+    char rest[1024] = "";
+    const char *query = strchr(scene, '?');
+    int name = query ? (int)(query - scene) : (int)strlen(scene);
+    while (query && *query) { /* all keys but this one stay */
+        size_t length = strcspn(++query, "&");
+        if (strncmp(query, "lights=", 7) != 0 && strlen(rest) + length + 2 < sizeof rest) {
+            strcat(rest, "&");
+            strncat(rest, query, length);
+        }
+        query += length;
+    }
+    snprintf(text, capacity, "%.*s?lights=%lld%s", name, scene, (long long)lights, rest);
+}
+
+/* As `fanal render` does: a file without any light gets a sun and a sky. */
+static fnl_result add_default_light(const char *name, fnl_scene *scene) {
+    fnl_scene_info info;
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    fnl_result result = fnl_scene_query_info(scene, &info);
+    if (result != FNL_OK || info.light_count > 0 || is_builtin(name)) return result;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
+    sun.intensity = 3;
+    result = fnl_scene_add_light(scene, &sun, &id);
+    return result != FNL_OK ? result
+                            : fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
+}
+
+bool bench_scene_load(const fnl_host *host, const char *name, int64_t lights, fnl_scene **out) {
+    char source[2048];
+    scene_source(name, lights, source, sizeof source);
+    fnl_result result = fnl_scene_load(host, source, out);
+    if (result == FNL_OK && lights > 0 && !is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
+    if (result == FNL_OK) result = add_default_light(name, *out);
+    if (result != FNL_OK) fnl_scene_destroy(out);
+    return result == FNL_OK;
+}
+
+bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *settings, const char *name, float aspect,
+                      struct bench_path *out) {
+    fnl_camera camera = fnl_camera_default();
+    uint32_t index = 0, count = fnl_scene_camera_count(scene);
+    fnl_result result = FNL_OK;
+    if (name) {
+        char *end;
+        unsigned long number = strtoul(name, &end, 10);
+        if (*name && !*end && number < count)
+            index = (uint32_t)number;
+        else
+            result = fnl_scene_find_camera(scene, name, &index);
+        if (result == FNL_OK) result = fnl_scene_query_camera(scene, index, &camera);
+    } else {
+        result = count ? fnl_scene_query_camera(scene, 0, &camera) : fnl_scene_query_framing_camera(scene, aspect, &camera);
+    }
+    return result == FNL_OK && bench_path_create(out, settings->camera_path, scene, &camera, settings->frames, aspect);
+}
+
+bool bench_scene_check(const struct bench_settings *settings, const char *name, const char *camera, uint32_t *lights) {
+    fnl_scene *scene = NULL;
+    fnl_scene_info info = {0};
+    struct bench_path path = {0};
+    fnl_host host = fnl_host_default();
+    bool good = bench_scene_load(&host, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
+                fnl_scene_query_info(scene, &info) == FNL_OK;
+    *lights = info.light_count - info.directional_count;
+    bench_path_destroy(&path);
+    fnl_scene_destroy(&scene);
+    return good;
+}
+
+uint32_t bench_scene_lights(const char *name, uint32_t own, int64_t asked) {
+    return asked < 0 ? own : (is_builtin(name) ? 0 : own) + (uint32_t)asked;
+}
