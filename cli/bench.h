@@ -283,6 +283,11 @@ enum bench_end bench_suite_measure(const struct bench_suite *suite, const struct
                          uint32_t height, struct bench_data *data);
 /** Adds the cases of a suite of ratios; width 0: the size of the source. False when memory ran out. */
 bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_plan *plan);
+/**
+ * "reached" or "missed" of a ratio that should be at most, or at least, `limit`; "undecided" where it is nearer to it than the spread: the sum of the
+ * relative MADs of both its sides, times the ratio.
+ */
+const char *bench_verdict(double ours, double spread, double limit, bool at_least);
 /** Sets root.suite to the ratios that were found, or root.tables. */
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data);
 

@@ -168,17 +168,23 @@ static void print_suite(const json_t *suite) {
     const json_t *row;
     size_t i;
     if (!suite) return;
-    printf("\n%s\n  %-60s %10s %10s  %s\n", json_string_value(json_object_get(suite, "title")), "quantity", "source", "ours",
+    printf("\n%s\n  %-60s %10s %10s %8s  %s\n", json_string_value(json_object_get(suite, "title")), "quantity", "source", "ours", "+-",
            "verdict");
     json_array_foreach(json_object_get(suite, "rows"), i, row) {
-        char source[32] = "-", ours[32] = "-";
+        char source[32] = "-", ours[32] = "-", spread[32] = "-";
         double value = bench_number(row, "ours", NAN), theirs = bench_number(row, "source", NAN);
         if (isfinite(theirs))
             snprintf(source, sizeof source, "%s %.3g", json_string_value(json_object_get(row, "comparison")), theirs);
-        if (isfinite(value)) snprintf(ours, sizeof ours, "%.3f", value);
-        printf("  %-60s %10s %10s  %s\n", json_string_value(json_object_get(row, "quantity")), source, ours,
+        if (isfinite(value)) {
+            snprintf(ours, sizeof ours, "%.3f", value);
+            snprintf(spread, sizeof spread, "%.3f", bench_number(row, "spread", 0));
+        }
+        printf("  %-60s %10s %10s %8s  %s\n", json_string_value(json_object_get(row, "quantity")), source, ours, spread,
                json_string_value(json_object_get(row, "verdict")));
     }
+    printf("\n%s\n", json_string_value(json_object_get(suite, "headline")));
+    const char *warning = json_string_value(json_object_get(suite, "warning"));
+    if (warning) printf("%s\n", warning);
 }
 
 void bench_print(const struct bench_data *data) {

@@ -215,34 +215,45 @@ bool bench_suite_plan(const struct bench_suite *suite, uint32_t width, uint32_t 
 
 /* ---- what came of it ---- */
 
-static double passes_named(const json_t *result, const char *word) {
+/* A number, and by how much it may be off: times by their MAD, counts by nothing. */
+struct quantity {
+    double value, spread;
+};
+
+static struct quantity time_of(const json_t *times) {
+    return (struct quantity){bench_number(times, "median", NAN), bench_number(times, "mad", 0)};
+}
+
+static struct quantity passes_named(const json_t *result, const char *word) {
     const json_t *pass;
     size_t i;
-    double sum = 0;
+    struct quantity sum = {0, 0};
     bool any = false;
     json_array_foreach(json_object_get(result, "passes"), i, pass) {
         const char *name = json_string_value(json_object_get(pass, "name"));
         const char *role = json_string_value(json_object_get(pass, "role"));
         if (!name || !role || strcmp(role, "lists") != 0 || !strstr(name, word)) continue;
-        sum += bench_number(pass, "median", 0);
+        struct quantity one = time_of(pass);
+        sum.value += one.value;
+        sum.spread += one.spread;
         any = true;
     }
-    return any ? sum : NAN;
+    return any ? sum : (struct quantity){NAN, 0};
 }
 
-static double quantity_of(const json_t *result, const char *metric) {
+static struct quantity quantity_of(const json_t *result, const char *metric) {
     if (strcmp(metric, "fill") == 0 || strcmp(metric, "shell") == 0) return passes_named(result, metric);
-    if (strcmp(metric, "lists_ms+shading_ms") == 0)
-        return bench_median(result, "lists_ms") + bench_median(result, "shading_ms");
-    double median = bench_median(result, metric);
-    return isnan(median) ? bench_number(result, metric, NAN) : median;
+    if (strcmp(metric, "lists_ms+shading_ms") == 0) {
+        struct quantity lists = time_of(json_object_get(result, "lists_ms")), shading = time_of(json_object_get(result, "shading_ms"));
+        return (struct quantity){lists.value + shading.value, lists.spread + shading.spread};
+    }
+    if (json_is_object(json_object_get(result, metric))) return time_of(json_object_get(result, metric));
+    return (struct quantity){bench_number(result, metric, NAN), 0};
 }
 
-/* How far the ratio may be off: the medians are, by about their MAD. */
-static double spread_of(const json_t *result, const char *metric) {
-    const json_t *times = json_object_get(result, metric);
-    double median = bench_number(times, "median", 0);
-    return median > 0 ? bench_number(times, "mad", 0) / median : 0;
+const char *bench_verdict(double ours, double spread, double limit, bool at_least) {
+    if (fabs(ours - limit) < spread) return "undecided";
+    return (at_least ? ours >= limit : ours <= limit) ? "reached" : "missed";
 }
 
 static json_t *conclude_row(const struct bench_suite *suite, const struct row *row, uint32_t width, uint32_t height,
@@ -253,22 +264,49 @@ static json_t *conclude_row(const struct bench_suite *suite, const struct row *r
     struct bench_candidate ac = candidate_of(suite, &row->a, width, a_options),
                            bc = candidate_of(suite, &row->b, width, b_options);
     const json_t *a = bench_find(data, &at, &ac), *b = bench_find(data, &bt, &bc);
-    double ours = a && b ? quantity_of(a, row->metric) / quantity_of(b, row->metric) : NAN;
+    struct quantity over = quantity_of(a, row->metric), under = quantity_of(b, row->metric);
+    double ours = a && b ? over.value / under.value : NAN,
+           spread = ours * (over.spread / fmax(over.value, 1e-12) + under.spread / fmax(under.value, 1e-12));
     bool known = isfinite(ours),
          wrong = json_is_false(json_object_get(a, "equal")) || json_is_false(json_object_get(b, "equal"));
-    const char *verdict = !known                                                      ? "not measured"
-                          : wrong                                                     ? "wrong picture"
-                          : isnan(row->source)                                        ? "no number in the source"
-                          : (row->at_least ? ours >= row->limit : ours <= row->limit) ? "reached"
-                                                                                      : "missed";
+    const char *verdict = !known               ? "not measured"
+                          : wrong              ? "wrong picture"
+                          : isnan(row->source) ? "no number in the source"
+                                               : bench_verdict(ours, spread, row->limit, row->at_least);
     json_t *json = json_pack("{s:s,s:s,s:s,s:s}", "quantity", row->quantity, "scene", row->scene, "comparison",
                              row->at_least ? ">=" : "<=", "verdict", verdict);
     json_object_set_new(json, "source", isnan(row->source) ? json_null() : json_real(row->source));
     json_object_set_new(json, "limit", isnan(row->source) ? json_null() : json_real(row->limit));
     json_object_set_new(json, "ours", known ? json_real(ours) : json_null());
-    json_object_set_new(json, "spread",
-                        known ? json_real(ours * (spread_of(a, row->metric) + spread_of(b, row->metric))) : json_null());
+    json_object_set_new(json, "spread", known ? json_real(spread) : json_null());
     return json;
+}
+
+/* "7 of 9 ratios reached, 1 missed, 1 undecided: within the spread." Ratios without a number in the source are not among them. */
+static json_t *headline(const json_t *rows) {
+    static const struct {
+        const char *verdict, *text;
+    } others[] = {{"missed", "missed"},
+                  {"undecided", "undecided: within the spread"},
+                  {"wrong picture", "of wrong pictures"},
+                  {"not measured", "not measured"}};
+    enum { OTHERS = sizeof others / sizeof *others };
+    uint32_t total = 0, reached = 0, counts[OTHERS] = {0};
+    const json_t *row;
+    size_t i;
+    json_array_foreach(rows, i, row) {
+        const char *verdict = json_string_value(json_object_get(row, "verdict"));
+        if (json_is_null(json_object_get(row, "source"))) continue;
+        total++;
+        reached += strcmp(verdict, "reached") == 0;
+        for (int k = 0; k < OTHERS; k++) counts[k] += strcmp(verdict, others[k].verdict) == 0;
+    }
+    char text[256];
+    size_t used = (size_t)snprintf(text, sizeof text, "%u of %u ratio%s reached", reached, total, total == 1 ? "" : "s");
+    for (int k = 0; k < OTHERS; k++)
+        if (counts[k]) used += (size_t)snprintf(text + used, sizeof text - used, ", %u %s", counts[k], others[k].text);
+    snprintf(text + used, sizeof text - used, ".");
+    return json_string(text);
 }
 
 void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint32_t height, struct bench_data *data) {
@@ -281,6 +319,11 @@ void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint3
     json_t *rows = json_array();
     for (uint32_t i = 0; i < suite->row_count; i++)
         json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
-    json_object_set_new(data->root, "suite",
-                        json_pack("{s:s,s:s,s:o}", "name", suite->name, "title", suite->title, "rows", rows));
+    json_t *suite_json = json_pack("{s:s,s:s,s:o,s:o}", "name", suite->name, "title", suite->title, "headline", headline(rows), "rows", rows);
+    const char *type = json_string_value(json_object_get(json_object_get(data->root, "device"), "type"));
+    if (type && strcmp(type, fnl_device_type_name(FNL_DEVICE_CPU)) == 0)
+        json_object_set_new(suite_json, "warning",
+                            json_string("This device is a CPU. The source measured a GPU, where memory and parallel work cost otherwise: "
+                                        "a ratio that is missed or reached here may not be so there."));
+    json_object_set_new(data->root, "suite", suite_json);
 }

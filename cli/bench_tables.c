@@ -15,15 +15,17 @@ static const char *string_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-/* "visibility (cull=triangles,occlusion=on)"; of several kinds of lists, "visibility, tiled lists". */
+/* "visibility (cull=triangles,occlusion=on)"; of several kinds of lists, "visibility with tiled lists". */
 static void label_of(const json_t *results, const json_t *result, char *text, size_t capacity) {
     const char *lists = string_of(result, "lists"), *options = string_of(result, "options");
     bool several = false;
     const json_t *other;
     size_t i;
     json_array_foreach(results, i, other) several = several || strcmp(string_of(other, "lists"), lists) != 0;
-    snprintf(text, capacity, "%s%s%s%s%s%s%s", string_of(result, "shading"), several ? ", " : "", several ? lists : "",
-             several ? " lists" : "", *options ? " (" : "", options, *options ? ")" : "");
+    if (several)
+        bench_describe(result, text, capacity);
+    else
+        snprintf(text, capacity, "%s%s%s%s", string_of(result, "shading"), *options ? " (" : "", options, *options ? ")" : "");
 }
 
 /* The names of all ways to render, in the order in which they appear; free() each. */
@@ -83,10 +85,11 @@ static void add_line(json_t *table, const char *text) {
     json_array_append_new(json_object_get(table, "lines"), json_string(text));
 }
 
-static json_t *row_of_case(const json_t *where) {
-    char size[64];
+static json_t *row_of_case(const json_t *results, const json_t *where) {
+    char size[64], scene[512];
+    bench_scene_name(results, string_of(where, "scene"), scene, sizeof scene);
     snprintf(size, sizeof size, "%.0fx%.0f", bench_number(where, "width", 0), bench_number(where, "height", 0));
-    return json_pack("[s,s,I]", string_of(where, "scene"), size, (json_int_t)bench_number(where, "msaa", 1));
+    return json_pack("[s,s,I]", scene, size, (json_int_t)bench_number(where, "msaa", 1));
 }
 
 /* ---- geometry ---- */
@@ -132,7 +135,7 @@ void bench_table_geometry(const struct bench_data *data, json_t *tables) {
         label_of(results, result, label, sizeof label);
         double total = bench_number(result, "triangles", 0), drawn = bench_number(result, "triangles_drawn", NAN),
                frame = bench_median(result, "frame_ms"), geometry = bench_median(result, "geometry_ms");
-        json_t *row = row_of_case(result);
+        json_t *row = row_of_case(results, result);
         json_array_append_new(row, json_string(label));
         json_array_append_new(row, json_integer((json_int_t)total));
         json_array_append_new(row, isfinite(drawn) ? json_integer((json_int_t)drawn) : json_null());
@@ -153,12 +156,12 @@ void bench_table_geometry(const struct bench_data *data, json_t *tables) {
 
 /* ---- shading orders over sizes and samples ---- */
 
-/* The median of a pass by its name; NaN where it did not run. */
-static double pass_median(const json_t *result, const char *name) {
+/* A statistic of a pass by its name; NaN where it did not run. */
+static double pass_number(const json_t *result, const char *name, const char *statistic) {
     const json_t *pass;
     size_t i;
     json_array_foreach(json_object_get(result, "passes"), i, pass) {
-        if (strcmp(string_of(pass, "name"), name) == 0) return bench_number(pass, "median", NAN);
+        if (strcmp(string_of(pass, "name"), name) == 0) return bench_number(pass, statistic, NAN);
     }
     return NAN;
 }
@@ -168,17 +171,19 @@ struct wins {
     uint32_t clear, close;
 };
 
-static void note_win(struct wins *wins, const json_t *where, bool clear) {
+static void note_win(struct wins *wins, const json_t *results, const json_t *where, bool clear) {
     size_t used = strlen(wins->text);
+    char scene[512];
+    bench_scene_name(results, string_of(where, "scene"), scene, sizeof scene);
     snprintf(wins->text + used, sizeof wins->text - used, "%s%s %.0fx%.0f %.0fx%s", used ? ", " : "",
-             string_of(where, "scene"), bench_number(where, "width", 0), bench_number(where, "height", 0),
+             scene, bench_number(where, "width", 0), bench_number(where, "height", 0),
              bench_number(where, "msaa", 1), clear ? "" : " (within the spread)");
     *(clear ? &wins->clear : &wins->close) += 1;
 }
 
 static void add_fastest(json_t *table, const json_t *results, const json_t *where, char *const *labels, uint32_t count,
                         struct wins *wins) {
-    json_t *row = row_of_case(where);
+    json_t *row = row_of_case(results, where);
     const json_t *found[LABELS_MAX];
     uint32_t best = LABELS_MAX, second = LABELS_MAX;
     for (uint32_t i = 0; i < count; i++) {
@@ -195,7 +200,7 @@ static void add_fastest(json_t *table, const json_t *results, const json_t *wher
     }
     if (best < count) {
         bool clear = second == LABELS_MAX || bench_clear(found[best], found[second]);
-        note_win(&wins[best], where, clear);
+        note_win(&wins[best], results, where, clear);
         json_array_append_new(row, json_string(labels[best]));
         json_array_append_new(row, real_or_null(second == LABELS_MAX ? NAN
                                                                      : bench_median(found[second], "frame_ms") /
@@ -206,7 +211,7 @@ static void add_fastest(json_t *table, const json_t *results, const json_t *wher
     json_array_append_new(json_object_get(table, "rows"), row);
 }
 
-/* The bound holds where about four fragments of a pixel pass the depth test. */
+/* The bound holds where about four fragments of a pixel pass the depth test. */
 static void add_ids(json_t *table, const json_t *results, const json_t *where) {
     const double limit = 0.6;
     const json_t *ids = NULL, *gbuffer = NULL, *result;
@@ -216,15 +221,16 @@ static void add_ids(json_t *table, const json_t *results, const json_t *where) {
         if (plain && !ids && strcmp(string_of(result, "shading"), "visibility") == 0) ids = result;
         if (plain && !gbuffer && strcmp(string_of(result, "shading"), "deferred") == 0) gbuffer = result;
     }
-    double a = pass_median(ids, "visibility"), b = pass_median(gbuffer, "gbuffer");
+    double a = pass_number(ids, "visibility", "median"), b = pass_number(gbuffer, "gbuffer", "median");
     if (!isfinite(a / b)) return;
+    double spread = pass_number(ids, "visibility", "mad") / a + pass_number(gbuffer, "gbuffer", "mad") / b;
     bool bound = strstr(string_of(where, "scene"), "overdraw=1") && bench_number(where, "msaa", 1) == 1;
-    json_t *row = row_of_case(where);
+    json_t *row = row_of_case(results, where);
     json_array_append_new(row, json_real(a));
     json_array_append_new(row, json_real(b));
     json_array_append_new(row, json_real(a / b));
     json_array_append_new(row, bound ? json_real(limit) : json_null());
-    json_array_append_new(row, json_string(!bound ? "" : a <= limit * b ? "reached" : "missed"));
+    json_array_append_new(row, json_string(bound ? bench_verdict(a / b, isfinite(spread) ? spread * a / b : 0, limit, false) : ""));
     json_array_append_new(json_object_get(table, "rows"), row);
 }
 

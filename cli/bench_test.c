@@ -452,6 +452,51 @@ static void test_suites(void **state) {
     assert_null(bench_suite_find("nonsense"));
 }
 
+/* A ratio that is nearer to its bound than what it may be off by is not decided; the headline counts. */
+static void test_verdicts_heed_the_spread(void **state) {
+    (void)state;
+    assert_string_equal(bench_verdict(1.2, 0.1, 1, true), "reached");
+    assert_string_equal(bench_verdict(1.2, 0.3, 1, true), "undecided");
+    assert_string_equal(bench_verdict(0.8, 0.3, 1, true), "undecided");
+    assert_string_equal(bench_verdict(0.8, 0.1, 1, true), "missed");
+    assert_string_equal(bench_verdict(0.8, 0.1, 1, false), "reached");
+    assert_string_equal(bench_verdict(1, 0, 1, false), "reached");
+    const struct bench_suite *suite = bench_suite_find("fine-pruned");
+    struct bench_plan plan = {.skipped = json_array()};
+    struct bench_data data = {json_pack("{s:[],s:{s:s}}", "results", "device", "type", fnl_device_type_name(FNL_DEVICE_CPU)), NULL};
+    assert_true(bench_suite_plan(suite, 0, 0, &plan));
+    assert_int_equal(plan.case_count, 3);
+    for (uint32_t c = 0; c < plan.case_count; c++)
+        for (uint32_t i = 0; i < plan.cases[c].candidate_count; i++) {
+            /* Lighting takes 5 to 1 (at least 3.86), both together 6 to 4 (at least 1.64), building 3 to 1 (at most 3.4): within a thousandth with 40
+               lights, within three tenths with 80; with 120 the pictures are wrong. */
+            bool coarse = strstr(plan.cases[c].candidates[i].options, "off") != NULL;
+            double mad = c == 1 ? 0.3 : 0.001;
+            json_t *result = bench_key(&plan.cases[c], &plan.cases[c].candidates[i]);
+            json_object_set_new(result, "shading_ms", json_pack("{s:f,s:f}", "median", coarse ? 5.0 : 1.0, "mad", coarse ? 5 * mad : mad));
+            json_object_set_new(result, "lists_ms", json_pack("{s:f,s:f}", "median", coarse ? 1.0 : 3.0, "mad", coarse ? mad : 3 * mad));
+            json_object_set_new(result, "per_pixel", json_real(3));
+            json_object_set_new(result, "equal", json_boolean(c != 2));
+            json_array_append_new(json_object_get(data.root, "results"), result);
+        }
+    bench_suite_conclude(suite, 0, 0, &data);
+    const json_t *found = json_object_get(data.root, "suite"), *row;
+    static const char *const verdicts[] = {"reached",   "missed",        "reached",       "no number in the source", "undecided", "undecided",
+                                           "undecided", "no number in the source", "wrong picture", "wrong picture", "wrong picture"};
+    size_t i;
+    json_array_foreach(json_object_get(found, "rows"), i, row) {
+        if (i < 11) assert_string_equal(json_string_value(json_object_get(row, "verdict")), verdicts[i]);
+    }
+    assert_string_equal(json_string_value(json_object_get(found, "headline")),
+                        "2 of 9 ratios reached, 1 missed, 3 undecided: within the spread, 3 of wrong pictures.");
+    assert_non_null(strstr(json_string_value(json_object_get(found, "warning")), "is a CPU"));
+    json_object_set_new(json_object_get(data.root, "device"), "type", json_string(fnl_device_type_name(FNL_DEVICE_DISCRETE)));
+    bench_suite_conclude(suite, 0, 0, &data);
+    assert_null(json_object_get(json_object_get(data.root, "suite"), "warning"));
+    bench_plan_free(&plan);
+    json_decref(data.root);
+}
+
 /* Where triangles become smaller dais falls behind: between 8 and 2 samples to one in the series, at no place in the other size. */
 static void test_crossing_DI_15(void **state) {
     (void)state;
@@ -594,6 +639,7 @@ int main(void) {
         cmocka_unit_test(test_likely_ways_are_those_of_auto),
         cmocka_unit_test(test_named_ways_are_planned),
         cmocka_unit_test(test_suites),
+        cmocka_unit_test(test_verdicts_heed_the_spread),
         cmocka_unit_test(test_crossing_DI_15),
         cmocka_unit_test(test_suites_scale_their_clusters),
         cmocka_unit_test(test_geometry_is_set_against_triangles),
