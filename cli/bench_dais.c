@@ -7,21 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The publication has Sponza, San Miguel, and Sponza tessellated more and more: here spheres take the part of the latter. */
+/*
+ * The publication has Sponza, San Miguel, and Sponza tessellated more and more: here the hall stands for a scene as scenes are, and spheres of ever
+ * smaller triangles say where the orders cross, which is what the suite is for.
+ */
 static const struct dais_scene {
     const char *source;
     const char *series; /* scenes with one name differ by the size of their triangles alone, which becomes smaller; "": none */
     uint32_t divisor;   /* not 0: the source ends with a number, the width divided by this */
-} scenes[] = {{"builtin:interior?lights=64", "", 0},
-              {"builtin:hall?lights=64", "", 0},
-              {"builtin:city?lights=64", "", 0},
+} scenes[] = {{"builtin:hall?lights=64", "", 0},
               {"builtin:spheres?lights=4&segments=", "spheres", 80},
               {"builtin:spheres?lights=4&segments=", "spheres", 27},
               {"builtin:spheres?lights=4&segments=", "spheres", 9},
               {"builtin:spheres?lights=4&segments=", "spheres", 3}};
-static const uint32_t sample_counts[] = {1, 4, 8};
+static const uint32_t sample_counts[] = {1, 4};
 
-enum subject { TARGET, LIST, MULTIRATE, DEFERRED, DEFERRED_PREPASS, SUBJECT_COUNT };
+enum subject { TARGET, DEFERRED, DEFERRED_PREPASS, LIST, MULTIRATE, SUBJECT_COUNT, CROSSING_COUNT = LIST /* the first three say where they cross */ };
 enum part { PREPASS, VISIBILITY, DERIVATIVES, SHARED, SHADE, PART_COUNT };
 enum { SCENE_COUNT = sizeof scenes / sizeof *scenes, SAMPLE_COUNTS = sizeof sample_counts / sizeof *sample_counts, GROWTH_MOST = 16 };
 static const char *const part_names[PART_COUNT] = {"prepass", "visibility", "derivatives", "shared", "shade"};
@@ -32,6 +33,12 @@ static const struct {
     enum part part;
 } passes[] = {{"depth prepass", PREPASS},      {"dais clear", VISIBILITY},  {"dais visibility", VISIBILITY}, {"dais arguments", DERIVATIVES},
               {"dais derivatives", DERIVATIVES}, {"dais shared", SHARED}, {"dais ", SHADE}};
+
+/* A scene with one number of samples. */
+struct dais_part {
+    const char *source;
+    int index, count, subject_count;
+};
 
 struct dais_subject {
     fnl_frame frame;
@@ -60,17 +67,19 @@ static bool render(fnl_renderer *renderer, struct dais_subject *s) {
 }
 
 /* All in turn, so that what else the machine does falls on all; not before the pools have grown. */
-static bool measure(fnl_renderer *renderer, const struct bench_settings *settings, struct dais_subject subjects[SUBJECT_COUNT]) {
-    for (int i = 0; i < SUBJECT_COUNT; i++) {
-        subjects[i].count = 0;
-        int turns = 0;
-        do {
-            if (!render(renderer, &subjects[i])) return false;
-        } while (subjects[i].stats.dais.overflow && ++turns < GROWTH_MOST);
-    }
-    for (uint32_t k = 0; k < settings->warm_up + settings->frames; k++)
-        for (int i = 0; i < SUBJECT_COUNT; i++) {
-            if (!render(renderer, &subjects[i])) return false;
+static bool measure(fnl_renderer *renderer, const struct bench_settings *settings, const struct dais_part *part,
+                    struct dais_subject subjects[SUBJECT_COUNT]) {
+    uint32_t rounds = settings->warm_up + settings->frames;
+    for (uint32_t k = 0; k < rounds; k++)
+        for (int i = 0; i < part->subject_count; i++) {
+            int turns = 0;
+            if (k == 0) subjects[i].count = 0;
+            do {
+                if (bench_interrupted() || !render(renderer, &subjects[i])) return false;
+            } while (k == 0 && subjects[i].stats.dais.overflow && ++turns < GROWTH_MOST);
+            double done = (part->index + (double)(k + 1) / rounds) / part->count;
+            bench_progress_show(bench_progress_elapsed() * (1 - done) / done, "part %d of %d: %s, MSAA %u, frame %u of %u", part->index + 1,
+                                part->count, part->source, subjects[i].frame.msaa, k + 1, rounds);
             if (k >= settings->warm_up) note(&subjects[i]);
         }
     return true;
@@ -80,33 +89,39 @@ static void prepare(const fnl_frame *frame, struct dais_subject subjects[SUBJECT
     for (int i = 0; i < SUBJECT_COUNT; i++) {
         fnl_frame *f = &subjects[i].frame;
         *f = *frame;
-        f->shading = i < DEFERRED ? FNL_SHADING_DAIS : FNL_SHADING_DEFERRED;
+        f->shading = i == DEFERRED || i == DEFERRED_PREPASS ? FNL_SHADING_DEFERRED : FNL_SHADING_DAIS;
         f->gbuffer_prepass = i == DEFERRED_PREPASS;
         f->dais.mode = i == LIST ? FNL_DAIS_LIST : FNL_DAIS_TARGET;
         f->dais.multirate = i == MULTIRATE;
     }
 }
 
-static bool add_row(json_t *rows, const char *source, const char *series, struct dais_subject subjects[SUBJECT_COUNT]) {
+static bool add_row(json_t *rows, const char *source, const char *series, const struct dais_part *part,
+                    struct dais_subject subjects[SUBJECT_COUNT]) {
     const fnl_frame *frame = &subjects[TARGET].frame;
     const fnl_frame_stats *stats = &subjects[TARGET].stats;
     double samples = (double)frame->width * frame->height * frame->msaa, triangles = fmax(stats->dais.triangles, 1);
     double totals[SUBJECT_COUNT];
-    for (int i = 0; i < SUBJECT_COUNT; i++) totals[i] = bench_median_of(subjects[i].total, subjects[i].count);
+    for (int i = 0; i < part->subject_count; i++) totals[i] = bench_median_of(subjects[i].total, subjects[i].count);
     /* The cache is as large for any picture: bytes are compared without it. What a stored triangle takes says at how many samples to one
        they are even. */
     double cache = 16.0 * frame->dais.cache_buckets, record = ((double)stats->dais.bytes - cache - 4 * samples) / triangles;
     double gbuffer = (double)subjects[DEFERRED].stats.gbuffer_bytes;
     json_t *row = json_pack(
-        "{s:s,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", source, "series",
+        "{s:s,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", source, "series",
         series, "width", (int)frame->width, "height", (int)frame->height, "msaa", (int)frame->msaa,
         "triangles", (json_int_t)stats->dais.triangles, "samples_per_triangle", samples / triangles, "record_bytes", record,
         "bytes_even_at", record / (gbuffer / samples - 4), "bytes_of_deferred", ((double)stats->dais.bytes - cache) / gbuffer, "frame_ms",
         totals[TARGET], "of_deferred", totals[TARGET] / totals[DEFERRED], "of_deferred_prepass",
-        totals[TARGET] / totals[DEFERRED_PREPASS], "list_of_target", totals[LIST] / totals[TARGET], "multirate_of_target",
-        totals[MULTIRATE] / totals[TARGET]);
+        totals[TARGET] / totals[DEFERRED_PREPASS]);
+    bool every = row && part->subject_count == SUBJECT_COUNT;
+    if (every) {
+        json_object_set_new(row, "list_of_target", json_real(totals[LIST] / totals[TARGET]));
+        json_object_set_new(row, "multirate_of_target", json_real(totals[MULTIRATE] / totals[TARGET]));
+    }
     /* The time of shared samples is the multirate frame's, all others are of the plain one. */
     for (int p = 0; row && p < PART_COUNT; p++) {
+        if (p == SHARED && !every) continue;
         struct dais_subject *from = &subjects[p == SHARED ? MULTIRATE : TARGET];
         char key[32];
         snprintf(key, sizeof key, "%s_ms", part_names[p]);
@@ -115,20 +130,22 @@ static bool add_row(json_t *rows, const char *source, const char *series, struct
     return row && json_array_append_new(rows, row) == 0;
 }
 
-static bool run_scene(fnl_device *device, const struct dais_scene *from, const uint32_t size[2],
-                      const struct bench_settings *settings, json_t *rows) {
+static bool run_scene(fnl_device *device, int index, const uint32_t size[2], const struct bench_settings *settings, json_t *rows) {
+    const struct dais_scene *from = &scenes[index];
     fnl_scene *scene = NULL;
     fnl_renderer *renderer = NULL;
     struct dais_subject subjects[SUBJECT_COUNT] = {0};
     fnl_device_info info;
     char source[64];
+    fnl_frame frame;
     uint32_t number = from->divisor ? size[0] / from->divisor : 0;
     if (from->divisor)
         snprintf(source, sizeof source, "%s%u", from->source, number < 4 ? 4 : number > 1024 ? 1024 : number);
     else
         snprintf(source, sizeof source, "%s", from->source);
     bool good = fnl_device_query_info(device, &info) == FNL_OK && fnl_scene_load(NULL, source, &scene) == FNL_OK &&
-                fnl_renderer_create(device, scene, &renderer) == FNL_OK;
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
+                bench_metered_frame(renderer, scene, size[0], size[1], &frame);
     for (int i = 0; i < SUBJECT_COUNT && good; i++) {
         subjects[i].total = calloc(settings->frames + 1, sizeof(double));
         good = subjects[i].total;
@@ -137,16 +154,12 @@ static bool run_scene(fnl_device *device, const struct dais_scene *from, const u
             good = subjects[i].parts[p];
         }
     }
-    for (uint32_t half = 1; half <= 2 && good; half++) { /* half the width and height, then the whole */
-        uint32_t width = half == 1 ? (size[0] + 1) / 2 : size[0], height = half == 1 ? (size[1] + 1) / 2 : size[1];
-        fnl_frame frame;
-        good = bench_metered_frame(renderer, scene, width, height, &frame);
-        for (uint32_t s = 0; s < SAMPLE_COUNTS && good; s++) {
-            if (!(info.msaa_counts & sample_counts[s])) continue;
-            frame.msaa = sample_counts[s];
-            prepare(&frame, subjects);
-            good = measure(renderer, settings, subjects) && add_row(rows, source, from->series, subjects);
-        }
+    for (int s = 0; s < SAMPLE_COUNTS && good; s++) {
+        struct dais_part part = {source, index * SAMPLE_COUNTS + s, SCENE_COUNT * SAMPLE_COUNTS, *from->series ? CROSSING_COUNT : SUBJECT_COUNT};
+        if (!(info.msaa_counts & sample_counts[s])) continue;
+        frame.msaa = sample_counts[s];
+        prepare(&frame, subjects);
+        good = measure(renderer, settings, &part, subjects) && add_row(rows, source, from->series, &part, subjects);
     }
     for (int i = 0; i < SUBJECT_COUNT; i++) {
         free(subjects[i].total);
@@ -159,13 +172,14 @@ static bool run_scene(fnl_device *device, const struct dais_scene *from, const u
 
 bool bench_dais_measure(const struct bench_settings *settings, uint32_t width, uint32_t height, struct bench_data *data) {
     fnl_device *device = NULL;
+    fnl_device_info info = {0};
     json_t *rows = json_array();
-    uint32_t size[2] = {width ? width : 3840, height ? height : 2160};
-    bool good = bench_create_device(settings, NULL, &device);
-    for (int i = 0; i < SCENE_COUNT && good; i++) {
-        if (!settings->quiet) fprintf(stderr, "scene %d of %d: %s\n", i + 1, SCENE_COUNT, scenes[i].source);
-        good = run_scene(device, &scenes[i], size, settings, rows);
-    }
+    bool good = bench_create_device(settings, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK;
+    uint32_t size[2] = {info.type == FNL_DEVICE_CPU ? 640 : 3840, info.type == FNL_DEVICE_CPU ? 360 : 2160};
+    if (width) memcpy(size, (uint32_t[2]){width, height}, sizeof size);
+    bench_progress_begin(settings->quiet);
+    for (int i = 0; i < SCENE_COUNT && good; i++) good = run_scene(device, i, size, settings, rows);
+    bench_progress_clear();
     if (good && settings->validate && fnl_device_validation_count(device)) {
         fputs("fanal: error: Vulkan validation sent messages\n", stderr);
         good = false;
@@ -252,7 +266,10 @@ void bench_table_dais(const struct bench_data *data, json_t *tables) {
         char size[64];
         snprintf(size, sizeof size, "%.0fx%.0f", bench_number(row, "width", 0), bench_number(row, "height", 0));
         json_t *line = json_pack("[O,s]", json_object_get(row, "scene"), size);
-        for (size_t c = 0; c < count; c++) json_array_append(line, json_object_get(row, columns[c].key));
+        for (size_t c = 0; c < count; c++) {
+            json_t *value = json_object_get(row, columns[c].key);
+            json_array_append_new(line, value ? json_incref(value) : json_null());
+        }
         json_array_append_new(cells, line);
     }
     add_crossings(lines, rows);

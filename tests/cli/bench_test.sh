@@ -152,6 +152,11 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     check "$work/v" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=2
     grep -qE 'builtin:hall\?overdraw=1 +32x18 .* (reached|missed|undecided)' "$work/out" || fail "no ids against a G-buffer: $(cat "$work/out")"
 
+    # A suite of its own: five scenes with 1 and with 4 samples; all ways on the hall alone, what the crossings need on the others.
+    expect 0 'spheres, 32x18, 4 samples; time' --suite dais --sizes 32x18 --frames 1 --warm-up 0 -o "$work/t"
+    [ "$(grep -c '"of_deferred_prepass"' "$work/t/results.json")" = 10 ] && [ "$(grep -c '"list_of_target"' "$work/t/results.json")" = 2 ] ||
+        fail "rows of dais: $(cat "$work/out")"
+
     # Paths: from a file, and around the scene.
     printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2 9  0 1 0 # nearer\n\n1 2 2 8  0 1 0\n' >"$work/path.txt"
     expect 0 '' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/p"
