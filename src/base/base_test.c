@@ -4,11 +4,12 @@
 #include "base/jobs.h"
 #include "base/maths.h"
 
-#include <setjmp.h>
-#include <stdatomic.h>
-#include <unistd.h>
+#include "tests/test_memory.h"
 
-#include <cmocka.h>
+#include <dirent.h>
+#include <pthread.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static void test_arena_reuses_its_blocks(void **state) {
     UNUSED(state);
@@ -44,11 +45,66 @@ static void test_parallel_for_visits_each_index_once(void **state) {
     }
 }
 
+/* ---- files ---- */
+
+static char folder[64];
+
+static int make_folder(void **state) {
+    UNUSED(state);
+    snprintf(folder, sizeof folder, "/tmp/fanal-base-test-XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static const char *path_of(const char *name) {
+    static char paths[4][128];
+    static int next;
+    char *path = paths[next++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static int remove_folder(void **state) {
+    UNUSED(state);
+    DIR *directory = opendir(folder);
+    for (struct dirent *entry; (entry = readdir(directory));)
+        if (entry->d_name[0] != '.') unlink(path_of(entry->d_name));
+    closedir(directory);
+    return rmdir(folder);
+}
+
+/* Also those that no test expects, such as temporary files. */
+static int count_files(void) {
+    int count = 0;
+    DIR *directory = opendir(folder);
+    for (struct dirent *entry; (entry = readdir(directory));) count += entry->d_name[0] != '.';
+    closedir(directory);
+    return count;
+}
+
+static void log_to_memory(void *user, fnl_log_level level, const char *line) {
+    struct test_memory *memory = user;
+    if (level == FNL_LOG_ERROR) atomic_fetch_add(&memory->errors, 1);
+    snprintf(memory->last_error, sizeof memory->last_error, "%s", line);
+}
+
+static fnl_host memory_host(struct test_memory *memory) {
+    *memory = (struct test_memory){0};
+    return host_resolve(&(fnl_host){.user = memory, .reallocate = test_memory_reallocate, .log = log_to_memory});
+}
+
+static void assert_content(const char *path, const char *expected) {
+    fnl_host host = host_resolve(NULL);
+    struct file_view view;
+    assert_int_equal(file_load(&host, path, &view), FNL_OK);
+    assert_int_equal(view.size, strlen(expected));
+    if (view.size) assert_memory_equal(view.data, expected, view.size);
+    file_free(&host, &view);
+}
+
 static void test_file_appears_complete_or_not_at_all(void **state) {
     UNUSED(state);
     fnl_host host = host_resolve(NULL);
-    char path[64];
-    snprintf(path, sizeof path, "/tmp/fanal-base-test-%d", (int)getpid());
+    const char *path = path_of("file");
     struct file_writer writer;
     assert_int_equal(file_write_begin(&host, path, &writer), FNL_OK);
     fputs("half", writer.stream);
@@ -56,12 +112,180 @@ static void test_file_appears_complete_or_not_at_all(void **state) {
     file_write_abandon(&writer);
     assert_int_not_equal(access(path, F_OK), 0);
     assert_int_equal(file_save(&host, path, "whole", 5), FNL_OK);
+    assert_content(path, "whole");
+    assert_int_equal(file_save(&host, path, "", 0), FNL_OK);
+    assert_content(path, "");
+    assert_int_equal(count_files(), 1);
+}
+
+static void *fill_and_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    void *block = test_memory_reallocate(user, old, old_size, new_size);
+    if (block && !old) memset(block, 0x5a, new_size); /* what was never written shows */
+    return block;
+}
+
+static void test_files_without_memory_fail_and_give_all_back(void **state) {
+    UNUSED(state);
+    struct test_memory memory;
+    fnl_host host = memory_host(&memory);
+    host.reallocate = fill_and_reallocate;
+    const char *path = path_of("file");
+    long long needed = 0;
+    for (fnl_result result = FNL_ERROR_MEMORY; result != FNL_OK; needed++) {
+        atomic_store(&memory.allocations, 0);
+        atomic_store(&memory.fail_at, needed + 1);
+        result = file_save(&host, path, "whole", 5);
+        assert_true(result == FNL_OK || result == FNL_ERROR_MEMORY);
+        assert_int_equal(count_files(), result == FNL_OK);
+        assert_int_equal(memory.live_bytes, 0);
+        assert_int_equal(memory.wrong_sizes, 0);
+    }
+    assert_true(needed >= 2);
     struct file_view view;
-    assert_int_equal(file_map(&host, path, &view), FNL_OK);
-    assert_int_equal(view.size, 5);
-    assert_memory_equal(view.data, "whole", 5);
-    file_unmap(&view);
-    unlink(path);
+    atomic_store(&memory.allocations, 0);
+    atomic_store(&memory.fail_at, 1);
+    assert_int_equal(file_load(&host, path, &view), FNL_ERROR_MEMORY);
+    assert_null(view.data);
+    assert_int_equal(memory.live_bytes, 0);
+}
+
+static void test_only_regular_files_are_read_and_replaced(void **state) {
+    UNUSED(state);
+    struct test_memory memory;
+    fnl_host host = memory_host(&memory);
+    const char *pipe_path = path_of("pipe"), *link_path = path_of("link");
+    const struct {
+        const char *path, *kind;
+    } others[] = {{pipe_path, "a pipe"}, {folder, "a folder"}, {"/dev/null", "a device"}, {link_path, "a device"}};
+    assert_int_equal(mkfifo(pipe_path, 0600), 0);
+    assert_int_equal(symlink("/dev/null", link_path), 0);
+    alarm(20); /* a reader that waits for a writer would wait for ever */
+    for (uint32_t i = 0; i < COUNT_OF(others); i++) {
+        struct file_view view;
+        char expected[256];
+        assert_int_equal(file_load(&host, others[i].path, &view), FNL_ERROR_FILE);
+        snprintf(expected, sizeof expected, "%s: is %s, not a regular file", others[i].path, others[i].kind);
+        assert_string_equal(memory.last_error, expected);
+        assert_int_equal(file_save(&host, others[i].path, "x", 1), FNL_ERROR_FILE);
+        snprintf(expected, sizeof expected, "%s: cannot be written: it is %s, not a regular file", others[i].path,
+                 others[i].kind);
+        assert_string_equal(memory.last_error, expected);
+    }
+    alarm(0);
+    struct stat status;
+    assert_int_equal(stat("/dev/null", &status), 0);
+    assert_true(S_ISCHR(status.st_mode));
+    assert_int_equal(count_files(), 2);
+    assert_int_equal(memory.live_bytes, 0);
+}
+
+struct cutting_host {
+    struct test_memory memory; /* first: the log takes it too */
+    const char *path;
+};
+
+/* Between finding the size and reading: the moment when another program makes the file shorter. */
+static void *cut_and_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
+    struct cutting_host *cutting = user;
+    if (new_size) assert_int_equal(truncate(cutting->path, 3), 0);
+    return test_memory_reallocate(&cutting->memory, old, old_size, new_size);
+}
+
+static void test_files_that_shrink_are_errors_or_stay_whole(void **state) {
+    UNUSED(state);
+    struct cutting_host cutting = {.path = path_of("file")};
+    fnl_host host = {.user = &cutting, .reallocate = cut_and_reallocate, .log = log_to_memory};
+    fnl_host plain = host_resolve(NULL);
+    char text[20000];
+    memset(text, 'x', sizeof text);
+    assert_int_equal(file_save(&plain, cutting.path, text, sizeof text), FNL_OK);
+    struct file_view view;
+    assert_int_equal(file_load(&host, cutting.path, &view), FNL_ERROR_FILE);
+    assert_non_null(strstr(cutting.memory.last_error, "became shorter"));
+    assert_int_equal(cutting.memory.live_bytes, 0);
+    assert_int_equal(file_save(&plain, cutting.path, text, sizeof text), FNL_OK);
+    assert_int_equal(file_load(&plain, cutting.path, &view), FNL_OK);
+    assert_int_equal(truncate(cutting.path, 0), 0);
+    assert_memory_equal(view.data, text, sizeof text); /* a mapping would end the process here */
+    file_free(&plain, &view);
+}
+
+enum { WRITER_COUNT = 4, WRITES = 60, WRITE_BYTES = 50000 };
+
+struct writing {
+    pthread_t thread;
+    const char *path;
+    char letter;
+    int failures;
+};
+
+static void *write_often(void *user) {
+    struct writing *writing = user;
+    fnl_host host = host_resolve(NULL);
+    char *text = malloc(WRITE_BYTES);
+    memset(text, writing->letter, WRITE_BYTES);
+    for (int i = 0; i < WRITES; i++) writing->failures += file_save(&host, writing->path, text, WRITE_BYTES) != FNL_OK;
+    free(text);
+    return NULL;
+}
+
+static void test_threads_that_write_one_path_each_write_it_whole(void **state) {
+    UNUSED(state);
+    struct writing writers[WRITER_COUNT];
+    const char *path = path_of("shared");
+    fnl_host host = host_resolve(NULL);
+    struct file_view view;
+    for (int i = 0; i < WRITER_COUNT; i++) {
+        writers[i] = (struct writing){.path = path, .letter = (char)('a' + i)};
+        assert_int_equal(pthread_create(&writers[i].thread, NULL, write_often, &writers[i]), 0);
+    }
+    for (int i = 0; i < WRITER_COUNT; i++) {
+        pthread_join(writers[i].thread, NULL);
+        assert_int_equal(writers[i].failures, 0);
+    }
+    assert_int_equal(file_load(&host, path, &view), FNL_OK);
+    assert_int_equal(view.size, WRITE_BYTES);
+    for (size_t i = 1; i < view.size; i++) assert_int_equal(view.data[i], view.data[0]);
+    file_free(&host, &view);
+    assert_int_equal(count_files(), 1);
+}
+
+static void test_replacing_keeps_mode_and_links(void **state) {
+    UNUSED(state);
+    fnl_host host = host_resolve(NULL);
+    struct stat status;
+    char text[128];
+    assert_int_equal(file_save(&host, path_of("file"), "one", 3), FNL_OK);
+    assert_int_equal(chmod(path_of("file"), 0640), 0);
+    assert_int_equal(symlink("file", path_of("link")), 0);
+    assert_int_equal(symlink(path_of("link"), path_of("link of link")), 0);
+    assert_int_equal(file_save(&host, path_of("link of link"), "two", 3), FNL_OK);
+    assert_int_equal(lstat(path_of("file"), &status), 0);
+    assert_true(S_ISREG(status.st_mode));
+    assert_int_equal(status.st_mode & 0777, 0640);
+    assert_int_equal(readlink(path_of("link"), text, sizeof text), 4);
+    assert_content(path_of("file"), "two");
+    /* A link to where nothing is yet, and links that lead nowhere. */
+    assert_int_equal(symlink("new", path_of("early")), 0);
+    assert_int_equal(file_save(&host, path_of("early"), "three", 5), FNL_OK);
+    assert_int_equal(readlink(path_of("early"), text, sizeof text), 3);
+    assert_content(path_of("new"), "three");
+    assert_int_equal(symlink("loop", path_of("loop")), 0);
+    struct test_memory memory;
+    host = memory_host(&memory);
+    assert_int_equal(file_save(&host, path_of("loop"), "four", 4), FNL_ERROR_FILE);
+    assert_non_null(strstr(memory.last_error, "/loop: cannot be written: Too many levels"));
+    assert_int_equal(count_files(), 6);
+}
+
+static void test_long_names_can_be_written(void **state) {
+    UNUSED(state);
+    fnl_host host = host_resolve(NULL);
+    char path[64 + 257];
+    snprintf(path, sizeof path, "%s/%0255d", folder, 7); /* the longest that there is */
+    assert_int_equal(file_save(&host, path, "long", 4), FNL_OK);
+    assert_content(path, "long");
+    assert_int_equal(unlink(path), 0);
 }
 
 static void test_half_floats_round_trip(void **state) {
@@ -103,7 +327,13 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_arena_reuses_its_blocks),
         cmocka_unit_test(test_parallel_for_visits_each_index_once),
-        cmocka_unit_test(test_file_appears_complete_or_not_at_all),
+        cmocka_unit_test_setup_teardown(test_file_appears_complete_or_not_at_all, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_files_without_memory_fail_and_give_all_back, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_only_regular_files_are_read_and_replaced, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_files_that_shrink_are_errors_or_stay_whole, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_threads_that_write_one_path_each_write_it_whole, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_replacing_keeps_mode_and_links, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_long_names_can_be_written, make_folder, remove_folder),
         cmocka_unit_test(test_half_floats_round_trip),
         cmocka_unit_test(test_matrix_inverse),
         cmocka_unit_test(test_octahedral_round_trip),

@@ -210,8 +210,8 @@ static size_t file_size_in(const char *folder, char *path, size_t capacity) {
         snprintf(path, capacity, "%s/%s", folder, entry->d_name);
         struct file_view view;
         fnl_host host = fnl_host_default();
-        if (file_map(&host, path, &view) == FNL_OK) size = view.size;
-        file_unmap(&view);
+        if (file_load(&host, path, &view) == FNL_OK) size = view.size;
+        file_free(&host, &view);
     }
     closedir(directory);
     return size;
@@ -241,10 +241,10 @@ static void test_pipelines_are_kept_in_a_file(void **state) {
 
     fnl_host host = fnl_host_default();
     struct file_view view;
-    assert_int_equal(file_map(&host, path, &view), FNL_OK);
+    assert_int_equal(file_load(&host, path, &view), FNL_OK);
     unsigned char *bytes = calloc(1, view.size + 1);
     memcpy(bytes, view.data, view.size);
-    file_unmap(&view);
+    file_free(&host, &view);
     bytes[size - 1] ^= 1;
     assert_int_equal(file_save(&host, path, bytes, size), FNL_OK);
     assert_int_equal(run_with_cache(folder), 0); /* damaged: not used, and written anew */

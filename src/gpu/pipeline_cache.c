@@ -91,14 +91,14 @@ fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder)
     struct file_view file = {0};
     VkPipelineCacheCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     if (kept && access(pipelines->cache_path, R_OK) == 0 &&
-        file_map(&device->host, pipelines->cache_path, &file) == FNL_OK) {
+        file_load(&device->host, pipelines->cache_path, &file) == FNL_OK) {
         const char *reason;
         info.pInitialData = check_file(device, &file, &info.initialDataSize, &reason);
         if (!info.pInitialData) log_debug(&device->host, "%s: not used: %s", pipelines->cache_path, reason);
     }
     pipelines->loaded_size = info.initialDataSize;
     VkResult result = device->vk.CreatePipelineCache(device->handle, &info, NULL, &pipelines->cache);
-    file_unmap(&file);
+    file_free(&device->host, &file);
     return gpu_check(device, result, "vkCreatePipelineCache");
 }
 
@@ -115,7 +115,7 @@ bool gpu_cache_load(gpu_device *device, const char *stem, struct file_view *out)
     char path[4096];
     *out = (struct file_view){0};
     return sibling_path(device, stem, path, sizeof path) && access(path, R_OK) == 0 &&
-           file_map(&device->host, path, out) == FNL_OK;
+           file_load(&device->host, path, out) == FNL_OK;
 }
 
 void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size_t size) {

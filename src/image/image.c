@@ -127,9 +127,9 @@ fnl_result fnl_image_load(const fnl_host *host, const char *path, fnl_image *out
     TRY(check_pointer(CALL(&resolved), "out", out));
     *out = (fnl_image){0};
     struct file_view view;
-    TRY(file_map(&resolved, path, &view));
+    TRY(file_load(&resolved, path, &view));
     fnl_result result = image_decode(&resolved, view.data, view.size, path, false, out);
-    file_unmap(&view);
+    file_free(&resolved, &view);
     return result;
 }
 

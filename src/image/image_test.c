@@ -369,13 +369,13 @@ static void round_trip(const char *name, const fnl_image *image, double relative
     snprintf(path, sizeof path, "%s", path_of(name));
     struct file_view first, second;
     assert_int_equal(fnl_image_save(&host, path, image), FNL_OK);
-    assert_int_equal(file_map(&host, path, &first), FNL_OK);
-    assert_int_equal(fnl_image_save(&host, path, image), FNL_OK); /* the first mapping keeps the first file */
-    assert_int_equal(file_map(&host, path, &second), FNL_OK);
+    assert_int_equal(file_load(&host, path, &first), FNL_OK);
+    assert_int_equal(fnl_image_save(&host, path, image), FNL_OK); /* over the first */
+    assert_int_equal(file_load(&host, path, &second), FNL_OK);
     assert_int_equal(first.size, second.size);
     assert_memory_equal(first.data, second.data, first.size);
-    file_unmap(&first);
-    file_unmap(&second);
+    file_free(&host, &first);
+    file_free(&host, &second);
     fnl_image back;
     assert_int_equal(fnl_image_load(&host, path, &back), FNL_OK);
     assert_int_equal(back.format, image->format);
@@ -445,10 +445,10 @@ static void test_png_says_srgb_and_drops_full_alpha(void **state) {
         fnl_image image = make_image(5, 4, FNL_PIXEL_FORMAT_RGBA8, opaque, 1);
         assert_int_equal(fnl_image_save(&host, path_of("a.png"), &image), FNL_OK);
         struct file_view view;
-        assert_int_equal(file_map(&host, path_of("a.png"), &view), FNL_OK);
+        assert_int_equal(file_load(&host, path_of("a.png"), &view), FNL_OK);
         assert_int_equal(view.data[25], opaque ? 2 : 6); /* colour type of the header */
         assert_non_null(memmem(view.data, view.size, "sRGB", 4));
-        file_unmap(&view);
+        file_free(&host, &view);
         unlink(path_of("a.png"));
         free(image.pixels);
     }
@@ -558,14 +558,14 @@ static void test_real_png_files(void **state) {
         if (!path_has_extension(entry->d_name, "png")) continue;
         snprintf(path, sizeof path, "%s/FlightHelmet/%s", scenes(), entry->d_name);
         struct file_view view;
-        assert_int_equal(file_map(&host, path, &view), FNL_OK);
+        assert_int_equal(file_load(&host, path, &view), FNL_OK);
         fnl_image image;
         double start = time_now();
         assert_int_equal(image_decode(&host, view.data, view.size, path, true, &image), FNL_OK);
         seconds += time_now() - start;
         file_bytes += view.size;
         pixel_bytes += (uint64_t)image.width * image.height * 4;
-        file_unmap(&view);
+        file_free(&host, &view);
         /* Saved and read again it is the same. */
         fnl_image again;
         assert_int_equal(fnl_image_save(&host, path_of("again.png"), &image), FNL_OK);

@@ -10,7 +10,7 @@ static void load_choices(fnl_renderer *r) {
     struct file_view file;
     if (!gpu_cache_load(r->device, "choices", &file)) return;
     chooser_parse(&r->chooser, (const char *)file.data, file.size);
-    file_unmap(&file);
+    file_free(&r->host, &file);
 }
 
 static void save_choices(fnl_renderer *r) {

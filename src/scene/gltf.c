@@ -185,13 +185,13 @@ fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out) {
     TRY(scene_create(host, path, &scene));
     struct file_view file = {0};
     char folder[4096];
-    fnl_result result = file_map(&scene->host, path, &file);
+    fnl_result result = file_load(&scene->host, path, &file);
     if (result == FNL_OK && !path_folder(path, folder, sizeof folder)) {
         log_error(&scene->host, "%.64s…: the path is too long", path);
         result = FNL_ERROR_FILE;
     }
     if (result == FNL_OK && !array_push(&scene->host, &scene->files, file)) result = FNL_ERROR_MEMORY;
-    if (result != FNL_OK) file_unmap(&file);
+    if (result != FNL_OK) file_free(&scene->host, &file);
     if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder);
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);

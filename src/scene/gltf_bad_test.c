@@ -66,7 +66,7 @@ static void test_truncated_samples(void **state) {
             print_message("skipped: there is no %s\n", paths[i]);
             skip();
         }
-        assert_int_equal(file_map(&host, paths[i], &file), FNL_OK);
+        assert_int_equal(file_load(&host, paths[i], &file), FNL_OK);
         unsigned char *copy = malloc(file.size);
         memcpy(copy, file.data, file.size);
         fnl_scene *scene;
@@ -95,7 +95,7 @@ static void test_truncated_samples(void **state) {
             memcpy(copy + 20 + json_size, &chunk, 4);
         }
         free(copy);
-        file_unmap(&file);
+        file_free(&host, &file);
     }
 }
 
@@ -211,16 +211,18 @@ static void test_files_beside_the_scene(void **state) {
     char gltf[128], json[1024];
     snprintf(gltf, sizeof gltf, "%s.gltf", folder);
     snprintf(json, sizeof json,
-             "{" ASSET ",\"buffers\":[{\"byteLength\":72,\"uri\":\"fanal-gltf-test-%d%%20a%%20b.bin\"}],"
+             "{" ASSET ",\"buffers\":[{\"byteLength\":72,\"uri\":\"fanal-gltf-test-%d%%20a%%20b.bin\"},"
+             "{\"byteLength\":4,\"uri\":\"../tmp/fanal-gltf-test-%d a b.bin\"}],"
              "\"bufferViews\":[{\"buffer\":0,\"byteLength\":72,\"byteStride\":12}],\"accessors\":[{\"bufferView\":0,"
              "\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
              "\"images\":[{\"uri\":\"missing.png\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
              "\"nodes\":[{\"mesh\":0}]}",
-             (int)getpid());
+             (int)getpid(), (int)getpid());
     assert_int_equal(file_save(&host, gltf, json, strlen(json)), FNL_OK);
     fnl_scene *scene;
     assert_int_equal(fnl_scene_load(&host, gltf, &scene), FNL_OK);
     assert_int_equal(scene->primitives.count, 1);
+    assert_int_equal(scene->files.count, 2); /* the same file by another name is not read again */
     assert_int_equal(file_log.count, 1);
     snprintf(message, sizeof message, "%s: /images/0/uri: /tmp/missing.png: cannot be opened", gltf);
     assert_string_equal(fnl_scene_message(scene, 0)

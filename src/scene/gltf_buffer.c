@@ -4,6 +4,9 @@
 
 /* ---- URIs (2.8, RFC 2397, RFC 3986) ---- */
 
+/** What a file may decode to grows with the bytes that it has. */
+static void add_budget(struct gltf *g, uint64_t bytes) { g->budget += 64 * bytes; }
+
 static int base64_digit(unsigned char c) {
     if (c >= 'A' && c <= 'Z') return c - 'A';
     if (c >= 'a' && c <= 'z') return c - 'a' + 26;
@@ -38,6 +41,7 @@ static bool read_base64(struct gltf *g, const struct at *at, const char *text, c
     }
     *data = bytes;
     *size = used;
+    add_budget(g, used);
     return true;
 }
 
@@ -55,6 +59,39 @@ static bool has_scheme(const char *uri) {
            (i > 0 && uri[i] && strchr("0123456789+-.", uri[i])))
         i++;
     return i > 1 && uri[i] == ':';
+}
+
+/** A file is read once, however often a small document names it. */
+static bool find_loaded(const fnl_scene *scene, const char *path, struct file_view *out) {
+    struct file_identity wanted;
+    if (!file_identify(path, &wanted)) return false;
+    for (uint32_t i = 0; i < scene->files.count; i++) {
+        *out = scene->files.data[i];
+        if (out->identity.device == wanted.device && out->identity.node == wanted.node) return true;
+    }
+    return false;
+}
+
+static bool load_file(struct gltf *g, const struct at *at, const char *path, struct file_view *out) {
+    struct gltf_quiet_host quiet;
+    gltf_quiet_host_init(&quiet, g->host);
+    fnl_result result = file_load(&quiet.host, path, out);
+    if (result == FNL_ERROR_MEMORY) {
+        log_error(g->host, "%s: %s", path, quiet.line);
+        gltf_fail_memory(g);
+        return false;
+    }
+    if (result != FNL_OK) {
+        gltf_warn(g, at, "%s; its data is ignored", quiet.line);
+        return false;
+    }
+    if (!array_push(g->host, &g->scene->files, *out)) {
+        file_free(g->host, out);
+        gltf_fail_memory(g);
+        return false;
+    }
+    add_budget(g, out->size);
+    return true;
 }
 
 static bool read_file(struct gltf *g, const struct at *at, const char *uri, const unsigned char **data, uint64_t *size) {
@@ -75,18 +112,8 @@ static bool read_file(struct gltf *g, const struct at *at, const char *uri, cons
         return false;
     }
     path[length] = 0;
-    struct gltf_quiet_host quiet;
-    gltf_quiet_host_init(&quiet, g->host);
     struct file_view file;
-    if (file_map(&quiet.host, path, &file) != FNL_OK) {
-        gltf_warn(g, at, "%s; its data is ignored", quiet.line);
-        return false;
-    }
-    if (!array_push(g->host, &g->scene->files, file)) {
-        file_unmap(&file);
-        gltf_fail_memory(g);
-        return false;
-    }
+    if (!find_loaded(g->scene, path, &file) && !load_file(g, at, path, &file)) return false;
     *data = file.data;
     *size = file.size;
     return true;
@@ -129,6 +156,7 @@ static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uin
     } else if (g->is_glb && index == 0) {
         buffer->data = g->binary;
         available = g->binary_size;
+        add_budget(g, available);
         if (!buffer->data) {
             gltf_warn(g, at, "has no 'uri', and the GLB has no BIN chunk; it is ignored");
             return;
@@ -137,7 +165,6 @@ static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uin
         if (!buffer_is_fallback(object)) gltf_warn(g, at, "has no 'uri', so there is nothing to read");
         return;
     }
-    g->budget += 64 * available;
     if (buffer->valid && available < buffer->size) {
         gltf_fail(g, FNL_ERROR_FORMAT, at, "says byteLength %llu, but there are only %llu bytes: the data is truncated",
                   (unsigned long long)buffer->size, (unsigned long long)available);

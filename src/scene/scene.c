@@ -39,7 +39,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     if (!scene_address || !*scene_address) return;
     fnl_scene *scene = *scene_address;
     fnl_host host = scene->host;
-    for (uint32_t i = 0; i < scene->files.count; i++) file_unmap(&scene->files.data[i]);
+    for (uint32_t i = 0; i < scene->files.count; i++) file_free(&host, &scene->files.data[i]);
     array_free(&host, &scene->files);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);

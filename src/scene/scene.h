@@ -197,7 +197,7 @@ struct fnl_scene {
     fnl_host host;
     struct arena arena;
     char *source;                  /* path or builtin:… for messages */
-    ARRAY(struct file_view) files; /* stay mapped while images point into them */
+    ARRAY(struct file_view) files; /* kept while images point into them */
 
     ARRAY(struct scene_image) images;
     ARRAY(struct scene_sampler) samplers;
