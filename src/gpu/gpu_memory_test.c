@@ -2,6 +2,7 @@
 #include "gpu/gpu_test.h"
 
 #include <math.h>
+#include <sys/mman.h>
 
 static void fill_random(void *data, size_t size, uint64_t seed) {
     struct random_state random = {seed};
@@ -329,6 +330,36 @@ static void test_what_is_destroyed_right_after_its_upload(void **state) {
     test_device_destroy(&device);
 }
 
+static VKAPI_ATTR VkResult VKAPI_CALL map_nothing(VkDevice device, VkDeviceMemory memory, VkDeviceSize offset,
+                                                  VkDeviceSize size, VkMemoryMapFlags flags, void **data) {
+    UNUSED(device);
+    UNUSED(memory);
+    UNUSED(offset);
+    UNUSED(size);
+    UNUSED(flags);
+    *data = MAP_FAILED;
+    return VK_SUCCESS;
+}
+
+/* As the CPU driver does when addresses run out. */
+static void test_mapping_that_failed_is_no_success(void **state) {
+    UNUSED(state);
+    struct test_memory memory = {0};
+    gpu_device *device = test_device_create(&memory);
+    struct gpu_memory_stats before = gpu_memory_stats(device);
+    struct gpu_buffer buffer;
+    PFN_vkMapMemory real = device->vk.MapMemory;
+    device->vk.MapMemory = map_nothing;
+    assert_int_equal(gpu_buffer_create(device, "unmapped", (uint64_t)40 << 20, GPU_MEMORY_UPLOAD, &buffer), FNL_ERROR_MEMORY);
+    device->vk.MapMemory = real;
+    assert_non_null(strstr(memory.last_error, "'unmapped'"));
+    assert_int_equal(gpu_memory_stats(device).reserved_bytes, before.reserved_bytes);
+    assert_int_equal(gpu_buffer_create(device, "mapped", (uint64_t)40 << 20, GPU_MEMORY_UPLOAD, &buffer), FNL_OK);
+    memset(buffer.mapped, 1, (size_t)40 << 20);
+    gpu_buffer_destroy(device, &buffer);
+    test_device_destroy(&device);
+}
+
 const struct CMUnitTest memory_tests[] = {
     cmocka_unit_test(test_buffers_come_back_as_sent),
     cmocka_unit_test(test_threads_upload_at_once),
@@ -338,5 +369,6 @@ const struct CMUnitTest memory_tests[] = {
     cmocka_unit_test(test_memory_is_accounted),
     cmocka_unit_test(test_a_heap_holds_images_and_buffers),
     cmocka_unit_test(test_what_is_destroyed_right_after_its_upload),
+    cmocka_unit_test(test_mapping_that_failed_is_no_success),
 };
 const size_t memory_test_count = COUNT_OF(memory_tests);

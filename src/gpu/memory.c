@@ -2,6 +2,8 @@
 /* Device memory in blocks, one list of free ranges each. Not on any frame's hot path: plain first fit. */
 #include "gpu/gpu_internal.h"
 
+#include <sys/mman.h>
+
 enum { BLOCK_BYTES = 64 << 20 };
 
 static VkDeviceSize block_size(const struct gpu_memory *memory, uint32_t type) {
@@ -142,6 +144,8 @@ static VkResult add_block(gpu_device *device, uint32_t type, bool optimal, bool 
     }
     if (memory->properties.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
         result = device->vk.MapMemory(device->handle, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped);
+        /* Mesa's CPU driver hands on what mmap() returned, be it a failure, and calls that a success. */
+        if (result == VK_SUCCESS && block.mapped == MAP_FAILED) result = VK_ERROR_MEMORY_MAP_FAILED;
         if (result != VK_SUCCESS) {
             free_block(device, &block);
             return result;
