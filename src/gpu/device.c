@@ -195,7 +195,8 @@ fnl_result gpu_device_new(const fnl_device_params *params, gpu_device **out) {
     pthread_mutex_init(&device->bindless.mutex, NULL);
     pthread_mutex_init(&device->scopes.mutex, NULL);
     pthread_mutex_init(&device->uploads.mutex, NULL);
-    pthread_mutex_init(&device->pipelines.creation, NULL);
+    pthread_mutex_init(&device->pipelines.mutex, NULL);
+    pthread_cond_init(&device->pipelines.changed, NULL);
     pthread_rwlock_init(&device->pipelines.lock, NULL);
     device->dead_commands.device = device;
     *out = device;
@@ -257,7 +258,7 @@ fnl_result gpu_device_start(gpu_device *device, const char *cache_folder) {
     VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
     properties.pNext = &driver;
     device->instance.vk.GetPhysicalDeviceProperties2(device->physical, &properties);
-    device->keeps_draw_counts = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+    device->keeps_draw_counts = device->compiles_late = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     return FNL_OK;
 }
 
@@ -317,6 +318,38 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     return FNL_OK;
 }
 
+static fnl_result open_device(gpu_device *device, const struct gpu_physical *physical, const char *cache_folder) {
+    device->physical = physical->handle;
+    device->info = physical->info;
+    device->isotropic_gradients = physical->isotropic_gradients;
+    TRY(create_device(device, physical));
+    return gpu_device_start(device, cache_folder);
+}
+
+static void no_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    UNUSED(level);
+    UNUSED(line);
+}
+
+fnl_result gpu_device_create_beside(const gpu_device *device, gpu_device **out) {
+    fnl_device_params params = fnl_device_params_default();
+    struct gpu_physical physical;
+    params.host = device->host;
+    params.host.log = no_log;
+    params.host.thread_count = 1;
+    fnl_result result = gpu_device_new(&params, out);
+    if (result == FNL_OK)
+        result = gpu_instance_import(&(*out)->instance, &(*out)->host, device->instance.get_proc, device->instance.handle,
+                                     false);
+    if (result == FNL_OK) {
+        gpu_physical_query(&(*out)->instance, device->physical, &physical);
+        result = open_device(*out, &physical, "");
+    }
+    if (result != FNL_OK) fnl_device_destroy(out);
+    return result;
+}
+
 fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) {
     fnl_device_params defaults = fnl_device_params_default();
     if (!params) params = &defaults;
@@ -330,13 +363,7 @@ fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) 
     fnl_result result = gpu_device_new(params, &device);
     if (result == FNL_OK) result = gpu_instance_open(&device->instance, &device->host, params->validate, false);
     if (result == FNL_OK) result = gpu_physical_pick(&device->instance, params, &physical);
-    if (result == FNL_OK) {
-        device->physical = physical.handle;
-        device->info = physical.info;
-        device->isotropic_gradients = physical.isotropic_gradients;
-        result = create_device(device, &physical);
-    }
-    if (result == FNL_OK) result = gpu_device_start(device, params->cache_folder);
+    if (result == FNL_OK) result = open_device(device, &physical, params->cache_folder);
     if (result != FNL_OK) {
         fnl_device_destroy(&device);
         return result;
@@ -376,7 +403,8 @@ void fnl_device_destroy(fnl_device **address) {
     pthread_mutex_destroy(&device->bindless.mutex);
     pthread_mutex_destroy(&device->scopes.mutex);
     pthread_mutex_destroy(&device->uploads.mutex);
-    pthread_mutex_destroy(&device->pipelines.creation);
+    pthread_mutex_destroy(&device->pipelines.mutex);
+    pthread_cond_destroy(&device->pipelines.changed);
     pthread_rwlock_destroy(&device->pipelines.lock);
     fnl_host host = device->host;
     host_free(&host, device, sizeof *device);

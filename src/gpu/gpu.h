@@ -227,11 +227,26 @@ struct gpu_graphics_params {
 const struct gpu_pipeline *gpu_compute_pipeline(gpu_device *device, const struct gpu_compute_params *params);
 const struct gpu_pipeline *gpu_graphics_pipeline(gpu_device *device, const struct gpu_graphics_params *params);
 
+struct gpu_commands;
+/**
+ * Asks for pipelines ahead of their use: until gpu_ask_end the functions above make nothing and return NULL; what is not there is made by
+ * a thread in the background, one after the other, unless a frame that needs it is faster. The commands, which record nothing, are for
+ * code that asks by recording. On the thread that makes frames, while nothing is being recorded.
+ */
+struct gpu_commands *gpu_ask_begin(gpu_device *device);
+/** A ticket: all that was asked for is there as soon as gpu_pipeline_stats().done is no less. 0: it is all there. */
+uint64_t gpu_ask_end(gpu_device *device);
+
+struct gpu_pipeline_stats {
+    uint64_t asked, done;       /* so many were put in line, and so many of them, from the first on, are made: equal when the background is at rest */
+    uint64_t ahead, rehearsed;  /* of them, made in the background; and used there on a second device (rehearse.c) */
+    uint64_t late;              /* pipelines that a frame needed and had to make or to wait for */
+};
+struct gpu_pipeline_stats gpu_pipeline_stats(gpu_device *device);
+
 /* ---- commands ---- */
 
 enum gpu_queue { GPU_QUEUE_GRAPHICS, GPU_QUEUE_COMPUTE };
-
-struct gpu_commands;
 
 /** A command buffer of the frame being made; each chunk is recorded by one thread at a time. */
 struct gpu_commands *gpu_commands_begin(gpu_device *device, enum gpu_queue queue, uint32_t chunk);

@@ -4,6 +4,7 @@
 #include "shaders.h"
 
 #include <math.h>
+#include <time.h>
 
 enum { SIDE = 16, MAX_VERTICES = 64 };
 
@@ -423,6 +424,41 @@ static void test_pipelines_are_made_once(void **state) {
     test_device_destroy(&device);
 }
 
+/* Whatever they draw to: validation says if the second device uses one wrongly. */
+static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
+    UNUSED(state);
+    gpu_device *device = test_device_create(NULL);
+    struct canvas canvas;
+    canvas_init(&canvas, device, 1);
+    struct gpu_graphics_params kinds[7];
+    for (uint32_t i = 0; i < COUNT_OF(kinds); i++) memcpy(&kinds[i], &canvas.pipeline, sizeof kinds[i]);
+    kinds[1].blends[0] = GPU_BLEND_ALPHA;
+    kinds[1].color_formats[0] = VK_FORMAT_R8G8B8A8_UNORM;
+    kinds[2].fragment = NULL;
+    kinds[2].color_count = 0;
+    kinds[2].depth_test = kinds[2].depth_write = true;
+    kinds[3].samples = 4;
+    kinds[3].color_formats[0] = VK_FORMAT_R16G16B16A16_SFLOAT;
+    kinds[4].depth_format = VK_FORMAT_UNDEFINED;
+    kinds[5].depth_format = VK_FORMAT_D32_SFLOAT_S8_UINT;
+    kinds[5].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_REPLACE, GPU_STENCIL_SET};
+    kinds[6].depth_format = VK_FORMAT_S8_UINT;
+    kinds[6].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, 3};
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    gpu_ask_begin(device);
+    for (uint32_t i = 0; i < COUNT_OF(kinds); i++) assert_null(gpu_graphics_pipeline(device, &kinds[i]));
+    uint64_t ticket = gpu_ask_end(device);
+    assert_int_equal(gpu_frame_end(device, NULL, 0, NULL), FNL_OK);
+    assert_int_equal(ticket, COUNT_OF(kinds));
+    while (gpu_pipeline_stats(device).done < ticket) nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    for (uint32_t i = 0; i < COUNT_OF(kinds); i++) assert_non_null(gpu_graphics_pipeline(device, &kinds[i]));
+    assert_int_equal(gpu_pipeline_stats(device).late, 0);
+    assert_int_equal(gpu_pipeline_stats(device).ahead, COUNT_OF(kinds));
+    assert_int_equal(gpu_pipeline_stats(device).rehearsed, device->compiles_late ? COUNT_OF(kinds) : 0);
+    canvas_finish(&canvas);
+    test_device_destroy(&device);
+}
+
 const struct CMUnitTest draw_tests[] = {
     cmocka_unit_test(test_y_is_up_and_fronts_are_counter_clockwise),
     cmocka_unit_test(test_depth_is_reversed_written_and_clamped),
@@ -432,5 +468,6 @@ const struct CMUnitTest draw_tests[] = {
     cmocka_unit_test(test_indirect_draws_are_counted_on_the_gpu),
     cmocka_unit_test(test_a_draws_time_is_not_that_of_the_next_dispatch),
     cmocka_unit_test(test_pipelines_are_made_once),
+    cmocka_unit_test(test_pipelines_of_all_kinds_are_made_ahead),
 };
 const size_t draw_test_count = COUNT_OF(draw_tests);

@@ -166,10 +166,19 @@ void gpu_bindless_remove(gpu_device *device, enum gpu_binding binding, uint32_t 
 
 /* ---- pipeline.c, pipeline_cache.c ---- */
 
+enum gpu_pipeline_state {
+    GPU_PIPELINE_NEW,   /* for the first who needs it to make */
+    GPU_PIPELINE_ASKED, /* the same, and in line for the worker */
+    GPU_PIPELINE_BEING_MADE,
+    GPU_PIPELINE_MADE,
+};
+
 struct gpu_pipeline {
+    atomic_int state;  /* changes under the mutex; from MADE on nothing below changes */
     VkPipeline handle; /* VK_NULL_HANDLE: could not be made, for the reason of `result` */
-    VkPipelineBindPoint point;
     fnl_result result;
+    struct gpu_pipeline *next_asked;
+    VkPipelineBindPoint point;
     uint64_t hash;
     union gpu_pipeline_key {
         struct gpu_compute_params compute;
@@ -179,9 +188,15 @@ struct gpu_pipeline {
 
 struct gpu_pipelines {
     pthread_rwlock_t lock;       /* of the table */
-    pthread_mutex_t creation;    /* one pipeline is made at a time */
     struct gpu_pipeline **table; /* open addressing; the capacity is a power of two */
     uint32_t count, capacity;
+    pthread_mutex_t mutex;  /* of new entries, states and what is below */
+    pthread_cond_t changed; /* a state, the line, or stop */
+    pthread_t worker;       /* makes what was asked for, in that order */
+    bool has_worker, stop;  /* it is started when first asked */
+    struct gpu_pipeline *first_asked, *last_asked;
+    struct gpu_pipeline_stats stats;
+    bool asking, asking_missed; /* between gpu_ask_begin and end; something was not there */
     VkPipelineCache cache;
     char *cache_path; /* NULL: not kept */
     size_t cache_path_size, loaded_size;
@@ -193,6 +208,11 @@ void gpu_pipelines_finish(gpu_device *device);
 fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder);
 /** Writes the file if the cache grew. */
 void gpu_pipeline_cache_save(gpu_device *device);
+
+/* ---- rehearse.c ---- */
+
+/** Uses a pipeline of another device on this one, with nothing to draw or to compute, and waits for it. False: it could not. */
+bool gpu_rehearse(gpu_device *stage, const struct gpu_pipeline *pipeline);
 
 /* ---- scope.c ---- */
 
@@ -335,6 +355,7 @@ struct fnl_device {
     uint64_t timestamp_mask; /* 0: no timestamps */
     bool isotropic_gradients;
     bool keeps_draw_counts; /* the driver's fault that gpu_draw_indexed_indirect_count mends */
+    bool compiles_late;     /* the driver's way that rehearse.c is for */
 
     atomic_int status;
     pthread_mutex_t queue_mutex; /* of both queues */
@@ -362,6 +383,8 @@ struct fnl_device {
 fnl_result gpu_device_start(gpu_device *device, const char *cache_folder);
 /** Allocates the struct with host, locks and job pool. */
 fnl_result gpu_device_new(const fnl_device_params *params, gpu_device **out);
+/** Another device of the same instance and driver, with a quiet log and no cache folder. NULL after a failure. */
+fnl_result gpu_device_create_beside(const gpu_device *device, gpu_device **out);
 /** What a VkResult means here; failures are logged as "<what>: VK_ERROR_…", and device loss sticks. */
 fnl_result gpu_check(gpu_device *device, VkResult result, const char *format, ...) __attribute__((format(printf, 3, 4)));
 const char *gpu_result_text(VkResult result);

@@ -85,6 +85,15 @@ void test_dispatch(struct gpu_commands *commands, enum test_mode mode, uint32_t 
     gpu_dispatch(commands, DIVIDE_UP(push->count, 64), 1, 1);
 }
 
+uint64_t test_ask(gpu_device *device, uint32_t first, uint32_t count) {
+    assert_int_equal(gpu_frame_begin(device), FNL_OK);
+    struct gpu_commands *commands = gpu_ask_begin(device);
+    for (uint32_t i = 0; i < count; i++) test_dispatch(commands, TEST_MULTIPLY, first + i, &(struct test_push){.count = 1});
+    uint64_t ticket = gpu_ask_end(device);
+    assert_int_equal(gpu_frame_end(device, NULL, 0, NULL), FNL_OK);
+    return ticket;
+}
+
 static void record_fetch(struct gpu_commands *commands, void *context) { test_dispatch(commands, TEST_FETCH, 0, context); }
 
 void test_fetch_mip(gpu_device *device, const struct gpu_image *image, uint32_t mip, fnl_vec4 *out) {
@@ -106,5 +115,6 @@ int main(void) {
     failed += _cmocka_run_group_tests("gpu: commands", commands_tests, commands_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: draws", draw_tests, draw_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: scopes", scope_tests, scope_test_count, NULL, NULL);
+    failed += _cmocka_run_group_tests("gpu: pipelines ahead", ahead_tests, ahead_test_count, NULL, NULL);
     return failed;
 }

@@ -7,8 +7,20 @@ fnl_result gpu_pipelines_init(gpu_device *device, const char *cache_folder) {
     return gpu_pipeline_cache_load(device, cache_folder);
 }
 
+/** The worker leaves what is still in line; what it is at it has to finish. */
+static void stop_worker(struct gpu_pipelines *pipelines) {
+    if (!pipelines->has_worker) return;
+    pthread_mutex_lock(&pipelines->mutex);
+    pipelines->stop = true;
+    pthread_cond_broadcast(&pipelines->changed);
+    pthread_mutex_unlock(&pipelines->mutex);
+    pthread_join(pipelines->worker, NULL);
+    pipelines->has_worker = false;
+}
+
 void gpu_pipelines_finish(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
+    stop_worker(pipelines);
     gpu_pipeline_cache_save(device);
     for (uint32_t i = 0; i < pipelines->capacity; i++) {
         struct gpu_pipeline *pipeline = pipelines->table[i];
@@ -49,7 +61,7 @@ static void put_pipeline(struct gpu_pipeline **table, uint32_t capacity, struct 
     table[i] = pipeline;
 }
 
-/** Makes room for one more at less than half full. The creation mutex is held: only readers are about. */
+/** Makes room for one more at less than half full. The mutex is held: only readers are about. */
 static bool grow_table(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
     if ((pipelines->count + 1) * 2 <= pipelines->capacity) return true;
@@ -297,50 +309,128 @@ static fnl_result check_graphics(const gpu_device *device, const struct gpu_grap
     return FNL_OK;
 }
 
-/** Makes and enters a pipeline. One that the driver refuses is entered too, so that it is not tried each frame. */
-static struct gpu_pipeline *create_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key, uint64_t hash) {
-    bool compute = point == VK_PIPELINE_BIND_POINT_COMPUTE;
-    fnl_result result = compute ? check_compute(&device->host, key) : check_graphics(device, key);
-    struct gpu_pipeline *pipeline = NULL;
-    if (result == FNL_OK) {
-        pipeline = grow_table(device) ? host_allocate_zero(&device->host, sizeof *pipeline) : NULL;
-        if (!pipeline) result = FNL_ERROR_MEMORY;
-    }
-    if (result == FNL_OK) {
-        pipeline->point = point;
-        pipeline->hash = hash;
-        memcpy(&pipeline->key, key, key_size(point));
-        result = compute ? create_compute(device, key, &pipeline->handle) : create_graphics(device, key, &pipeline->handle);
-        pipeline->result = result;
-    }
-    if (result == FNL_ERROR_MEMORY || result == FNL_ERROR_DEVICE_LOST || !pipeline) {
-        if (pipeline) host_free(&device->host, pipeline, sizeof *pipeline);
-        gpu_fail(device, result);
-        return NULL;
-    }
-    if (result != FNL_OK) pipeline->handle = VK_NULL_HANDLE;
-    pthread_rwlock_wrlock(&device->pipelines.lock);
-    put_pipeline(device->pipelines.table, device->pipelines.capacity, pipeline);
-    device->pipelines.count++;
-    pthread_rwlock_unlock(&device->pipelines.lock);
+/* ---- who makes them: the frame that needs one, or the worker those that were asked for ---- */
+
+static fnl_result check_params(const gpu_device *device, VkPipelineBindPoint point, const void *key) {
+    return point == VK_PIPELINE_BIND_POINT_COMPUTE ? check_compute(&device->host, key) : check_graphics(device, key);
+}
+
+/** The table's entry, new if need be; NULL when memory ran out. The mutex is held. */
+static struct gpu_pipeline *enter_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key, uint64_t hash) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    struct gpu_pipeline *pipeline = find_pipeline(pipelines, point, key, hash);
+    if (pipeline) return pipeline;
+    pipeline = grow_table(device) ? host_allocate_zero(&device->host, sizeof *pipeline) : NULL;
+    if (!pipeline) return NULL;
+    pipeline->point = point;
+    pipeline->hash = hash;
+    memcpy(&pipeline->key, key, key_size(point));
+    pthread_rwlock_wrlock(&pipelines->lock);
+    put_pipeline(pipelines->table, pipelines->capacity, pipeline);
+    pipelines->count++;
+    pthread_rwlock_unlock(&pipelines->lock);
     return pipeline;
 }
 
+/**
+ * Makes an entry that nobody is making. The mutex is held, but not meanwhile: different pipelines are made at once, and a frame never waits
+ * for one that it does not need. One that the driver refuses counts as made, so that it is not tried each frame.
+ */
+static void make_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    atomic_store(&pipeline->state, GPU_PIPELINE_BEING_MADE);
+    pthread_mutex_unlock(&pipelines->mutex);
+    VkPipeline handle = VK_NULL_HANDLE;
+    fnl_result result = pipeline->point == VK_PIPELINE_BIND_POINT_COMPUTE
+                            ? create_compute(device, &pipeline->key.compute, &handle)
+                            : create_graphics(device, &pipeline->key.graphics, &handle);
+    pthread_mutex_lock(&pipelines->mutex);
+    pipeline->handle = result == FNL_OK ? handle : VK_NULL_HANDLE;
+    pipeline->result = result;
+    bool may_go_better = result == FNL_ERROR_MEMORY || result == FNL_ERROR_DEVICE_LOST;
+    atomic_store(&pipeline->state, may_go_better ? GPU_PIPELINE_NEW : GPU_PIPELINE_MADE);
+    pthread_cond_broadcast(&pipelines->changed);
+}
+
+static void *work(void *argument) {
+    gpu_device *device = argument, *stage = NULL;
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    if (device->compiles_late) gpu_device_create_beside(device, &stage); /* without it the first use takes its time */
+    pthread_mutex_lock(&pipelines->mutex);
+    for (;;) {
+        while (!pipelines->stop && !pipelines->first_asked) pthread_cond_wait(&pipelines->changed, &pipelines->mutex);
+        if (pipelines->stop) break;
+        struct gpu_pipeline *pipeline = pipelines->first_asked;
+        pipelines->first_asked = pipeline->next_asked;
+        if (!pipelines->first_asked) pipelines->last_asked = NULL;
+        /* A frame that needed it may have been faster. */
+        bool made = atomic_load(&pipeline->state) == GPU_PIPELINE_ASKED;
+        if (made) {
+            make_pipeline(device, pipeline);
+            pipelines->stats.ahead++;
+        }
+        while (atomic_load(&pipeline->state) == GPU_PIPELINE_BEING_MADE)
+            pthread_cond_wait(&pipelines->changed, &pipelines->mutex);
+        if (stage && made && pipeline->handle && !pipelines->stop) {
+            pthread_mutex_unlock(&pipelines->mutex);
+            bool rehearsed = gpu_rehearse(stage, pipeline);
+            pthread_mutex_lock(&pipelines->mutex);
+            pipelines->stats.rehearsed += rehearsed;
+        }
+        pipelines->stats.done++;
+    }
+    pthread_mutex_unlock(&pipelines->mutex);
+    fnl_device_destroy(&stage);
+    return NULL;
+}
+
+/** Puts an entry in line, unless it is there or further on already. The mutex is held. */
+static void ask_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    int state = atomic_load(&pipeline->state);
+    if (state == GPU_PIPELINE_MADE) return;
+    pipelines->asking_missed = true;
+    if (state != GPU_PIPELINE_NEW) return;
+    if (!pipelines->has_worker) pipelines->has_worker = pthread_create(&pipelines->worker, NULL, work, device) == 0;
+    if (!pipelines->has_worker) return; /* then the frame that needs it makes it */
+    atomic_store(&pipeline->state, GPU_PIPELINE_ASKED);
+    pipeline->next_asked = NULL;
+    *(pipelines->last_asked ? &pipelines->last_asked->next_asked : &pipelines->first_asked) = pipeline;
+    pipelines->last_asked = pipeline;
+    pipelines->stats.asked++;
+    pthread_cond_broadcast(&pipelines->changed);
+}
+
+/** The entry is made when this returns, by whoever. The mutex is held. */
+static fnl_result need_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    if (atomic_load(&pipeline->state) != GPU_PIPELINE_MADE) pipelines->stats.late++;
+    while (atomic_load(&pipeline->state) == GPU_PIPELINE_BEING_MADE)
+        pthread_cond_wait(&pipelines->changed, &pipelines->mutex);
+    if (atomic_load(&pipeline->state) != GPU_PIPELINE_MADE) make_pipeline(device, pipeline);
+    return pipeline->result;
+}
+
 static const struct gpu_pipeline *get_pipeline(gpu_device *device, VkPipelineBindPoint point, const void *key) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
     uint64_t hash = hash_bytes(key, key_size(point), HASH_SEED);
-    struct gpu_pipeline *pipeline = find_pipeline(&device->pipelines, point, key, hash);
-    if (!pipeline) {
-        pthread_mutex_lock(&device->pipelines.creation);
-        pipeline = find_pipeline(&device->pipelines, point, key, hash); /* another thread may have been first */
-        if (!pipeline) pipeline = create_pipeline(device, point, key, hash);
-        pthread_mutex_unlock(&device->pipelines.creation);
+    struct gpu_pipeline *pipeline = find_pipeline(pipelines, point, key, hash);
+    fnl_result result = FNL_OK;
+    if (!pipeline || atomic_load(&pipeline->state) != GPU_PIPELINE_MADE) {
+        result = check_params(device, point, key);
+        pthread_mutex_lock(&pipelines->mutex);
+        if (result == FNL_OK && !(pipeline = enter_pipeline(device, point, key, hash))) result = FNL_ERROR_MEMORY;
+        if (result == FNL_OK && pipelines->asking)
+            ask_pipeline(device, pipeline);
+        else if (result == FNL_OK)
+            result = need_pipeline(device, pipeline);
+        pthread_mutex_unlock(&pipelines->mutex);
+    } else {
+        result = pipeline->result;
     }
-    if (!pipeline) return NULL;
-    if (!pipeline->handle) {
-        gpu_fail(device, pipeline->result);
-        return NULL;
-    }
-    return pipeline;
+    if (pipelines->asking) return NULL; /* what goes wrong is for the frame that draws with it to tell */
+    gpu_fail(device, result);
+    return result == FNL_OK ? pipeline : NULL;
 }
 
 const struct gpu_pipeline *gpu_compute_pipeline(gpu_device *device, const struct gpu_compute_params *params) {
@@ -349,4 +439,23 @@ const struct gpu_pipeline *gpu_compute_pipeline(gpu_device *device, const struct
 
 const struct gpu_pipeline *gpu_graphics_pipeline(gpu_device *device, const struct gpu_graphics_params *params) {
     return get_pipeline(device, VK_PIPELINE_BIND_POINT_GRAPHICS, params);
+}
+
+struct gpu_commands *gpu_ask_begin(gpu_device *device) {
+    device->pipelines.asking = true;
+    device->pipelines.asking_missed = false;
+    return &device->dead_commands;
+}
+
+uint64_t gpu_ask_end(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    pipelines->asking = false;
+    return pipelines->asking_missed ? gpu_pipeline_stats(device).asked : 0;
+}
+
+struct gpu_pipeline_stats gpu_pipeline_stats(gpu_device *device) {
+    pthread_mutex_lock(&device->pipelines.mutex);
+    struct gpu_pipeline_stats stats = device->pipelines.stats;
+    pthread_mutex_unlock(&device->pipelines.mutex);
+    return stats;
 }
