@@ -172,6 +172,13 @@ struct graph_execute_params {
 fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_params *params);
 
 /**
+ * In place of executing, between gpu_frame_begin and the end of the frame: asks for the pipelines of all passes (gpu_ask_begin; the ticket is
+ * gpu_ask_end's). Nothing is recorded, and transient resources get no memory. Execute functions run on the calling thread, with images and
+ * buffers that have nothing but their sizes.
+ */
+fnl_result graph_ask_pipelines(struct graph *graph, uint64_t *out_ticket);
+
+/**
  * Timers of a frame, in pass order; false when there are none. Frame N - GPU_FRAMES_IN_FLIGHT, with N the latest executed,
  * is at hand; a later one is waited for; an earlier one is forgotten. Culled passes and those after the 256th do not
  * appear. `out` is valid until the next execute. Names are those given to graph_add_pass.

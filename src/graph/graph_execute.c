@@ -324,6 +324,42 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     return result;
 }
 
+/* ---- asking for pipelines ---- */
+
+/* Places without memory, for passes to find what they declared. */
+static bool stand_in(struct graph *graph) {
+    for (uint32_t i = 0; i < graph->resources.count; i++) {
+        struct graph_resource *resource = &graph->resources.data[i];
+        if (resource->imported) continue;
+        if (resource->is_image) {
+            struct gpu_image *image = ARENA_ARRAY(&graph->arena, struct gpu_image, 1);
+            if (!image) return false;
+            image->params = graph_gpu_params(resource);
+            image->sampled_index = image->storage_index = image->srgb_index = GPU_NO_INDEX;
+            resource->image = image;
+        } else {
+            struct gpu_buffer *buffer = ARENA_ARRAY(&graph->arena, struct gpu_buffer, 1);
+            if (!buffer) return false;
+            buffer->size = resource->buffer_size;
+            resource->buffer = buffer;
+        }
+    }
+    return true;
+}
+
+fnl_result graph_ask_pipelines(struct graph *graph, uint64_t *out_ticket) {
+    *out_ticket = 0;
+    REQUIRE(&graph->host, graph->device != NULL);
+    REQUIRE(&graph->host, graph->plan.compiled && !graph->executed);
+    if (!stand_in(graph)) return FNL_ERROR_MEMORY;
+    graph->executed = true;
+    const struct recorder recorder = {.graph = graph};
+    struct gpu_commands *commands = gpu_ask_begin(graph->device);
+    for (uint32_t i = 0; i < graph->plan.step_count; i++) record_step(&recorder, commands, i);
+    *out_ticket = gpu_ask_end(graph->device);
+    return FNL_OK;
+}
+
 /* ---- timers ---- */
 
 bool graph_query_timers(struct graph *graph, uint64_t frame_number, const struct graph_timer **out, uint32_t *out_count) {
