@@ -100,7 +100,7 @@ static void add_candidate(struct chooser *c, struct choice choice) {
     for (uint32_t i = 0; i < c->candidate_count; i++)
         if (c->candidates[i].choice.shading == choice.shading && c->candidates[i].choice.lists == choice.lists) return;
     if (c->candidate_count < CHOOSER_CANDIDATES)
-        c->candidates[c->candidate_count++] = (struct chooser_candidate){.choice = choice};
+        c->candidates[c->candidate_count++] = (struct chooser_candidate){.choice = choice, .turns = CHOOSER_ROUNDS};
 }
 
 static void add_orders(struct chooser *c, const struct choice_case *at) {
@@ -130,7 +130,7 @@ static uint64_t step_of(uint64_t count) {
     return step;
 }
 
-static uint64_t key_of(const struct choice_case *at) {
+uint64_t chooser_key(const struct choice_case *at) {
     uint64_t parts[] = {at->scene,
                         (uint64_t)at->asked.shading,
                         (uint64_t)at->asked.lists,
@@ -160,35 +160,98 @@ static const struct remembered_choice *recall(const struct chooser *c, uint64_t 
     return NULL;
 }
 
+static void forget_trials(struct chooser *c, uint64_t key) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < c->trial_count; i++)
+        if (c->trials[i].key != key) c->trials[count++] = c->trials[i];
+    c->trial_count = count;
+}
+
+static bool same_choice(struct choice a, struct choice b) { return a.shading == b.shading && a.lists == b.lists; }
+
+static struct remembered_trial *find_trial(struct chooser *c, uint64_t key, struct choice choice) {
+    for (uint32_t i = 0; i < c->trial_count; i++)
+        if (c->trials[i].key == key && same_choice(c->trials[i].choice, choice)) return &c->trials[i];
+    return NULL;
+}
+
+static void keep_trial(struct chooser *c, struct remembered_trial trial) {
+    struct remembered_trial *known = find_trial(c, trial.key, trial.choice);
+    if (!known && c->trial_count == CHOOSER_TRIALS) /* the first entry is the oldest */
+        memmove(&c->trials[0], &c->trials[1], --c->trial_count * sizeof trial);
+    *(known ? known : &c->trials[c->trial_count++]) = trial;
+}
+
+void chooser_keep(struct chooser *c) {
+    for (uint32_t i = 0; i < c->candidate_count && c->state == CHOOSER_MEASURING; i++) {
+        const struct chooser_candidate *k = &c->candidates[i];
+        if (k->got == 0) continue;
+        struct remembered_trial trial = {.key = chooser_key(&c->at), .choice = k->choice, .count = k->got};
+        memcpy(trial.times, k->times, sizeof trial.times);
+        keep_trial(c, trial);
+    }
+}
+
+/* Appends to the text and to its length. */
+static void add_text(char *text, size_t capacity, size_t *length, const char *format, ...) {
+    size_t at = MIN(*length, capacity);
+    va_list arguments;
+    va_start(arguments, format);
+    int n = vsnprintf(text ? text + at : NULL, text ? capacity - at : 0, format, arguments);
+    va_end(arguments);
+    *length += n > 0 ? (size_t)n : 0;
+}
+
 size_t chooser_print(const struct chooser *c, char *text, size_t capacity) {
     size_t length = 0;
     for (uint32_t i = 0; i < c->memory_count; i++) {
         const struct remembered_choice *m = &c->memory[i];
-        int n = snprintf(text ? text + MIN(length, capacity) : NULL, text ? capacity - MIN(length, capacity) : 0,
-                         "%016" PRIx64 " %s %s %.4f\n", m->key, fnl_shading_name(m->choice.shading),
-                         fnl_light_lists_name(m->choice.lists), m->milliseconds);
-        length += n > 0 ? (size_t)n : 0;
+        add_text(text, capacity, &length, "%016" PRIx64 " %s %s %.4f\n", m->key, fnl_shading_name(m->choice.shading),
+                 fnl_light_lists_name(m->choice.lists), m->milliseconds);
+    }
+    for (uint32_t i = 0; i < c->trial_count; i++) {
+        const struct remembered_trial *t = &c->trials[i];
+        add_text(text, capacity, &length, "trial %016" PRIx64 " %s %s", t->key, fnl_shading_name(t->choice.shading),
+                 fnl_light_lists_name(t->choice.lists));
+        for (uint32_t k = 0; k < t->count; k++) add_text(text, capacity, &length, " %.4f", t->times[k]);
+        add_text(text, capacity, &length, "\n");
     }
     return length;
+}
+
+/* "key shading lists time …", of a decision one time, of a trial up to CHOOSER_TIMES. */
+static void parse_line(struct chooser *c, const char *line) {
+    static const char mark[] = "trial ";
+    bool is_trial = strncmp(line, mark, sizeof mark - 1) == 0;
+    if (is_trial) line += sizeof mark - 1;
+    char shading[32], lists[32];
+    struct remembered_trial entry = {.choice = {FNL_SHADING_COUNT, FNL_LISTS_COUNT}};
+    int used = 0;
+    if (sscanf(line, "%" SCNx64 " %31s %31s%n", &entry.key, shading, lists, &used) != 3) return;
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        if (strcmp(shading, fnl_shading_name((fnl_shading)i)) == 0) entry.choice.shading = (fnl_shading)i;
+    for (uint32_t i = 0; i < FNL_LISTS_AUTO; i++)
+        if (strcmp(lists, fnl_light_lists_name((fnl_light_lists)i)) == 0) entry.choice.lists = (fnl_light_lists)i;
+    if (entry.choice.shading >= FNL_SHADING_AUTO || entry.choice.lists >= FNL_LISTS_AUTO) return;
+    double time;
+    for (int n; entry.count < CHOOSER_TIMES && sscanf(line + used, "%lf%n", &time, &n) == 1; used += n)
+        if (time > 0 && time < 1e9) entry.times[entry.count++] = time;
+    if (entry.count == 0) return;
+    if (is_trial)
+        keep_trial(c, entry);
+    else
+        remember(c, (struct remembered_choice){entry.key, entry.choice, entry.times[0]});
 }
 
 void chooser_parse(struct chooser *c, const char *text, size_t length) {
     for (size_t at = 0; at < length;) {
         const char *end = memchr(text + at, '\n', length - at);
         size_t size = end ? (size_t)(end - (text + at)) : length - at;
-        char line[128], shading[32], lists[32];
-        struct remembered_choice entry = {.choice = {FNL_SHADING_COUNT, FNL_LISTS_COUNT}};
+        char line[192];
         if (size < sizeof line) {
             memcpy(line, text + at, size);
             line[size] = 0;
-            if (sscanf(line, "%" SCNx64 " %31s %31s %lf", &entry.key, shading, lists, &entry.milliseconds) == 4) {
-                for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
-                    if (strcmp(shading, fnl_shading_name((fnl_shading)i)) == 0) entry.choice.shading = (fnl_shading)i;
-                for (uint32_t i = 0; i < FNL_LISTS_AUTO; i++)
-                    if (strcmp(lists, fnl_light_lists_name((fnl_light_lists)i)) == 0)
-                        entry.choice.lists = (fnl_light_lists)i;
-                if (entry.choice.shading < FNL_SHADING_AUTO && entry.choice.lists < FNL_LISTS_AUTO) remember(c, entry);
-            }
+            parse_line(c, line);
         }
         at += size + 1;
     }
@@ -199,7 +262,7 @@ void chooser_parse(struct chooser *c, const char *text, size_t length) {
 static const char not_measured[] = "likely the best for this number of lights; not measured";
 
 static double median_of(const struct chooser_candidate *candidate) {
-    double t[CHOOSER_ROUNDS];
+    double t[CHOOSER_TIMES];
     uint32_t count = candidate->got;
     memcpy(t, candidate->times, sizeof t);
     for (uint32_t i = 1; i < count; i++) /* a handful: insertion */
@@ -228,18 +291,42 @@ static uint32_t best_of(const struct chooser *c, uint32_t *out_second) {
     return best;
 }
 
+static void drop_slow(struct chooser *c) {
+    uint32_t second, best = best_of(c, &second);
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (c->candidates[i].got && median_of(&c->candidates[i]) > CHOOSER_DROP_FACTOR * median_of(&c->candidates[best]))
+            c->candidates[i].dropped = true;
+}
+
+/* The candidates of a stage are listed: what an earlier run knows of them need not be measured again. What won the stage before runs `again`,
+   so that all are measured at the same time. */
+static void begin_stage(struct chooser *c, bool again) {
+    c->waited = 0;
+    c->last = CHOOSER_CANDIDATES;
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        struct chooser_candidate *k = &c->candidates[i];
+        k->asked = same_choice(k->choice, c->choice); /* frames are rendered with it */
+        const struct remembered_trial *known = find_trial(c, chooser_key(&c->at), k->choice);
+        if (!known || (again && k->asked)) continue;
+        k->got = known->count;
+        memcpy(k->times, known->times, sizeof k->times);
+        k->turns = k->got < CHOOSER_TIMES ? CHOOSER_ROUNDS - k->got : 0;
+    }
+    drop_slow(c);
+}
+
 static void start(struct chooser *c, const struct choice_case *at, struct choice first) {
     c->state = CHOOSER_MEASURING;
     c->at = *at;
     c->choice = first;
+    c->milliseconds = 0;
     c->candidate_count = c->pending_count = c->frames = c->measured_count = c->slow_frames = 0;
-    c->last = CHOOSER_CANDIDATES;
     c->lists_left = at->asked.shading == FNL_SHADING_AUTO && at->asked.lists == FNL_LISTS_AUTO;
-    snprintf(c->reason, sizeof c->reason, "measuring");
     if (at->asked.shading == FNL_SHADING_AUTO)
         add_orders(c, at);
     else
         add_lists(c, at, at->asked.shading);
+    begin_stage(c, false);
 }
 
 static void decide(struct chooser *c, const char *how) {
@@ -255,12 +342,14 @@ static void finish_stage(struct chooser *c) {
         c->choice = c->candidates[best].choice;
         c->milliseconds = median_of(&c->candidates[best]);
     }
-    c->measured_count += c->candidate_count;
+    for (uint32_t i = 0; i < c->candidate_count; i++) c->measured_count += c->candidates[i].got > 0;
     if (c->lists_left) {
         c->lists_left = false;
+        chooser_keep(c);
         c->candidate_count = 0;
         add_lists(c, &c->at, c->choice.shading);
-        c->measured_count--; /* the winner of the orders runs again */
+        begin_stage(c, true);
+        c->measured_count--;
         return;
     }
     char how[192], next[80] = "";
@@ -273,7 +362,8 @@ static void finish_stage(struct chooser *c) {
                  fnl_light_lists_name(c->candidates[second].choice.lists), median_of(&c->candidates[second]));
     snprintf(how, sizeof how, "fastest of %u measured over %u frames: %.2f ms%s", c->measured_count, c->frames,
              c->milliseconds, next);
-    remember(c, (struct remembered_choice){key_of(&c->at), c->choice, c->milliseconds});
+    remember(c, (struct remembered_choice){chooser_key(&c->at), c->choice, c->milliseconds});
+    forget_trials(c, chooser_key(&c->at));
     c->memory_changed = true;
     decide(c, how);
 }
@@ -293,13 +383,65 @@ static bool view_differs(const struct choice_case *a, const struct choice_case *
     return vec3_dot(a->forward, b->forward) < 0.5f || vec3_length(way) > 0.25f * b->scene_size;
 }
 
-struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool pinned) {
+/* What frames take that nobody's turn it is: the best known. */
+static struct choice pick_best(struct chooser *c) {
+    uint32_t second, best = best_of(c, &second);
+    if (best == CHOOSER_CANDIDATES) {
+        snprintf(c->reason, sizeof c->reason, "%s", not_measured);
+        return c->choice;
+    }
+    snprintf(c->reason, sizeof c->reason, "fastest of those measured so far: %.2f ms", median_of(&c->candidates[best]));
+    return c->candidates[best].choice;
+}
+
+/* Whose turn it is: the one that had the fewest of those that have some left. */
+static uint32_t next_turn(const struct chooser *c, uint64_t done) {
+    uint32_t next = CHOOSER_CANDIDATES;
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        const struct chooser_candidate *k = &c->candidates[i];
+        if (k->dropped || !k->asked || k->ticket > done || k->given >= k->turns) continue;
+        if (next == CHOOSER_CANDIDATES || k->given < c->candidates[next].given) next = i;
+    }
+    return next;
+}
+
+/* Is there one that cannot take its turns yet? */
+static bool some_wait(const struct chooser *c, uint64_t done) {
+    struct choice unused;
+    for (uint32_t i = 0; i < c->candidate_count; i++)
+        if (c->candidates[i].ticket > done && c->waited < CHOOSER_PATIENCE) return true;
+    return chooser_asks(c, &unused);
+}
+
+static struct choice pick_turn(struct chooser *c, struct chooser_background background) {
+    if (background.done < background.asked && c->waited < CHOOSER_PATIENCE) {
+        c->waited++;
+        struct choice choice = pick_best(c);
+        snprintf(c->reason, sizeof c->reason, "pipelines are being made, to be measured then");
+        return choice;
+    }
+    while (c->state == CHOOSER_MEASURING) {
+        snprintf(c->reason, sizeof c->reason, "measuring");
+        uint32_t next = c->pending_count < CHOOSER_PENDING ? next_turn(c, background.done) : CHOOSER_CANDIDATES;
+        if (next < CHOOSER_CANDIDATES) {
+            c->last = next;
+            return c->candidates[next].choice;
+        }
+        if (c->pending_count > 0 || some_wait(c, background.done)) break; /* times are still on their way */
+        finish_stage(c);
+    }
+    return c->choice;
+}
+
+struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool measures,
+                           struct chooser_background background) {
     c->last = CHOOSER_CANDIDATES;
     bool other = c->state == CHOOSER_IDLE || case_differs(&c->at, at);
     bool moved = c->state == CHOOSER_DECIDED && c->frames > SETTLE_FRAMES && view_differs(&c->at, at);
     bool slow = c->state == CHOOSER_DECIDED && c->slow_frames > SLOW_FRAMES;
     if (other) {
-        const struct remembered_choice *known = recall(c, key_of(at));
+        chooser_keep(c);
+        const struct remembered_choice *known = recall(c, chooser_key(at));
         if (known && fnl_lists_supported(known->choice.shading, known->choice.lists)) {
             c->at = *at;
             c->choice = known->choice;
@@ -307,51 +449,47 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
             char how[96];
             snprintf(how, sizeof how, "remembered: %.2f ms when it was measured", known->milliseconds);
             decide(c, how);
-        } else if (pinned) {
-            c->at = *at;
-            c->choice = chooser_guess(at);
-            c->milliseconds = 0;
-            decide(c, not_measured);
-            c->state = CHOOSER_IDLE; /* measured as soon as it is not pinned */
         } else {
             start(c, at, chooser_guess(at));
         }
-    } else if (!pinned && (moved || slow)) {
+    } else if (measures && (moved || slow)) {
         start(c, at, c->choice);
     }
-    c->frames++;
-    if (pinned && c->state == CHOOSER_MEASURING) { /* the best of what has been measured by now */
-        uint32_t second, best = best_of(c, &second);
-        if (best == CHOOSER_CANDIDATES) {
-            snprintf(c->reason, sizeof c->reason, "%s", not_measured);
-            return c->choice;
-        }
-        snprintf(c->reason, sizeof c->reason, "fastest of those measured before the choice was pinned: %.2f ms",
-                 median_of(&c->candidates[best]));
-        return c->candidates[best].choice;
+    if (c->state == CHOOSER_DECIDED) {
+        c->frames++;
+        return c->choice;
     }
-    if (c->state != CHOOSER_MEASURING) return c->choice;
-    if (c->pending_count == CHOOSER_PENDING) return c->choice;
-    uint32_t next = CHOOSER_CANDIDATES;
-    for (uint32_t i = 0; i < c->candidate_count; i++) {
+    return measures ? pick_turn(c, background) : pick_best(c);
+}
+
+bool chooser_asks(const struct chooser *c, struct choice *out) {
+    for (uint32_t i = 0; i < c->candidate_count && c->state == CHOOSER_MEASURING; i++) {
         const struct chooser_candidate *k = &c->candidates[i];
-        if (!k->dropped && k->given < CHOOSER_ROUNDS && (next == CHOOSER_CANDIDATES || k->given < c->candidates[next].given))
-            next = i;
+        if (k->asked || k->dropped || k->turns == 0) continue;
+        *out = k->choice;
+        return true;
     }
-    if (next == CHOOSER_CANDIDATES && c->pending_count == 0) {
-        finish_stage(c);
-        if (c->state == CHOOSER_DECIDED) return c->choice;
-        next = 0;
+    return false;
+}
+
+void chooser_asked(struct chooser *c, uint64_t ticket) {
+    for (uint32_t i = 0; i < c->candidate_count; i++) {
+        struct chooser_candidate *k = &c->candidates[i];
+        if (k->asked || k->dropped || k->turns == 0) continue;
+        k->asked = true;
+        k->ticket = ticket;
+        if (ticket) c->last = CHOOSER_CANDIDATES;
+        return;
     }
-    if (next == CHOOSER_CANDIDATES) return c->choice; /* the last times are still on their way */
-    c->last = next;
-    return c->candidates[next].choice;
 }
 
 void chooser_note(struct chooser *c, uint64_t frame) {
     bool measures = c->last < CHOOSER_CANDIDATES || c->state == CHOOSER_DECIDED;
     if (!measures || c->pending_count == CHOOSER_PENDING) return;
-    if (c->last < CHOOSER_CANDIDATES) c->candidates[c->last].given++;
+    if (c->last < CHOOSER_CANDIDATES) {
+        c->candidates[c->last].given++;
+        c->frames++;
+    }
     c->pending[c->pending_count++] = (struct chooser_pending){frame, c->last};
 }
 
@@ -368,13 +506,10 @@ void chooser_feed(struct chooser *c, double milliseconds) {
         return;
     }
     struct chooser_candidate *k = &c->candidates[index];
-    if (!k->warm) { /* the first frame made the pipelines */
+    if (!k->warm) { /* the first is not counted */
         k->warm = true;
         return;
     }
-    k->times[k->got++] = milliseconds;
-    uint32_t second, best = best_of(c, &second);
-    for (uint32_t i = 0; i < c->candidate_count; i++)
-        if (c->candidates[i].got && median_of(&c->candidates[i]) > CHOOSER_DROP_FACTOR * median_of(&c->candidates[best]))
-            c->candidates[i].dropped = true;
+    if (k->got < CHOOSER_TIMES) k->times[k->got++] = milliseconds;
+    drop_slow(c);
 }

@@ -98,6 +98,22 @@ static uint32_t first_plane(const struct device_scene *d) {
     return (uint32_t)(device_lights_planes_offset(d->light_data.count) / sizeof(vec4));
 }
 
+static bool is_gathered(const fnl_scene *scene, const struct scene_light *light, bool local) {
+    if (light->removed || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) return false;
+    return (light->params.kind != FNL_LIGHT_DIRECTIONAL) == local;
+}
+
+static bool must_gather(const struct device_scene *d) {
+    return d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version;
+}
+
+uint32_t device_lights_count(const struct device_scene *d) {
+    if (!must_gather(d)) return d->light_data.count - d->directional_count;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < d->scene->lights.count; i++) count += is_gathered(d->scene, &d->scene->lights.data[i], true);
+    return count;
+}
+
 fnl_result device_lights_gather(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     d->light_data.count = d->plane_data.count = d->bound_radii.count = d->light_slots.count = 0;
@@ -110,8 +126,7 @@ fnl_result device_lights_gather(struct device_scene *d) {
     for (int local = 0; local < 2; local++)
         for (uint32_t i = 0; i < scene->lights.count; i++) {
             const struct scene_light *light = &scene->lights.data[i];
-            if (light->removed || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) continue;
-            if ((light->params.kind != FNL_LIGHT_DIRECTIONAL) != local) continue;
+            if (!is_gathered(scene, light, local)) continue;
             struct gpu_light g = light_of(scene, light);
             if (local && light->hull) {
                 g.hull_first = d->plane_data.count; /* the lights before the planes are added when their number is known */
@@ -267,7 +282,7 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights) {
     d->light_bytes_sent = 0;
     if (d->light_version == d->scene->light_version) return FNL_OK;
-    if (d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version) {
+    if (must_gather(d)) {
         TRY(device_lights_gather(d));
         TRY(send_all(d, graph, lights));
     } else {

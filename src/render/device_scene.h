@@ -102,6 +102,21 @@ struct device_scene_frame {
 /** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);
 
+/** What the device has been sent, as far as this struct knows; for frames that are declared and never executed, which send nothing. */
+struct device_scene_sent {
+    uint64_t transform_version, light_version, decal_version, decal_transform_version;
+};
+static inline struct device_scene_sent device_scene_sent(const struct device_scene *d) {
+    return (struct device_scene_sent){d->transform_version, d->light_version, d->decals.sent_version,
+                                      d->decals.transform_version};
+}
+static inline void device_scene_unsend(struct device_scene *d, const struct device_scene_sent *sent) {
+    d->transform_version = sent->transform_version;
+    d->light_version = sent->light_version;
+    d->decals.sent_version = sent->decal_version;
+    d->decals.transform_version = sent->decal_transform_version;
+}
+
 /* ---- the parts ---- */
 
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
@@ -120,6 +135,8 @@ static inline bool device_node_draws(const struct scene_node *node) {
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
 /** The part of it that needs no device: fills light_data, plane_data and directional_count from d->scene. */
 fnl_result device_lights_gather(struct device_scene *d);
+/** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Walks over the lights where some came or went. */
+uint32_t device_lights_count(const struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
 /**
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the

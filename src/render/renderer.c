@@ -29,7 +29,7 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
     r->asked = (struct choice){frame->shading, frame->lists};
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) {
         r->chooser.last = CHOOSER_CANDIDATES;
-        r->chooses = false;
+        r->measures = false;
         return;
     }
     const struct device_scene *d = &r->device_scene;
@@ -39,18 +39,65 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
     const fnl_camera *camera = &frame->camera;
     struct choice_case at = {.asked = {frame->shading, frame->lists},
                              .scene = hash_bytes(parts, sizeof parts, HASH_SEED),
-                             .light_count = (uint32_t)d->light_data.count - d->directional_count,
+                             .light_count = device_lights_count(d),
                              .msaa = frame->msaa,
                              .pixel_count = (uint64_t)frame->width * frame->height,
                              .depth_first = frame->gbuffer_prepass,
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
-    struct choice choice = chooser_pick(&r->chooser, &at, frame->pin_choice);
+    r->measures = !frame->pin_choice && !frame->count_lights; /* counting slows a frame down */
+    struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
+    struct chooser_background background = {pipelines.asked, pipelines.done};
+    struct choice choice = chooser_pick(&r->chooser, &at, r->measures, background);
     frame->shading = choice.shading;
     frame->lists = choice.lists;
-    /* Counting slows a frame down; after a decision only frames that are timed anyway are watched. */
-    r->chooses = !frame->pin_choice && !frame->count_lights && (frame->timers || r->chooser.state == CHOOSER_MEASURING);
+}
+
+/*
+ * Asks for the pipelines of a frame without rendering it: declares it in a graph of its own, and puts everything back that declaring changes
+ * in the renderer. Inside a device's frame, whose memory it takes.
+ */
+static fnl_result ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
+                                uint64_t *out_ticket) {
+    if (!r->asking_graph) TRY(graph_create(&r->host, r->device, &r->asking_graph));
+    struct device_scene *d = &r->device_scene;
+    struct graph *graph = r->graph;
+    const struct lists_state lists = r->lists;
+    const struct temporal_state temporal = r->temporal;
+    const struct device_scene_sent sent = device_scene_sent(d);
+    const bool meshes = r->meshes;
+    r->graph = r->asking_graph;
+    r->meshes = frame_draws_meshes(r, frame);
+    lists_init(&r->lists, &r->host);
+    fnl_result result = frame_declare(r, frame, target);
+    if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
+    lists_finish(&r->lists, r->device);
+    device_scene_unsend(d, &sent);
+    r->meshes = meshes;
+    r->temporal = temporal;
+    r->lists = lists;
+    r->graph = graph;
+    return result;
+}
+
+/* The chooser's next candidate is made ready, one in a frame; the very first frame has pipelines of its own to make. */
+static fnl_result prepare_candidate(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
+    struct choice choice;
+    uint64_t ticket;
+    if (!r->measures || r->frame_number == 0 || !chooser_asks(&r->chooser, &choice)) return FNL_OK;
+    fnl_frame candidate = *frame;
+    candidate.shading = choice.shading;
+    candidate.lists = choice.lists;
+    TRY(ask_pipelines(r, &candidate, target, &ticket));
+    chooser_asked(&r->chooser, ticket);
+    return FNL_OK;
+}
+
+/* Whether the chooser wants the time of the frame: of a candidate's turn, and after a decision of those that are timed anyway. */
+static bool wants_time(const fnl_renderer *r, const fnl_frame *frame) {
+    return r->measures &&
+           (r->chooser.last < CHOOSER_CANDIDATES || (frame->timers && r->chooser.state == CHOOSER_DECIDED));
 }
 
 /* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */
@@ -107,7 +154,11 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     fnl_renderer *r = handle ? *handle : NULL;
     if (!r) return;
     gpu_wait_idle(r->device);
+    chooser_keep(&r->chooser);
+    r->chooser.memory_changed |= r->chooser.trial_count > 0;
+    save_choices(r);
     graph_destroy(&r->graph);
+    graph_destroy(&r->asking_graph);
     device_scene_finish(&r->device_scene);
     lists_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
@@ -163,13 +214,15 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     if (r->slot_frames[slot]) pools_grow(r, r->counts[slot].mapped);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
     memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
-    fnl_result result = frame_declare(r, frame, target);
+    fnl_result result = prepare_candidate(r, frame, target);
+    if (result == FNL_OK) result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
         return result;
     }
+    bool timed = wants_time(r, frame);
     struct graph_execute_params execute = {.record_threads = frame->record_threads,
-                                           .timers = frame->timers || r->chooses,
+                                           .timers = frame->timers || timed,
                                            .force_async_on_graphics = r->force_async,
                                            .poison = r->poison,
                                            .external = external};
@@ -177,7 +230,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING) r->atlas.fresh = false;
     r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
-    if (r->chooses) chooser_note(&r->chooser, r->frame_number);
+    if (timed) chooser_note(&r->chooser, r->frame_number);
     feed_chooser(r);
     r->frame_slot = slot;
     r->slot_frames[slot] = r->frame_number;

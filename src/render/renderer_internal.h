@@ -53,7 +53,8 @@ struct fnl_renderer {
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
-    bool chooses;                          /* the chooser wants the time of the frame being made */
+    bool measures;                         /* the frame being made has an auto that may measure */
+    struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
     struct temporal_state temporal;
     struct virtual_atlas atlas; /* of virtual texturing */
     struct lists_state lists; /* what builders keep from frame to frame */
