@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "fanal/fanal.h"
 #include "fanal/vulkan.h"
+#include "gpu/gpu.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -719,6 +720,24 @@ static void test_structures_of_single_features_count(void **state) {
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
+/* Pipelines of candidates are made on the caller's device too, and it is given back in the middle of that. */
+static void test_auto_makes_pipelines_in_the_background(void **state) {
+    UNUSED(state);
+    fnl_device_params params = device_params();
+    fnl_device *device;
+    fnl_renderer *renderer;
+    FNL(fnl_device_import(&params, &w.handles, &device));
+    FNL(fnl_renderer_create(device, w.scene, &renderer));
+    fnl_frame frame = small_frame();
+    frame.lists = FNL_LISTS_AUTO;
+    for (int i = 0; i < 3; i++) assert_equal_on(renderer, frame);
+    struct gpu_pipeline_stats stats = gpu_pipeline_stats(device);
+    assert_true(stats.asked > 0 && stats.done < stats.asked);
+    fnl_renderer_destroy(&renderer);
+    fnl_device_destroy(&device);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
@@ -728,6 +747,7 @@ int main(void) {
         cmocka_unit_test(test_optional_features_are_used_where_the_caller_says_so),
         cmocka_unit_test(test_each_required_feature_that_is_off_is_named),
         cmocka_unit_test(test_structures_of_single_features_count),
+        cmocka_unit_test(test_auto_makes_pipelines_in_the_background),
     };
     return cmocka_run_group_tests_name("render: import", tests, set_up, tear_down);
 }
