@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Specialised deferred shading: the bits of the one shader, and exact counts of blocks. */
 #include "passes/shade/classify_shared.h"
+#include "shaders.h"
 #include "tests/render_harness.h"
+#include "tests/vulkan_spy.h"
 
 static uint32_t sum_of(const fnl_frame_stats *stats) {
     uint32_t sum = 0;
@@ -103,10 +105,78 @@ static void test_counts_ES_48(void **state) {
     stage_close(&stage);
 }
 
+/* ---- the variants ---- */
+
+enum { LIGHTS_CONSTANT = 2, METAL_CONSTANT, FULL_CONSTANT, BLOCK_CONSTANT }; /* of deferred.comp.glsl and shade.glsl */
+static uint32_t replaced_constant, replaced_value;
+
+static const struct gpu_pipeline *replace_variant(gpu_device *device, const struct gpu_pipeline *bound) {
+    if (!spy_compute_params(bound) || spy_compute_params(bound)->shader != &shader_deferred_comp) return bound;
+    struct gpu_compute_params params;
+    memcpy(&params, spy_compute_params(bound), sizeof params);
+    params.constants[replaced_constant] = replaced_value;
+    return gpu_compute_pipeline(device, &params);
+}
+
+/* Each class is shaded by the variant of its bits, from its own place of the dispatches; and the bits leave code out: what they stand for is
+ * missing where a variant goes without. */
+static void test_each_class_has_its_variant_ES_48(void **state) {
+    UNUSED(state);
+    spy_begin(harness_device());
+    struct stage stage = stage_open("builtin:spheres?lights=30", 0);
+    fnl_frame *frame = &stage.frame;
+    frame->shading = FNL_SHADING_DEFERRED;
+    frame->lists = FNL_LISTS_TILED;
+    frame->list_options.tile_size = 8;
+    frame->class_blocks = 8;
+    frame->record_threads = 1;
+    spy_clear();
+    struct shot shot = stage_shoot(&stage, frame);
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < spy.work_count; i++) {
+        const struct spy_work *work = &spy.work[i];
+        if (strcmp(work->label, "deferred")) continue;
+        assert_true(work->indirect && work->offset % 12 == 0);
+        uint32_t bits = (uint32_t)work->offset / 12;
+        const uint32_t *constants = spy_compute_params(work->pipeline)->constants;
+        assert_int_equal(constants[LIGHTS_CONSTANT] != 0, (bits & SHADE_LIGHTS) != 0);
+        assert_int_equal(constants[METAL_CONSTANT] != 0, (bits & SHADE_METAL) != 0);
+        assert_int_equal(constants[FULL_CONSTANT] != 0, (bits & SHADE_FULL) != 0);
+        assert_int_equal(constants[BLOCK_CONSTANT], 8);
+        seen |= 1u << bits;
+    }
+    assert_int_equal(seen, (1u << SHADE_CLASSES) - 1); /* all classes, each once */
+    assert_int_equal(spy_count_work("deferred"), SHADE_CLASSES);
+    static const struct {
+        uint32_t constant, value;
+        const char *name;
+    } changes[] = {{LIGHTS_CONSTANT, 0, "without lights"}, {METAL_CONSTANT, 0, "without metals"}};
+    for (uint32_t i = 0; i < COUNT_OF(changes); i++) {
+        replaced_constant = changes[i].constant;
+        replaced_value = changes[i].value;
+        spy.replace = replace_variant;
+        struct shot changed = stage_shoot(&stage, frame);
+        spy.replace = NULL;
+        uint64_t differing = count_differing(&shot.radiance, &changed.radiance);
+        print_message("%s: %llu pixels differ\n", changes[i].name, (unsigned long long)differing);
+        assert_true(differing > 50);
+        shot_free(&changed);
+    }
+    shot_free(&shot);
+    stage_close(&stage);
+    spy_end();
+}
+
+static int tear_down(void **state) {
+    spy_end();
+    return harness_check(state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_equal_to_one_shader_ES_48, harness_check),
         cmocka_unit_test_teardown(test_counts_ES_48, harness_check),
+        cmocka_unit_test_teardown(test_each_class_has_its_variant_ES_48, tear_down),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
