@@ -1,7 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /** Lists of what a visibility buffer shows: by class and by material, and the triangles of multisampled pixels. */
 #include "passes/visibility/visible.h"
+
+#include "passes/geometry/radix_shared.h"
+#include "passes/visibility/visible_shared.h"
 #include "render/render_test.h"
+#include "scene_shared.h"
+#include "shaders.h"
+#include "tests/vulkan_spy.h"
 
 static uint32_t visited(const fnl_renderer *renderer, uint32_t pixel) {
     return ((const uint32_t *)renderer->counters.mapped)[2 * pixel];
@@ -154,6 +160,101 @@ static void test_plan(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+static const struct {
+    uint32_t constant;
+    const char *name;
+} parts[] = {{2, "lights"}, {3, "metals"}, {10, "textures"}, {11, "normal maps"}};
+static uint32_t left_out;
+
+static const struct gpu_pipeline *leave_out(gpu_device *device, const struct gpu_pipeline *bound) {
+    if (!spy_compute_params(bound) || spy_compute_params(bound)->shader != &shader_visibility_shade_comp) return bound;
+    struct gpu_compute_params params;
+    memcpy(&params, spy_compute_params(bound), sizeof params);
+    params.constants[parts[left_out].constant] = 0;
+    return gpu_compute_pipeline(device, &params);
+}
+
+/*
+ * The list itself: each pixel that shows a square once, its key the class and the number of the square's material, keys ascending; so each
+ * material is one run. And the work that follows: one dispatch for each class that occurs in the scene, with a pipeline of its own.
+ */
+static void test_order_of_the_list(void **state) {
+    UNUSED(state);
+    enum { COUNT = 30, SIDE = 6, WIDTH = 75, HEIGHT = 75 };
+    fnl_scene *scene = patches(COUNT, 1);
+    struct gpu_buffer list;
+    assert_int_equal(gpu_buffer_create(test_device, "list", WIDTH * HEIGHT * 8, GPU_MEMORY_READBACK, &list), FNL_OK);
+    spy_begin(test_device);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = patches_frame(WIDTH, HEIGHT);
+    for (int sort = FNL_VISIBILITY_SORT_CLASS; sort <= FNL_VISIBILITY_SORT_MATERIAL; sort++) {
+        frame.visibility.sort = (fnl_visibility_sort)sort;
+        uint32_t bits = sort == FNL_VISIBILITY_SORT_MATERIAL ? 5 : 0; /* of 31 materials */
+        char sorted[32];
+        snprintf(sorted, sizeof sorted, "visible sort pairs %u", DIVIDE_UP(4 + bits, (uint32_t)RADIX_BITS));
+        spy_clear();
+        spy_capture(renderer->graph, "visible ranges", sorted, &list);
+        test_render_frame(renderer, &frame);
+        fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+        const uint32_t *pairs = list.mapped;
+        static bool listed[WIDTH * HEIGHT];
+        memset(listed, 0, sizeof listed);
+        uint32_t runs = 0, classes = 0, last_material = 0;
+        for (uint32_t i = 0; i < stats.visibility_entries; i++) {
+            uint32_t key = pairs[2 * i], pixel = pairs[2 * i + 1];
+            assert_true(pixel < WIDTH * HEIGHT && !listed[pixel]);
+            listed[pixel] = true;
+            float x = ((float)(pixel % WIDTH) + 0.5f) * 2 / WIDTH - 1, y = 1 - ((float)(pixel / WIDTH) + 0.5f) * 2 / HEIGHT;
+            uint32_t square = (uint32_t)((x + 1) / 2 * SIDE) + (uint32_t)((y + 1) / 2 * SIDE) * SIDE;
+            uint32_t material = scene->primitives.data[square].material;
+            if (bits) assert_int_equal(key & 31, material);
+            if (i) assert_true(pairs[2 * i - 2] <= key);
+            runs += i == 0 || material != last_material;
+            classes += i == 0 || pairs[2 * i - 2] >> bits != key >> bits;
+            last_material = material;
+        }
+        print_message("%s: %u pixels, %u classes, %u runs of one material\n",
+                      fnl_visibility_sort_name((fnl_visibility_sort)sort), stats.visibility_entries, classes, runs);
+        assert_true(stats.visibility_entries > 1500);
+        assert_int_equal(classes, stats.visibility_classes);
+        if (bits) assert_int_equal(runs, COUNT);
+        if (!bits) assert_true(runs > COUNT); /* blocks of pixels cross from square to square */
+        /* Each class has its part of the list shaded by what its materials need and no more. */
+        uint32_t dispatches = 0;
+        for (uint32_t i = 0; i < spy.work_count; i++) {
+            if (strcmp(spy.work[i].label, "visibility shade")) continue;
+            static const uint32_t needs[] = {GPU_CLASS_LIT, GPU_CLASS_METAL, GPU_CLASS_TEXTURES, GPU_CLASS_NORMAL_MAP};
+            assert_true(spy.work[i].indirect);
+            uint32_t class_bits = (uint32_t)spy.work[i].offset / 12;
+            for (uint32_t k = 0; k < COUNT_OF(needs); k++)
+                assert_int_equal(spy_compute_params(spy.work[i].pipeline)->constants[parts[k].constant] != 0,
+                                 (class_bits & needs[k]) != 0);
+            dispatches++;
+        }
+        assert_true(dispatches == classes && classes >= 6);
+        /* And these constants leave code out: without them pixels that need it are wrong. */
+        for (left_out = 0; left_out < COUNT_OF(parts); left_out++) {
+            spy.replace = leave_out;
+            test_render_frame(renderer, &frame);
+            spy.replace = NULL;
+            fnl_image less = test_read(renderer, FNL_OUTPUT_RADIANCE);
+            uint64_t differing = count_differing(&radiance, &less);
+            print_message("without %s: %llu pixels\n", parts[left_out].name, (unsigned long long)differing);
+            assert_true(differing > 50);
+            free_picture(&less);
+        }
+        free_picture(&radiance);
+    }
+    spy_capture(NULL, NULL, NULL, NULL);
+    fnl_renderer_destroy(&renderer);
+    assert_int_equal(gpu_wait_idle(test_device), FNL_OK);
+    spy_end();
+    gpu_buffer_destroy(test_device, &list);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- samples ---- */
 
 enum { TRIANGLES = 40, SAMPLES = 4 };
@@ -161,8 +262,12 @@ enum { TRIANGLES = 40, SAMPLES = 4 };
 struct flat {
     vec2 corners[3];
     float z;
-    vec3 color;
+    vec3 color, along, up; /* at the origin, and what it changes to the right and up */
 };
+
+static vec3 flat_color(const struct flat *t, vec2 p) {
+    return vec3_add(t->color, vec3_add(vec3_scale(t->along, p.x), vec3_scale(t->up, p.y)));
+}
 
 static bool flat_holds(const struct flat *t, vec2 p, float *margin) {
     float least = INFINITY;
@@ -176,7 +281,8 @@ static bool flat_holds(const struct flat *t, vec2 p, float *margin) {
     return least > 0;
 }
 
-static fnl_scene *flat_scene(struct flat *triangles) {
+/* Triangles before one another. With `slopes` their colours change along them, by colours of their corners. */
+static fnl_scene *flat_scene(struct flat *triangles, bool slopes) {
     fnl_scene *scene = test_scene();
     struct random_state random = {11};
     for (uint32_t i = 0; i < TRIANGLES; i++) {
@@ -190,18 +296,32 @@ static fnl_scene *flat_scene(struct flat *triangles) {
         }
         t->z = 0.02f * (float)i;
         t->color = (vec3){random_float(&random), random_float(&random), random_float(&random)};
+        t->along = t->up = (vec3){0, 0, 0};
         vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 3);
         uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 3);
+        vec4 *colors = NULL;
+        if (slopes) { /* 0.5 at the centre; at the corners within 0 .. 1, which colours are stored in */
+            float steep = 0.4f / (size * 1.5f), sign = i % 2 ? 1 : -1;
+            t->along = (vec3){steep * sign, 0, -steep};
+            t->up = (vec3){0, steep, steep * 0.3f};
+            t->color = vec3_sub((vec3){0.5f, 0.5f, 0.5f},
+                                vec3_add(vec3_scale(t->along, center.x), vec3_scale(t->up, center.y)));
+            colors = ARENA_ARRAY(&scene->arena, vec4, 3);
+        }
         for (uint32_t c = 0; c < 3; c++) {
             positions[c] = (vec3){t->corners[c].x, t->corners[c].y, t->z};
             indices[c] = c;
+            vec3 color = flat_color(t, t->corners[c]);
+            if (slopes) colors[c] = (vec4){color.x, color.y, color.z, 1};
         }
-        struct scene_material material = test_unlit(t->color.x, t->color.y, t->color.z);
+        struct scene_material material =
+            slopes ? test_unlit(1, 1, 1) : test_unlit(t->color.x, t->color.y, t->color.z);
         struct scene_primitive primitive = {.material = scene_add_material(scene, &material),
                                             .vertex_count = 3,
                                             .index_count = 3,
                                             .indices = indices,
-                                            .positions = positions};
+                                            .positions = positions,
+                                            .colors = colors};
         assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
         test_place(scene, scene_add_mesh(scene, "", &primitive, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
     }
@@ -213,16 +333,19 @@ static fnl_scene *flat_scene(struct flat *triangles) {
     return scene;
 }
 
-/* Each triangle of a pixel is shaded once, and weighs as many samples as show it: against a point-in-triangle test for each sample. */
-static void test_samples(void **state) {
-    UNUSED(state);
+/*
+ * Each triangle of a pixel is shaded once, and weighs as many samples as show it: against a point-in-triangle test for each sample. Where
+ * colours change along the triangle, it is shaded at the middle of those samples: the mean of what is linear at each. (Deferred texturing
+ * has the colours of one of the samples and is left out.)
+ */
+static void check_samples(bool slopes) {
     static const vec2 places[SAMPLES] = {{0.375f, 0.125f}, {0.875f, 0.375f}, {0.125f, 0.625f}, {0.625f, 0.875f}};
     struct flat triangles[TRIANGLES];
-    fnl_scene *scene = flat_scene(triangles);
+    fnl_scene *scene = flat_scene(triangles, slopes);
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = patches_frame(61, 47);
     frame.msaa = SAMPLES;
-    for (int way = 0; way < FNL_VISIBILITY_SORT_COUNT + 2; way++) {
+    for (int way = 0; way < FNL_VISIBILITY_SORT_COUNT + (slopes ? 0 : 2); way++) {
         bool plain = way >= FNL_VISIBILITY_SORT_COUNT; /* the orders of deferred texturing, which do not sort */
         int sort = plain ? FNL_VISIBILITY_SORT_OFF : way;
         frame.shading = !plain                             ? FNL_SHADING_VISIBILITY
@@ -253,14 +376,14 @@ static void test_samples(void **state) {
                     bool known = false;
                     for (uint32_t k = 0; k < distinct; k++) known = known || seen[k] == nearest;
                     if (!known) seen[distinct++] = nearest;
-                    sum = vec3_add(sum, vec3_scale(triangles[nearest].color, 1.0f / SAMPLES));
+                    sum = vec3_add(sum, vec3_scale(flat_color(&triangles[nearest], p), 1.0f / SAMPLES));
                 }
                 shades += visited(renderer, y * frame.width + x) / 2;
                 if (margin < 2e-4f) continue; /* too near an edge to call: 1/256 of a pixel is 1.7e-4 */
                 checked++;
                 mixed += distinct > 1;
                 if (sort == FNL_VISIBILITY_SORT_OFF) assert_int_equal(visited(renderer, y * frame.width + x), 2 * distinct);
-                assert_pixel(&radiance, x, y, (double)sum.x, (double)sum.y, (double)sum.z, 1e-5);
+                assert_pixel(&radiance, x, y, (double)sum.x, (double)sum.y, (double)sum.z, slopes ? 1e-4 : 1e-5);
             }
         print_message("%u pixels checked, %u with several triangles\n", checked, mixed);
         assert_true(checked > frame.width * frame.height * 9 / 10 && mixed > 150);
@@ -271,6 +394,12 @@ static void test_samples(void **state) {
     }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
+}
+
+static void test_samples(void **state) {
+    UNUSED(state);
+    check_samples(false);
+    check_samples(true);
 }
 
 /* Edges: nearer to 32 samples a pixel, each shaded, than forward shading is, and much nearer than one sample. */
@@ -401,7 +530,7 @@ static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double 
 static void test_grid(void **state) {
     UNUSED(state);
     struct flat triangles[TRIANGLES];
-    fnl_scene *scene = flat_scene(triangles);
+    fnl_scene *scene = flat_scene(triangles, false);
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
     frame.width = 160;
     frame.height = 120;
@@ -435,6 +564,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-78: sorted by class or material, each pixel is shaded once, to the same bits", test_sorts, NULL, NULL, NULL},
         {"ES-78: keys have as many bits as there are materials", test_plan, NULL, NULL, NULL},
+        {"ES-78: the list is in order of classes and materials, and each class has its shader", test_order_of_the_list, NULL,
+         spy_tear_down, NULL},
         {"ES-75: each triangle of a pixel is shaded once and weighs its samples", test_samples, NULL, NULL, NULL},
         {"ES-72: a grid of samples has the edges of all pixels, and a quarter of the fragments", test_grid, NULL, NULL,
          NULL},
