@@ -25,6 +25,33 @@ static uint64_t per_sample(const fnl_frame_stats *s, uint32_t samples) {
 
 /* ---- the exact methods ---- */
 
+/* What tiles shade where every sample shows a surface: all samples of tiles of 8x8 pixels that hold an edge, one of each other pixel. The
+ * edges are those that the debug view does not show grey. */
+static uint64_t per_tile(struct stage *stage, fnl_frame frame) {
+    frame.outputs = FNL_OUTPUT_COLOR;
+    frame.debug = FNL_DEBUG_EDGES;
+    struct shot map = shoot_method(stage, frame, FNL_MSAA_TILES);
+    const uint8_t *p = map.color.pixels;
+    uint64_t sum = 0;
+    uint32_t edges = 0, plain_tiles = 0;
+    for (uint32_t top = 0; top < frame.height; top += 8)
+        for (uint32_t left = 0; left < frame.width; left += 8) {
+            uint32_t own = 0, pixels = 0;
+            for (uint32_t y = top; y < MIN(top + 8, frame.height); y++)
+                for (uint32_t x = left; x < MIN(left + 8, frame.width); x++, pixels++) {
+                    const uint8_t *c = p + 4 * ((size_t)y * frame.width + x);
+                    own += c[0] != c[1] || c[0] != c[2];
+                }
+            edges += own;
+            plain_tiles += own == 0;
+            sum += own ? (uint64_t)pixels * frame.msaa : pixels;
+        }
+    assert_int_equal(edges, map.stats.msaa_edge_pixels);
+    assert_true(plain_tiles > 0);
+    shot_free(&map);
+    return sum;
+}
+
 static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_round) {
     struct shot all = shoot_method(stage, frame, FNL_MSAA_ALL);
     const fnl_frame_stats *s = &all.stats;
@@ -52,6 +79,7 @@ static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_rou
             assert_int_equal(t->msaa_pixels, frame.width * frame.height);
             assert_int_equal(t->msaa_shaded, t->msaa_pixels + (frame.msaa - 1) * t->msaa_edge_pixels);
         }
+        if (walls_all_round && m == FNL_MSAA_TILES) assert_int_equal(t->msaa_shaded, per_tile(stage, frame));
         shot_free(&shot);
     }
     shot_free(&all);
