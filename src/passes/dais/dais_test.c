@@ -295,6 +295,54 @@ static void test_cache(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/*
+ * Strips of two triangles across the picture, triangle s and s + STRIPS each: fragments of both come in turns wherever the picture is drawn
+ * in parts. With STRIPS buckets these two share one, which holds both, so each is stored once whatever the order; with twice as many each
+ * has its own. With one bucket for all eight most are stored again and again.
+ */
+static void test_buckets_keep_two(void **state) {
+    UNUSED(state);
+    enum { STRIPS = 4 };
+    fnl_scene *scene = test_scene();
+    struct scene_material white = test_unlit(1, 1, 1);
+    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 4 * STRIPS);
+    uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 6 * STRIPS);
+    for (uint32_t i = 0; i < STRIPS; i++) {
+        for (uint32_t v = 0; v < 4; v++)
+            positions[4 * i + v] = (vec3){v & 1 ? 2.6f : -2.6f, (float)(i + v / 2) * 0.8f - 1.6f, 0};
+        const uint32_t corners[6] = {0, 1, 2, 1, 3, 2};
+        for (uint32_t v = 0; v < 3; v++) {
+            indices[3 * i + v] = 4 * i + corners[v];
+            indices[3 * (i + STRIPS) + v] = 4 * i + corners[3 + v];
+        }
+    }
+    struct scene_primitive primitive = {.material = scene_add_material(scene, &white),
+                                        .vertex_count = 4 * STRIPS,
+                                        .index_count = 6 * STRIPS,
+                                        .indices = indices,
+                                        .positions = positions};
+    assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
+    test_place(scene, scene_add_mesh(scene, "", &primitive, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t samples = 1; samples <= 4; samples *= 4)
+        for (uint32_t buckets = 1; buckets <= 4 * STRIPS; buckets *= 2) {
+            fnl_frame frame = wide_frame(0);
+            frame.width = 300; /* five tiles of the CPU driver */
+            frame.count_lights = true;
+            frame.msaa = samples;
+            frame.dais.cache_buckets = buckets;
+            fnl_image radiance = shoot(renderer, &frame);
+            struct fnl_dais_stats dais = stats_of(renderer).dais;
+            print_message("%u samples, %u buckets: %u triangles stored, %u for locks\n", samples, buckets, dais.triangles,
+                          dais.cache_failures);
+            assert_int_equal(dais.unique, 2 * STRIPS);
+            if (buckets >= STRIPS) assert_int_equal(dais.triangles - dais.cache_failures, 2 * STRIPS);
+            free_picture(&radiance);
+        }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* Who cannot lock a bucket stores the triangle for itself: the same picture, to the bit, and every record is told of. */
 static void test_locked(void **state) {
     UNUSED(state);
@@ -778,6 +826,7 @@ int main(void) {
         {"DI-2, DI-12: positions, normals and depths from derivatives", test_positions, NULL, NULL, NULL},
         {"DI-13: textures are filtered as in forward shading", test_gradients, NULL, NULL, NULL},
         {"DI-4, DI-5: caches of any size, a single bucket too", test_cache, NULL, NULL, NULL},
+        {"DI-4: a bucket holds two triangles, each stored once", test_buckets_keep_two, NULL, NULL, NULL},
         {"DI-5: buckets that stay locked cost memory, not the picture", test_locked, NULL, NULL, NULL},
         {"DI-6: what finds no room is shaded all the same", test_overflow, NULL, NULL, NULL},
         {"DI-7: materials choose what a record holds", test_layouts, NULL, NULL, NULL},
