@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Inferred lighting: how close it is to deferred shading, its lists, its glass. */
+#include "passes/shade/msaa_cases.h"
 #include "passes/shade/order_cases.h"
 
 /* Every list gives the bits of `all`, also for what is stippled; nothing breaks, whatever the size. */
@@ -94,12 +95,57 @@ static void test_quality(void **state) {
     check_quality("builtin:glass?lights=40", 5, 28, 25, 0.4);
 }
 
+/*
+ * Two squares side by side in one plane, one smooth and one rough, and a light before the seam: nothing but the item tells their texels apart.
+ * The sharp highlight of the smooth one ends at the seam.
+ */
+static void test_light_belongs_to_items(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = msaa_scene();
+    msaa_square(scene, msaa_material(scene, 0.1f, 0.1f, 0.1f, 0.25f), 0, 1, vec3_make(-1.003f, 0, 0));
+    msaa_square(scene, msaa_material(scene, 0.1f, 0.1f, 0.1f, 1), 0, 1, vec3_make(0.997f, 0, 0));
+    fnl_light_params light = fnl_light_params_default();
+    fnl_light_id id;
+    light.position = vec3_make(0, 0, 2);
+    light.intensity = 20;
+    light.range = 10;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    struct stage stage = stage_open_scene(scene);
+    fnl_frame *frame = &stage.frame;
+    frame->width = frame->height = 91;
+    frame->camera = fnl_camera_default();
+    frame->camera.position = vec3_make(0, 0, 5);
+    frame->camera.target = vec3_make(0, 0, 0);
+    frame->camera.orthographic = true;
+    frame->camera.vertical_extent = 1.5f;
+    frame->camera.far_distance = 20;
+    struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
+    for (uint32_t scale = 2; scale <= 4; scale *= 2) {
+        frame->list_options.light_scale = scale;
+        struct shot shot = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_ALL);
+        double worst = 0, contrast = 0;
+        for (uint32_t y = 0; y < 91; y++)
+            for (uint32_t x = 0; x < 91; x++) {
+                const float *p = (const float *)deferred.radiance.pixels + 4 * (y * 91 + x),
+                            *q = (const float *)shot.radiance.pixels + 4 * (y * 91 + x);
+                if (x >= 45) worst = fmax(worst, fabs((double)q[0] / (double)p[0] - 1));
+                if (x == 45) contrast = fmax(contrast, (double)p[-4] / (double)p[0]);
+            }
+        print_message("  1/%u: the rough square is off by %.0f %% at most; the seam parts 1 : %.1f\n", scale, worst * 100, contrast);
+        assert_true(contrast > 2 && worst < 0.25);
+        shot_free(&shot);
+    }
+    shot_free(&deferred);
+    stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-24: inferred lists equal its own brute force, blended surfaces included", test_lists, NULL, harness_check,
          NULL},
         {"ES-24: inferred finds the lights of pixels that no texel suits in clusters", test_fallback, NULL, harness_check,
          NULL},
+        {"ES-24: inferred takes light of the own item", test_light_belongs_to_items, NULL, harness_check, NULL},
         {"ES-24: inferred is close in hall, city and glass", test_quality, NULL, harness_check, NULL},
     };
     return cmocka_run_group_tests_name("inferred", tests, harness_begin, harness_end);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Light apart from materials, at full and at lower resolution, against deferred shading. */
+#include "passes/shade/msaa_cases.h"
 #include "passes/shade/order_cases.h"
 #include "scene/scene.h"
 
@@ -193,6 +194,60 @@ static void test_low_res_edges(void **state) {
     }
 }
 
+/*
+ * A square before a wall that looks the same way, of the same material, with a light between them: nothing but the distance from the plane tells
+ * their texels apart. The square's front gets no light, and what the wall gets does not leak onto it.
+ */
+static void test_steps_do_not_leak(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = msaa_scene();
+    fnl_material_id material = msaa_material(scene, 0.8f, 0.7f, 0.6f, 0.6f);
+    msaa_square(scene, material, 0, 0.4f, vec3_make(-0.2f, 0.1f, 0.5f));
+    msaa_square(scene, material, 0, 3, vec3_make(0, 0, 0));
+    fnl_light_params light = fnl_light_params_default();
+    fnl_light_id id;
+    light.position = vec3_make(0.1f, 0, 0.25f);
+    light.intensity = 5;
+    light.range = 4;
+    assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+    struct stage stage = stage_open_scene(scene);
+    fnl_frame *frame = &stage.frame;
+    frame->outputs |= FNL_OUTPUT_POSITION;
+    frame->width = 90;
+    frame->height = 90;
+    frame->camera = fnl_camera_default();
+    frame->camera.position = vec3_make(0, 0, 5);
+    frame->camera.target = vec3_make(0, 0, 0);
+    frame->camera.orthographic = true;
+    frame->camera.vertical_extent = 2;
+    frame->camera.far_distance = 20;
+    struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
+    for (uint32_t turn = 0; turn < 4; turn++) {
+        fnl_shading order = turn & 2 ? FNL_SHADING_INFERRED : FNL_SHADING_LOW_RES;
+        frame->list_options.light_scale = turn & 1 ? 4 : 2;
+        struct shot shot = order_shoot(&stage, order, FNL_LISTS_ALL);
+        const float *p = deferred.radiance.pixels, *q = shot.radiance.pixels, *at = deferred.position.pixels;
+        uint32_t front = 0, leaks = 0, wall = 0, lost = 0;
+        for (uint32_t i = 0; i < frame->width * frame->height; i++) {
+            bool is_front = at[4 * i + 2] > 0.25f;
+            front += is_front;
+            wall += !is_front;
+            leaks += is_front && fabsf(p[4 * i] - q[4 * i]) > 1e-4f;
+            lost += !is_front && q[4 * i] < 0.7f * p[4 * i];
+        }
+        print_message("  %s, 1/%u: %u of %u pixels of the square bright, %u of %u of the wall dark; %.2f of the evaluations\n",
+                      fnl_shading_name(order), frame->list_options.light_scale, leaks, front, lost, wall,
+                      (double)shot.stats.evaluations / (double)deferred.stats.evaluations);
+        assert_true(front > 1000 && wall > 1000);
+        assert_int_equal(leaks, 0);
+        assert_true(lost * 100 <= wall);
+        assert_true(shot.stats.evaluations * 3 < deferred.stats.evaluations * (turn & 1 ? 1 : 2));
+        shot_free(&shot);
+    }
+    shot_free(&deferred);
+    stage_close(&stage);
+}
+
 /* Low resolution is its own brute force: every list gives the bits of `all`, in fewer evaluations. */
 static void check_own_reference(struct stage *stage, const char *what) {
     static const fnl_light_lists lists[] = {FNL_LISTS_TILED,  FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
@@ -234,6 +289,7 @@ int main(void) {
          harness_check, NULL},
         {"ES-24: low-res is close, in fewer evaluations", test_low_res_quality, NULL, harness_check, NULL},
         {"ES-24: neither low-res nor inferred has a halo at edges", test_low_res_edges, NULL, harness_check, NULL},
+        {"ES-24: light does not leak from plane to plane", test_steps_do_not_leak, NULL, harness_check, NULL},
         {"FP-13: low-res is consistent with its own brute force", test_low_res_lists, NULL, harness_check, NULL},
     };
     return cmocka_run_group_tests_name("light apart from materials", tests, harness_begin, harness_end);
