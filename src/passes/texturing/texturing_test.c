@@ -167,6 +167,115 @@ static void test_every_kind_of_surface(void **state) {
         }
 }
 
+/* ---- derived gradients ---- */
+
+/* `side` black and white squares of a texel along either edge: grey from the second level on. */
+static fnl_image_id chequers(fnl_scene *scene, uint32_t side) {
+    uint8_t *texels = malloc((size_t)side * side * 4);
+    assert_non_null(texels);
+    for (uint32_t i = 0; i < side * side; i++) {
+        memset(texels + 4 * (size_t)i, ((i % side) ^ (i / side)) & 1 ? 255 : 0, 3);
+        texels[4 * (size_t)i + 3] = 255;
+    }
+    fnl_image image = {side, side, FNL_PIXEL_FORMAT_RGBA8, texels};
+    fnl_image_id id;
+    assert_int_equal(fnl_scene_add_image(scene, &image, false, &id), FNL_OK);
+    free(texels);
+    return id;
+}
+
+/* A rectangle at depth z with u = `u0` + `slope` * x and v = 0.5 * y. */
+static void add_strip(fnl_scene *scene, uint32_t material, float x0, float x1, float z, float u0, float slope) {
+    vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, 4);
+    vec2 *uv = ARENA_ARRAY(&scene->arena, vec2, 4);
+    uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, 6);
+    const uint32_t order[6] = {0, 1, 2, 1, 3, 2};
+    memcpy(indices, order, sizeof order);
+    for (uint32_t v = 0; v < 4; v++) {
+        positions[v] = (vec3){v & 1 ? x1 : x0, v & 2 ? 1.2f : -1.2f, z};
+        uv[v] = (vec2){u0 + slope * positions[v].x, 0.5f * positions[v].y};
+    }
+    struct scene_primitive p = {.material = material,
+                                .vertex_count = 4,
+                                .index_count = 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .uv = {uv, NULL}};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    test_place(scene, scene_add_mesh(scene, "", &p, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+}
+
+/*
+ * Where two charts of one material meet, the gradient is that of the neighbour on the pixel's own chart; where another surface of the same
+ * material has the coordinates of the neighbour, none is taken from there. A texture of single black and white texels shows each wrong
+ * level: sharp where it should be grey, or grey where it should be sharp. Seen without perspective, gradients are the same all over a
+ * strip, and so are those that hardware takes: every pixel is compared with stored gradients.
+ */
+static void test_derived_at_seams(void **state) {
+    UNUSED(state);
+    enum { SIDE = 64, PIXELS = 64 };
+    static const struct {
+        const char *name;
+        bool two_materials;
+        float z, u0, slope; /* of the right strip */
+        float left;         /* slope of the left one; its pixels are at middles of texels */
+    } cases[] = {
+        /* A texel a pixel on both sides; u jumps by many texels at the seam. */
+        {"charts in one plane", false, 0, 20.3f, 0.5f, 0.5f},
+        /* Four texels a pixel along u on both sides, the same u at the border: of another plane. */
+        {"a step", false, -0.5f, 1.0f / 128, -2, 2},
+        /* The same in one plane, of another material. */
+        {"two materials", true, 0, 1.0f / 128, -2, 2},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_scene *scene = test_scene();
+        assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
+        struct scene_sampler sampler = {.mag = SCENE_FILTER_LINEAR,
+                                        .min = SCENE_FILTER_LINEAR,
+                                        .mip = SCENE_FILTER_LINEAR,
+                                        .mipmapped = true,
+                                        .wrap_u = SCENE_WRAP_REPEAT,
+                                        .wrap_v = SCENE_WRAP_REPEAT};
+        struct scene_material material = test_unlit(1, 1, 1);
+        material.textures[SCENE_TEXTURE_BASE_COLOR] = scene_texture_none();
+        material.textures[SCENE_TEXTURE_BASE_COLOR].image = chequers(scene, SIDE).index;
+        material.textures[SCENE_TEXTURE_BASE_COLOR].sampler = scene_add_sampler(scene, &sampler);
+        uint32_t left = scene_add_material(scene, &material),
+                 right = cases[i].two_materials ? scene_add_material(scene, &material) : left;
+        add_strip(scene, left, -1.2f, 0.01f, 0, cases[i].left < 1 ? 0 : 1.0f / 128, cases[i].left);
+        add_strip(scene, right, 0.01f, 1.2f, cases[i].z, cases[i].u0, cases[i].slope);
+        scene_update_transforms(scene);
+        fnl_renderer *renderer = test_renderer(scene);
+        fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+        frame.width = frame.height = PIXELS;
+        frame.shading = FNL_SHADING_TEXTURING;
+        fnl_image shown[2];
+        for (int derived = 0; derived < 2; derived++) {
+            frame.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
+            test_render_frame(renderer, &frame);
+            shown[derived] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+        }
+        double low = 1e9, high = 0;
+        uint32_t off = 0;
+        for (uint32_t y = 0; y < PIXELS; y++)
+            for (uint32_t x = 0; x < PIXELS; x++) {
+                double stored = (double)test_pixel(&shown[0], x, y)[0], derived = (double)test_pixel(&shown[1], x, y)[0];
+                low = fmin(low, stored);
+                high = fmax(high, stored);
+                off += !(fabs(stored - derived) <= 0.02);
+            }
+        print_message("%s: %.2f .. %.2f, %u pixels off\n", cases[i].name, low, high, off);
+        if (cases[i].left < 1)
+            assert_true(high - low > 0.3); /* sharp */
+        else
+            assert_true(high - low < 0.1); /* grey */
+        assert_int_equal(off, 0);
+        for (int k = 0; k < 2; k++) free_picture(&shown[k]);
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* With an atlas: the textures of each material have the same coordinates, as it demands. */
 static void test_every_kind_by_the_atlas(void **state) {
     UNUSED(state);
@@ -354,6 +463,7 @@ static void test_first_pass_reads_alpha_alone(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-76: surfaces of every kind as in forward shading", test_every_kind_of_surface, NULL, NULL, NULL},
+        {"ES-76: derived gradients are those of the own chart", test_derived_at_seams, NULL, NULL, NULL},
         {"ES-70: surfaces of every kind by the atlas", test_every_kind_by_the_atlas, NULL, NULL, NULL},
         {"ES-76, ES-70: surfaces of every kind with 4 samples", test_every_kind_with_samples, NULL, NULL, NULL},
         {"ES-76: 1000 textures", test_thousand_textures, NULL, NULL, NULL},

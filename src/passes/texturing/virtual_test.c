@@ -353,6 +353,151 @@ static void test_what_the_atlas_cannot_hold(void **state) {
     stage_close(&stage);
 }
 
+/* ---- feedback: which pages a frame wants, against the same from positions ---- */
+
+enum { SQUARES = 4, TEXELS = 1024, MAX_PAGES = 1024 };
+
+struct marks {
+    bool certain[MAX_PAGES], possible[MAX_PAGES]; /* pages that some pixel must want, and that rounding may make it want */
+};
+
+static void mark_tier(const struct gpu_virtual_material *m, uint32_t tier, double u, double v, bool certain, struct marks *out) {
+    double texels = (double)MAX(TEXELS >> (VIRTUAL_STEP * tier), 1), margin = certain ? 0.05 : 0;
+    uint32_t across = DIVIDE_UP((uint32_t)texels, VIRTUAL_INNER);
+    uint32_t number[2] = {0, 0};
+    for (int i = 0; i < 4; i++) { /* seams are near: either page may be meant */
+        double x = (u - floor(u)) * texels + (i & 1 ? margin : -margin), y = (v - floor(v)) * texels + (i & 2 ? margin : -margin);
+        uint32_t column = (uint32_t)(fmax(x, 0) / VIRTUAL_INNER), row = (uint32_t)(fmax(y, 0) / VIRTUAL_INNER);
+        uint32_t page = m->first_page[tier] + MIN(row, across - 1) * across + MIN(column, across - 1);
+        assert_true(page < MAX_PAGES);
+        out->possible[page] = true;
+        if (i == 0) number[0] = number[1] = page;
+        number[0] = MIN(number[0], page);
+        number[1] = MAX(number[1], page);
+    }
+    if (certain && number[0] == number[1]) out->certain[number[0]] = true;
+}
+
+/* The page of the level that the hardware would take, and all coarser ones up to that which holds the whole texture. */
+static void mark_chain(const struct gpu_virtual_material *m, uint32_t finest, double u, double v, bool certain, struct marks *out) {
+    finest = MIN(finest, m->tiers - 1);
+    for (uint32_t tier = MIN(finest, m->whole); tier <= MAX(finest, m->whole); tier++)
+        if (finest <= m->whole || tier == finest || tier == m->whole) mark_tier(m, tier, u, v, certain, out);
+}
+
+/* Squares at z = 0 in rows of two; u and v are x and 1 - y within each, u shifted by 0.37 from square to square. */
+static void mark_picture(const struct shot *shot, const fnl_scene *scene, const struct gpu_virtual_material *materials, struct marks *out) {
+    uint32_t width = shot->position.width, height = shot->position.height;
+    const float *positions = shot->position.pixels;
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            const float *p = positions + 4 * (y * width + x);
+            if (p[3] < 1) continue;
+            uint32_t column = (uint32_t)fmaxf(p[0], 0), row = (uint32_t)fmaxf(p[1], 0), square = row * 2 + column;
+            /* On the border of a square the position may be the neighbour's. */
+            double fx = (double)p[0] - column, fy = (double)p[1] - row;
+            bool inside = square < SQUARES && column < 2 && fx > 1e-4 && fx < 1 - 1e-4 && fy > 1e-4 && fy < 1 - 1e-4;
+            const struct gpu_virtual_material *m = &materials[scene->primitives.data[MIN(square, SQUARES - 1u)].material];
+            double u = fx + 0.37 * square, v = 1 - fy;
+            const float *first = positions + 4 * ((y & ~1u) * width + (x & ~1u));
+            bool whole = (x | 1) < width && (y | 1) < height;
+            const float *right = whole ? first + 4 : first, *below = whole ? first + 4 * width : first;
+            whole = whole && first[3] >= 1 && right[3] >= 1 && below[3] >= 1;
+            double along = hypot((double)(right[0] - first[0]), (double)(right[1] - first[1])) * TEXELS,
+                   down = hypot((double)(below[0] - first[0]), (double)(below[1] - first[1])) * TEXELS;
+            double level = log2(fmax(fmax(along, down), 1)), band = 0.3;
+            if (!whole) { /* where squares end: about as its other neighbours */
+                band = 1.5;
+                for (int i = 0; i < 4; i++) {
+                    uint32_t nx = x + (i == 0) - (i == 1), ny = y + (i == 2) - (i == 3);
+                    if (nx >= width || ny >= height || positions[4 * (ny * width + nx) + 3] < 1) continue;
+                    const float *q = positions + 4 * (ny * width + nx);
+                    level = fmax(level, log2(fmax(hypot((double)(q[0] - p[0]), (double)(q[1] - p[1])) * TEXELS, 1)));
+                }
+            }
+            uint32_t low = (uint32_t)fmax((level - band) / VIRTUAL_STEP, 0), high = (uint32_t)((level + band) / VIRTUAL_STEP);
+            bool certain = whole && inside && low == high;
+            for (uint32_t tier = low; tier <= MIN(high, m->tiers - 1); tier++) mark_chain(m, tier, u, v, certain, out);
+        }
+}
+
+/*
+ * The pages that a frame asks for are those that its pixels see, at the level that the hardware would take, and the coarser ones: no fewer,
+ * and no more. Seen as a floor, as a wall at the side and from above, so that levels follow the steeper of both gradients. With too little room
+ * the coarse ones come first.
+ */
+static void test_wanted_pages(void **state) {
+    UNUSED(state);
+    struct stage stage = open_squares(SQUARES, 2, TEXELS, false);
+    static const vec3 positions[] = {{0.3f, -0.2f, 0.3f}, {-0.2f, 0.4f, 0.3f}, {1, 1, 1}};
+    for (uint32_t view = 0; view < COUNT_OF(positions); view++) {
+        fnl_frame frame = stage.frame;
+        frame.camera.position = positions[view];
+        frame.camera.target = (vec3){1.1f, 1.2f, 0};
+        if (view == 0) frame.camera.up = (vec3){0, 0, 1}; /* the squares are a floor: levels follow what changes downwards */
+        if (view == 2) frame.camera.target = (vec3){1, 1, 0};
+        frame.width = 320;
+        frame.height = 180;
+        frame.outputs |= FNL_OUTPUT_POSITION;
+        struct shot shot = stage_shoot(&stage, &frame);
+        const struct virtual_atlas *atlas = &stage.renderer->atlas;
+        static struct gpu_virtual_material materials[SQUARES + 2];
+        static struct gpu_virtual_page numbered[MAX_PAGES];
+        static uint32_t wanted[MAX_PAGES], table[MAX_PAGES];
+        static struct marks marks;
+        memset(&marks, 0, sizeof marks);
+        uint32_t count = atlas->page_count, certain = 0, possible = 0, marked = 0, with_always = 0;
+        assert_true(count <= MAX_PAGES);
+        gpu_device *device = harness_device();
+        assert_int_equal(gpu_read_buffer(device, &atlas->materials, 0, materials, (SQUARES + 1) * sizeof materials[0]), FNL_OK);
+        assert_int_equal(gpu_read_buffer(device, &atlas->pages, 0, numbered, count * sizeof numbered[0]), FNL_OK);
+        assert_int_equal(gpu_read_buffer(device, &atlas->wanted, 0, wanted, count * 4ull), FNL_OK);
+        mark_picture(&shot, stage.scene, materials, &marks);
+        uint32_t tiers[VIRTUAL_TIERS] = {0};
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t tier = numbered[i].place >> 28;
+            if ((marks.certain[i] && !wanted[i]) || (wanted[i] && !marks.possible[i]))
+                fail_msg("view %u: page %u, tier %u of material %u, is %s", view, i, tier, numbered[i].material,
+                         wanted[i] ? "wanted by no pixel" : "not wanted");
+            certain += marks.certain[i];
+            possible += marks.possible[i];
+            marked += wanted[i] != 0;
+            with_always += wanted[i] || i < atlas->always;
+            tiers[tier] += wanted[i] != 0;
+        }
+        print_message("view %u: %u pages wanted of %u, %u .. %u by positions; of tiers %u %u %u\n", view, marked, count, certain,
+                      possible, tiers[0], tiers[1], tiers[2]);
+        assert_true(marked > 20 && certain * 4 >= marked * 3 && possible * 3 <= marked * 5 && tiers[1] > 5 && (view == 2 || tiers[0] > 5));
+        shot_free(&shot);
+        struct shot later = stage_shoot(&stage, &frame);
+        assert_int_equal(later.stats.atlas_wanted, with_always);
+        assert_int_equal(later.stats.atlas_missing, 0);
+        shot_free(&later);
+        /* Room for 16: what is left out is as fine as anything that is there, or finer. */
+        frame.atlas_size = 512;
+        shot = stage_shoot(&stage, &frame);
+        assert_int_equal(gpu_read_buffer(device, &atlas->wanted, 0, wanted, count * 4ull), FNL_OK);
+        shot_free(&shot);
+        later = stage_shoot(&stage, &frame);
+        assert_int_equal(gpu_read_buffer(device, &atlas->table, 0, table, count * 4ull), FNL_OK);
+        uint32_t finest_there = VIRTUAL_TIERS, coarsest_missing = 0, missing = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t tier = numbered[i].place >> 28;
+            if (table[i] && i >= atlas->always) finest_there = MIN(finest_there, tier);
+            if (wanted[i] && !table[i]) {
+                coarsest_missing = MAX(coarsest_missing, tier);
+                missing++;
+            }
+            if (i < atlas->always) assert_true(table[i] != 0);
+        }
+        print_message("  room for 16: %u missing, of tier %u at most; the finest that is there is of tier %u\n", missing, coarsest_missing, finest_there);
+        assert_true(missing > 0 && coarsest_missing <= finest_there);
+        assert_int_equal(later.stats.atlas_missing, missing);
+        shot_free(&later);
+    }
+    stage_close(&stage);
+}
+
 /* ---- views ---- */
 
 static uint32_t count_color(const fnl_image *image, int r, int g, int b, int tolerance) {
@@ -412,6 +557,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
         {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
+        {"ES-70, ES-71: a frame wants the pages that its pixels see", test_wanted_pages, NULL, harness_check, NULL},
         {"ES-70: pages follow the view", test_pages_follow_the_view, NULL, harness_check, NULL},
         {"ES-70: more pages than fit cost detail, never the material", test_overflow, NULL, harness_check, NULL},
         {"ES-70: the atlas and its pages can be looked at", test_views, NULL, harness_check, NULL},
