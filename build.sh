@@ -9,16 +9,16 @@ usage: ./build.sh VERB [OPTIONS]
 
   setup             installs the packages that are missing (apt, as root or through sudo; other systems: lists them)
   build             setup, then builds everything into build/: the command build/fanal, the library, the tests
-  demo              setup, builds the command, renders the city with 4096 lights to demo.png
+  demo              installs what the command alone needs, builds it, renders the city with 4096 lights to demo.png
   test              setup, builds, runs every test
        -R REGEX       only tests whose name matches
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
        --clang        in build/clang, compiled by clang
-  bench             setup, builds the command, measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
+  bench             as demo, but measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
                     build/bench/report.html (build/fanal bench --all measures every pair)
   fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60)
-  bundle            setup, builds, makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
+  bundle            as demo, but makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
   clean             removes build/ and demo.png
   help              this text
 
@@ -46,25 +46,59 @@ done
 
 setup() { [ -z "$install" ] || tools/setup.sh "$@"; }
 
+# Ninja's lines [DONE/ALL] become one that is rewritten, or off a terminal one every few seconds; all others stay.
+follow() {
+    local line count all elapsed left shown=0 begun=$SECONDS terminal=''
+    [ -t 1 ] && terminal=yes
+    while IFS= read -r line; do
+        if ! [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]]; then
+            printf '%s%s\n' "${terminal:+$'\r\e[K'}" "$line"
+            continue
+        fi
+        count=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} elapsed=$((SECONDS - begun))
+        [ -n "$terminal" ] || [ $((elapsed - shown)) -ge 5 ] || continue
+        shown=$elapsed left=$((elapsed * (all - count) / count))
+        line="building $count/$all, $elapsed s, about $left s left"
+        if [ -n "$terminal" ]; then printf '\r%s\e[K' "$line"; else echo "$line"; fi
+    done
+    [ -z "$terminal" ] || printf '\r\e[K'
+}
+
 # build FOLDER TARGET [-DOPTION…]: configures quietly, shows errors.
 build() {
     local folder=$1 target=$2 log
     shift 2
     log=$(cmake -S . -B "$folder" -G Ninja "$@" 2>&1) || { echo "$log" >&2; exit 1; }
-    cmake --build "$folder" --target "$target"
+    cmake --build "$folder" --target "$target" | follow
+}
+
+# The command alone: without cmocka, unless the folder has tests already.
+build_command() {
+    local options=()
+    [ -e build/CMakeCache.txt ] || options=(-DFANAL_TESTS=OFF)
+    build build fanal_cli "${options[@]}"
 }
 
 case $verb in
-setup) setup ;;
-build) setup; build build all ;;
+setup) setup --tests ;;
+build) setup --tests; build build all -DFANAL_TESTS=ON ;;
 demo)
+    echo "demo: 1. packages, 2. building the command into build/, 3. rendering a city with 4096 lights into demo.png"
     setup
-    build build fanal_cli
-    build/fanal render "builtin:city?lights=4096" --size 1280x720 --msaa 4 --exposure 2.7 -o demo.png
+    build_command
+    build/fanal render "builtin:city?lights=4096" --size 1280x720 --msaa 4 --exposure 2.7 --lists clustered --frames 0 -o demo.png
+    cat <<'EOF'
+wrote demo.png
+
+Try next:
+  build/fanal render "builtin:city?lights=4096" --camera above --debug lights -o lights.png    # lights that each pixel visits
+  build/fanal render builtin:hall --lists tiled -o hall.png                                    # with the times of all passes
+  build/fanal bench builtin:spheres --sizes 320x180 --shading deferred -o bench                # all lists: bench/report.html
+EOF
     ;;
 test)
-    setup --page ${clang:+--clang}
-    folder=build options=()
+    setup --tests --page ${clang:+--clang}
+    folder=build options=(-DFANAL_TESTS=ON)
     if [ -n "$clang" ]; then folder+=/clang; options+=(-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++); fi
     if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi
     build $folder all "${options[@]}"
@@ -73,8 +107,8 @@ test)
     ;;
 fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
     -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
-bench) setup; build build fanal_cli; build/fanal bench builtin:hall --overwrite -o build/bench ;;
-bundle) setup; build build fanal_cli; tools/bundle.sh build ;;
+bench) setup; build_command; build/fanal bench builtin:hall --overwrite -o build/bench ;;
+bundle) setup; build_command; tools/bundle.sh build ;;
 clean) rm -rf build demo.png ;;
 help | -h | --help) usage ;;
 *) usage >&2; exit 2 ;;

@@ -35,7 +35,7 @@ static void print_help(void) {
          "Exit status: 0 when the scene was loaded (with or without warnings), 2 on an error.\n"
          "\n"
          "Examples:\n"
-         "  fanal info helmet.glb\n"
+         "  fanal info builtin:hall\n"
          "  fanal info builtin:city?lights=4096 --json");
 }
 

@@ -108,7 +108,7 @@ static void print_help(void) {
          "the\n"
          "                             animation goes on by so much from each to the next (1/30)\n"
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
-         "  --frames N                 renders N frames and reports medians (1)\n"
+         "  --frames N                 renders N frames and reports medians (1); 0: the picture alone, as soon as it can be had\n"
          "  --stats FILE.json          writes the numbers\n"
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
@@ -120,7 +120,7 @@ static void print_help(void) {
          "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind.\n"
          "\n"
          "Examples:\n"
-         "  fanal render helmet.glb --lights 500 -o helmet.png\n"
+         "  fanal render builtin:hall --lights 500 -o hall.png\n"
          "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
          "city.png\n"
          "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
@@ -476,7 +476,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
         o->animation = value;
         return true;
     case O_FRAMES:
-        if (!argument_integer("frames", value, 1, 1000000, &integer)) return false;
+        if (!argument_integer("frames", value, 0, 1000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;
         o->has_frames = true;
         return true;
@@ -587,6 +587,7 @@ static bool check_options(struct render_options *o) {
             problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
     if (sequence && o->stats) problem = "--stats is not for sequences";
+    if (o->frame_count == 0 && (o->stats || sequence)) problem = "--frames 0 is a picture without numbers: not with --stats, nor for a sequence";
     if (o->has_frame_time && !sequence) problem = "--frame-time is for sequences: -o NAME-%04d.png";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);
     return !problem;

@@ -26,7 +26,8 @@ struct render_options {
     float anisotropy;
     float fov;                  /* radians; 0: the camera's */
     double choose_seconds;      /* that auto may take before the frames */
-    uint32_t frame_count, aovs; /* aovs: bits 1 << enum render_aov */
+    uint32_t frame_count;       /* timed ones; 0: the picture alone */
+    uint32_t aovs;              /* bits 1 << enum render_aov */
     fnl_scatter_params scatter;
     uint32_t grow_metal; /* texels */
     bool has_range_roughness;
@@ -57,6 +58,8 @@ struct render_report {
 };
 
 void report_print(const struct render_report *report);
+/** A line instead, where nothing but the picture was asked for; `seconds` is what the command took. */
+void report_print_picture(const struct render_report *report, double seconds);
 /** False with a message when the file cannot be written. */
 bool report_save(const struct render_report *report, const char *path);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "progress.h"
 #include "supersample.h"
 
 #include <stdio.h>
@@ -9,19 +10,6 @@
 #include <time.h>
 #include <strings.h>
 #include <unistd.h>
-
-/* ---- progress ---- */
-
-static void show_progress(const struct render_options *o, const char *what, uint32_t done, uint32_t total) {
-    if (o->quiet || !isatty(STDERR_FILENO)) return;
-    enum { WIDTH = 30 };
-    int filled = total ? (int)((uint64_t)done * WIDTH / total) : WIDTH;
-    fprintf(stderr, "\r%-10s [", what);
-    for (int i = 0; i < WIDTH; i++) fputc(i < filled ? '#' : '.', stderr);
-    fprintf(stderr, "] %u/%u ", done, total);
-    if (done == total) fputs("\r\033[K", stderr);
-    fflush(stderr);
-}
 
 /* ---- scene ---- */
 
@@ -221,12 +209,11 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     trial.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     uint32_t count = 0;
     for (; o->frame_count > 1 && stats.choosing && seconds_now() < start + o->choose_seconds; count++) {
-        show_progress(o, "choosing", count, 60);
+        progress_show("choosing", count, 60);
         if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
             return false;
     }
     frame->pin_choice = true;
-    if (o->frame_count > 1) show_progress(o, "choosing", 60, 60);
     if (o->frame_count > 1 && stats.choosing && !o->quiet)
         fprintf(
             stderr,
@@ -246,6 +233,18 @@ static bool settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, 
 
 enum { TAA_FRAMES = 16 }; /* that a picture is collected from, unless --frames says so */
 
+/* The picture alone: no frame more than it takes. */
+static bool run_picture(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame, struct render_report *report) {
+    uint32_t count = frame.aa == FNL_ANTIALIASING_TAA ? TAA_FRAMES : 1;
+    if (!settle_choice(o, renderer, &frame)) return false;
+    for (uint32_t i = 0; i < count; i++) {
+        progress_show("rendering", i, count);
+        if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
+            return false;
+    }
+    return settle_transparency(renderer, &frame, &report->stats);
+}
+
 /*
  * One frame to warm up and the timed ones; then, where numbers are wanted, one more that counts light evaluations, which is also the one that is
  * saved; with samples another, since Mesa's CPU driver tests depth after cutouts whose shader counts, and takes other centroids then.
@@ -253,24 +252,25 @@ enum { TAA_FRAMES = 16 }; /* that a picture is collected from, unless --frames s
 static bool run_frames(const struct render_options *o, fnl_renderer *renderer, fnl_frame frame,
                        struct render_report *report) {
     report->frame_count = o->frame_count;
+    if (o->frame_count == 0) return run_picture(o, renderer, frame, report);
     if (!settle_choice(o, renderer, &frame)) return false;
     report->cpu_times = calloc(o->frame_count, sizeof(double));
     report->gpu_times = calloc(o->frame_count, sizeof(double));
     if (!report->cpu_times || !report->gpu_times) return false;
     bool counts = o->stats || !o->quiet;
     uint32_t collected = frame.aa == FNL_ANTIALIASING_TAA && !o->has_frames ? TAA_FRAMES - 1 : 0;
-    uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts;
+    uint32_t warm_up = counts + collected, total = o->frame_count + warm_up + counts + (counts && frame.msaa > 1);
     fnl_frame timed = frame;
     if (counts) timed.outputs &= FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     for (uint32_t i = 0; i < o->frame_count + warm_up; i++) {
-        show_progress(o, "rendering", i, total);
+        progress_show("rendering", i, total);
         if (fnl_renderer_render(renderer, counts ? &timed : &frame) != FNL_OK ||
             fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
         if (i >= warm_up && !note_frame(report, i - warm_up, &report->stats)) return false;
     }
     if (counts) {
-        show_progress(o, "counting", total - 1, total);
+        progress_show("rendering", o->frame_count + warm_up, total);
         frame.count_lights = true;
         frame.timers = false;
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
@@ -279,11 +279,11 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     if (!settle_transparency(renderer, &frame, &report->stats)) return false;
     if (counts && frame.msaa > 1) {
         fnl_frame_stats plain;
+        progress_show("rendering", total - 1, total);
         frame.count_lights = false;
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &plain) != FNL_OK)
             return false;
     }
-    show_progress(o, "done", total, total);
     return true;
 }
 
@@ -314,7 +314,7 @@ static bool run_sequence(const struct render_options *o, const fnl_host *host, f
     bool good = find_animation(scene, o->animation, &animation);
     for (uint32_t i = 0; i < o->frame_count && good; i++) {
         struct supersample mean = {0};
-        show_progress(o, "rendering", i, o->frame_count);
+        progress_show("rendering", i, o->frame_count);
         good = fnl_scene_set_time(scene, animation, o->time + i * o->frame_time) == FNL_OK &&
                (o->supersample > 1 ? supersample_render(&mean, renderer, &frame, o->supersample)
                                    : fnl_renderer_render(renderer, &frame) == FNL_OK) &&
@@ -326,7 +326,6 @@ static bool run_sequence(const struct render_options *o, const fnl_host *host, f
         good = good && save_outputs(&single, host, renderer, &mean);
         supersample_free(&mean);
     }
-    show_progress(o, "done", o->frame_count, o->frame_count);
     return good;
 }
 
@@ -349,6 +348,8 @@ int render_run(const struct render_options *o) {
     frame.outputs = wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
+    progress_begin(o->quiet, PROGRESS_SECONDS);
+    progress_show("loading the scene", 0, 0);
     bool good = load_scene(o, &host, &scene, &frame.camera) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK;
     bool sequence = o->output_count && render_is_sequence(o->outputs[0]);
@@ -369,6 +370,7 @@ int render_run(const struct render_options *o) {
                 (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
+    progress_show("writing", 0, 0);
     if (good && o->plan) print_text(renderer, fnl_renderer_print_plan);
     if (good && o->traffic) print_text(renderer, fnl_renderer_print_traffic);
     if (good && o->output_count && !sequence) good = save_outputs(o, &host, renderer, &mean);
@@ -377,7 +379,9 @@ int render_run(const struct render_options *o) {
         for (int i = 0; i < o->output_count; i++) unlink(o->outputs[i]); /* all or nothing */
         good = false;
     }
-    if (good && !o->quiet && !o->plan && !o->traffic && !sequence) report_print(&report);
+    progress_end();
+    if (good && !o->quiet && !o->plan && !o->traffic && !sequence && o->frame_count == 0) report_print_picture(&report, progress_seconds());
+    if (good && !o->quiet && !o->plan && !o->traffic && !sequence && o->frame_count > 0) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);
     free(report.cpu_times);

@@ -39,6 +39,12 @@ static struct summary pass_summary(const struct render_report *r, uint32_t pass)
     return summarise(r->pass_times + (size_t)pass * r->frame_count, r->frame_count);
 }
 
+void report_print_picture(const struct render_report *r, double seconds) {
+    printf("%ux%u, %s, %s lists, %u lights: the frame took %.2f s on %s, everything %.2f s\n", r->frame.width,
+           r->frame.height, fnl_shading_name(r->stats.shading), fnl_light_lists_name(r->stats.lists), r->stats.lights_total,
+           r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
+}
+
 void report_print(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     printf("%s, %s\n", r->device.name, r->device.driver);

@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs the Debian packages that Fanal needs and that are missing: tools/setup.sh [--clang] [--page]. Part of build.sh, which
-# says how to skip it.
+# Installs the Debian packages that the command needs and that are missing; with --tests those of the tests too, with --clang the
+# other compiler, with --page a browser. Part of build.sh, which says how to skip it.
 set -euo pipefail
 
 packages=(
-    gcc g++ cmake ninja-build pkg-config glslang-tools spirv-tools                  # to build
-    libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev # what it is made of
+    gcc libc6-dev cmake ninja-build pkg-config glslang-tools spirv-tools             # to build
+    libvulkan-dev libjansson-dev libzstd-dev libmeshoptimizer-dev                    # what it is made of
     libspng-dev libjpeg-dev libwebp-dev libopenexr-dev
     libjs-chart.js                                                                   # the plots of 'fanal bench'
     libvulkan1 mesa-vulkan-drivers                                                   # to run, without a GPU too
-    libcmocka-dev vulkan-validationlayers                                            # to test
 )
 
 say() { echo "setup: $*"; }
@@ -18,6 +17,7 @@ say() { echo "setup: $*"; }
 . /etc/os-release 2>/dev/null || ID=unknown
 for option in "$@"; do
     case $option in
+    --tests) packages+=(g++ libcmocka-dev vulkan-validationlayers libglfw3-dev xvfb) ;; # the last two: examples/window.c
     --clang) packages+=(clang libclang-rt-dev) ;;            # for the fuzzers and `test --clang`
     --page) [ "$ID" != debian ] || packages+=(chromium) ;;   # to test the page of 'fanal bench'; Ubuntu has none as a package
     esac
@@ -77,15 +77,27 @@ if [ -n "$backports" ] && ! sources | grep -q "^$backports main "; then
     echo "deb $option$mirror $backports main" | "${root[@]}" tee $list >/dev/null
 fi
 
-say "installing ${missing[*]}"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
+# apt COMMAND…: waits up to five minutes for another apt to finish. By itself apt waits for dpkg's lock, not for those of its lists and archives.
 apt() {
-    "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -q "$@" >"$log" 2>&1 && return
+    local begun=$SECONDS told=
+    until "${root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@" >"$log" 2>&1; do
+        grep -qE 'Could not get lock|Unable to (lock|acquire)' "$log" && [ $((SECONDS - begun)) -lt 300 ] || return 1
+        [ -n "$told" ] || say "waiting for another apt to finish"
+        told=yes
+        sleep 3
+    done
+}
+failed() {
     tail -n 25 "$log" >&2
     say "'apt-get $*' failed" >&2
     exit 1
 }
-apt update
-apt install --no-install-recommends "${missing[@]}"
-grep -E '^[0-9]+ upgraded|^Need to get|newly installed' "$log" | sed 's/^/setup: /' || true
+install=(install --no-install-recommends "${missing[@]}")
+say "missing: ${missing[*]}"
+apt update || failed update
+apt --assume-no "${install[@]}" || grep -q ' newly installed' "$log" || failed "${install[@]}" # apt fails where the answer is no
+sed -n -E 's/^([0-9]+ upgraded|Need to get|After this operation)/setup: \1/p' "$log"
+apt -y "${install[@]}" || failed "${install[@]}"
+say "installed"

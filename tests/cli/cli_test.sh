@@ -83,6 +83,13 @@ expect 0 'light evaluations' render builtin:spheres $small --lists clustered -o 
 expect 0 '' render builtin:spheres $small -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position --quiet
 cmp -s "$work/a.png" "$work/b.png" || fail 'two runs gave different PNG bytes'
 cmp -s "$work/a.exr" "$work/b.exr" || fail 'two runs gave different EXR bytes'
+# The picture alone: the same bytes, a line that says how long it took, no table.
+expect 0 'the frame took [0-9.]+ s on ' render builtin:spheres $small --lists clustered --frames 0 -o "$work/alone.png"
+grep -qE 'evaluations|median' "$work/out" && fail '--frames 0 counts and measures'
+expect 0 '' render builtin:spheres $small --lists clustered --frames 2 -q -o "$work/timed.png"
+cmp -s "$work/alone.png" "$work/timed.png" || fail '--frames 0 gave other bytes'
+expect 2 'frames 0 is a picture without numbers' render builtin:spheres $small --frames 0 --stats "$work/none.json" -o "$work/none.png"
+absent "$work/none.json" "$work/none.png"
 cmake -DSTATS="$work/a.json" -P "$(dirname "$0")/check_stats.cmake" || fail 'the stats are not as documented'
 # A pipe or a device stays one.
 mkfifo "$work/pipe"

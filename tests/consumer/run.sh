@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # run.sh cmake|pkgconfig BUILD CC [CFLAG…]: installs BUILD into a prefix, moves the prefix, builds the consumer and
-# examples/hello.c against it and runs them.
+# examples/hello.c against it and runs them; by pkg-config it builds the example of README.md too.
 # run.sh subproject BUILD CC: configures a project that has Fanal's sources as a part, compiles its program, and looks whether anything
 # of Fanal's leaks into it. The library is not built once more: whether all that it links is known shows when the build is generated.
 set -euo pipefail
@@ -38,7 +38,8 @@ pkgconfig)
     export PKG_CONFIG_PATH=$folder/pkgconfig
     static=; [ -e "$folder/libfanal.so" ] || static=--static
     programs=$work
-    for file in "$source/consumer.c" "$source/../../examples/hello.c"; do
+    awk '/^```/ { inside = $0 == "```c"; next } inside' "$source/../../README.md" >"$work/readme.c" # its example is a whole program
+    for file in "$source/consumer.c" "$source/../../examples/hello.c" "$work/readme.c"; do
         "$compiler" -std=c11 "$@" "$file" -o "$programs/$(basename "$file" .c)" $(pkg-config $static --cflags --libs fanal)
     done
     ;;

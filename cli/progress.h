@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * How far a command is, on stderr: one line that is rewritten on a terminal, elsewhere a new line every few seconds. What
+ * takes less than that prints nothing there. One at a time.
+ */
+#ifndef FNL_CLI_PROGRESS_H
+#define FNL_CLI_PROGRESS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { PROGRESS_SECONDS = 5 };
+/** Starts the clock; with `quiet` nothing is ever printed. `line_seconds` lie between lines where there is no terminal: PROGRESS_SECONDS. */
+void progress_begin(bool quiet, double line_seconds);
+/** What is being done now, and how much of it is over; a total of 0 or 1 is shown without numbers. `what` is a literal. */
+void progress_show(const char *what, uint32_t done, uint32_t total);
+/** Clears the terminal's line; nothing more is printed. May be called twice. */
+void progress_end(void);
+/** Seconds since progress_begin(), on a clock that only runs forward. */
+double progress_seconds(void);
+
+/**
+ * The line: "rendering 3/10, 12 s, about 28 s left". `elapsed` counts from progress_begin(), `spent` is what the `done` steps took, `current`
+ * how long the next one has been running. The time left is told as soon as a step is done.
+ */
+void progress_format(char *text, size_t capacity, const char *what, uint32_t done, uint32_t total, double elapsed,
+                     double spent, double current);
+
+#endif
