@@ -180,6 +180,35 @@ static void argument_list_options_help(void) {
     for (int i = 0; i < SETTING_COUNT; i++) printf("  %-14s %s\n", settings[i].key, settings[i].help);
 }
 
+json_t *argument_list_options_json(const fnl_list_options *options) {
+    json_t *json = json_object();
+    for (int i = 0; i < SETTING_COUNT; i++) {
+        const struct setting *s = &settings[i];
+        const void *field = (const char *)options + s->offset;
+        char key[32];
+        int index;
+        json_t *value;
+        snprintf(key, sizeof key, "%s", s->key);
+        for (char *dash; (dash = strchr(key, '-'));) *dash = '_';
+        switch (s->kind) {
+        case SETTING_INTEGER:
+            value = json_integer(*(const uint32_t *)field);
+            break;
+        case SETTING_NUMBER: /* infinite: chosen by the scene */
+            value = isinf(*(const float *)field) ? json_null() : json_real((double)*(const float *)field);
+            break;
+        case SETTING_SWITCH:
+            value = json_boolean(*(const bool *)field);
+            break;
+        default:
+            memcpy(&index, field, sizeof index);
+            value = json_string(s->name_of(index));
+        }
+        json_object_set_new(json, key, value);
+    }
+    return json;
+}
+
 bool argument_list_options(const char *option, const char *text, fnl_list_options *out) {
     if (strcmp(text, "help") == 0) {
         argument_list_options_help();

@@ -33,7 +33,7 @@ struct bench_settings {
     uint32_t frames, warm_up; /* timed frames; frames before them */
     uint32_t checks;          /* points of the camera's path that are compared with the reference; 0: none */
     fnl_light_lists reference;
-    const char *camera_path; /* NULL: the camera stands still; "orbit"; or a file */
+    const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
     const char *device, *output;
     bool resume, overwrite, validate, quiet;
 };
@@ -138,7 +138,9 @@ struct bench_path {
     uint32_t count;
 };
 
-/** Loads a file of points, or makes the orbit; `base` gives what a point does not say. False with a message. */
+/** Whether `source` is "orbit" or "turntable", alone or with ":N"; then `count` becomes N, or stays as it is. */
+bool bench_path_is_circle(const char *source, uint32_t *count);
+/** Loads a file of points, or makes a circle of `orbit_count` or N points; `base` gives what a point does not say. False with a message. */
 bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
                        uint32_t orbit_count, float aspect);
 void bench_path_destroy(struct bench_path *path);

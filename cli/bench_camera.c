@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where the camera is in each frame: a file of points, or a circle around the scene. */
+/* Where the camera is in each frame: a file of points, or a circle round the scene. */
 #include "bench.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { POINTS_MAX = 1 << 20 };
+static const double CIRCLE_STEP = 1 / 30.0; /* seconds */
 
 static bool add_point(struct bench_path *path, const struct bench_point *point) {
     if ((path->count & (path->count - 1)) == 0) { /* full at every power of two */
@@ -62,18 +63,23 @@ static bool load_points(struct bench_path *path, const char *file, const fnl_cam
     return good;
 }
 
-/* A circle at the distance and height from which a camera sees the whole scene. */
-static bool make_orbit(struct bench_path *path, const fnl_scene *scene, uint32_t count, float aspect) {
+/*
+ * A circle round the scene at the distance of the camera that frames it. The orbit keeps that camera's height and goes with the x axis towards
+ * the z axis; on the turntable the camera is level, and the scene seems to turn that way, so the camera goes the other.
+ */
+static bool make_circle(struct bench_path *path, const fnl_scene *scene, bool turntable, uint32_t count, float aspect) {
     fnl_camera framing;
-    fnl_scene_info info;
-    if (fnl_scene_query_framing_camera(scene, aspect, &framing) != FNL_OK || fnl_scene_query_info(scene, &info) != FNL_OK)
-        return false;
+    if (fnl_scene_query_framing_camera(scene, aspect, &framing) != FNL_OK) return false;
     fnl_vec3 center = framing.target;
-    float x = framing.position.x - center.x, z = framing.position.z - center.z;
-    float radius = hypotf(x, z), start = atan2f(z, x);
+    float x = framing.position.x - center.x, y = framing.position.y - center.y, z = framing.position.z - center.z;
+    float radius = hypotf(x, z), start = atan2f(z, x), turn = turntable ? -6.2831853f : 6.2831853f;
+    if (turntable) {
+        radius = hypotf(radius, y);
+        framing.position.y = center.y;
+    }
     for (uint32_t i = 0; i < count; i++) {
-        float angle = start + 6.2831853f * (float)i / (float)count;
-        struct bench_point point = {i / 30.0, framing};
+        float angle = start + turn * (float)i / (float)count;
+        struct bench_point point = {i * CIRCLE_STEP, framing};
         point.camera.position.x = center.x + radius * cosf(angle);
         point.camera.position.z = center.z + radius * sinf(angle);
         if (!add_point(path, &point)) return false;
@@ -81,12 +87,29 @@ static bool make_orbit(struct bench_path *path, const fnl_scene *scene, uint32_t
     return true;
 }
 
+/* "orbit", "orbit:N": whether it is that, and N. */
+static bool circle_named(const char *source, const char *name, uint32_t *count) {
+    size_t length = strlen(name);
+    if (strncmp(source, name, length) != 0) return false;
+    if (!source[length]) return true;
+    char *end;
+    unsigned long number = source[length] == ':' ? strtoul(source + length + 1, &end, 10) : 0;
+    if (number < 1 || number > POINTS_MAX || *end) return false;
+    *count = (uint32_t)number;
+    return true;
+}
+
+bool bench_path_is_circle(const char *source, uint32_t *count) {
+    return circle_named(source, "orbit", count) || circle_named(source, "turntable", count);
+}
+
 bool bench_path_create(struct bench_path *path, const char *source, const fnl_scene *scene, const fnl_camera *base,
-                       uint32_t orbit_count, float aspect) {
+                        uint32_t orbit_count, float aspect) {
     *path = (struct bench_path){0};
-    bool good = !source                        ? add_point(path, &(struct bench_point){.camera = *base})
-                : strcmp(source, "orbit") == 0 ? make_orbit(path, scene, orbit_count, aspect)
-                                               : load_points(path, source, base);
+    bool good = !source ? add_point(path, &(struct bench_point){.camera = *base})
+                : bench_path_is_circle(source, &orbit_count)
+                    ? make_circle(path, scene, *source == 't', orbit_count, aspect)
+                    : load_points(path, source, base);
     if (!good) bench_path_destroy(path);
     return good;
 }

@@ -91,6 +91,43 @@ static void test_paths(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(load_path(bad[i], &path));
 }
 
+/* Circles go once round what the framing camera looks at, at its distance: orbits at its height one way, turntables level the other way. */
+static void test_circles(void **state) {
+    (void)state;
+    struct bench_path orbit, turntable;
+    fnl_scene *scene;
+    fnl_camera framing;
+    assert_int_equal(fnl_scene_load(NULL, "builtin:spheres", &scene), FNL_OK);
+    assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &framing), FNL_OK);
+    assert_true(bench_path_create(&orbit, "orbit", scene, &framing, 4, 1.5f));
+    assert_true(bench_path_create(&turntable, "turntable:8", scene, &framing, 4, 1.5f));
+    assert_int_equal(orbit.count, 4);
+    assert_int_equal(turntable.count, 8);
+    fnl_vec3 center = framing.target, eye = framing.position;
+    float x = eye.x - center.x, y = eye.y - center.y, z = eye.z - center.z, near = 1e-4f * (fabsf(x) + fabsf(y) + fabsf(z));
+    float scale = hypotf(hypotf(x, z), y) / hypotf(x, z);
+    const float quarter[2][3] = {{-z, y, x}, {z * scale, 0, -x * scale}}; /* from the x axis to the z axis, and back */
+    for (int i = 0; i < 2; i++) {
+        const fnl_camera *first = &(i ? turntable : orbit).points[0].camera, *next = i ? &turntable.points[2].camera : &orbit.points[1].camera;
+        assert_float_equal(first->position.x, center.x + (i ? scale : 1) * x, near);
+        assert_float_equal(first->position.z, center.z + (i ? scale : 1) * z, near);
+        assert_float_equal(first->position.y, center.y + quarter[i][1], near);
+        assert_float_equal(next->position.x, center.x + quarter[i][0], near);
+        assert_float_equal(next->position.y, center.y + quarter[i][1], near);
+        assert_float_equal(next->position.z, center.z + quarter[i][2], near);
+        assert_true(next->target.x == center.x && next->target.y == center.y && next->target.z == center.z);
+    }
+    bench_path_destroy(&orbit);
+    bench_path_destroy(&turntable);
+    uint32_t count = 7;
+    assert_true(bench_path_is_circle("orbit", &count) && count == 7);
+    assert_true(bench_path_is_circle("turntable:12", &count) && count == 12);
+    static const char *const others[] = {"orbits", "orbit:", "orbit:0", "orbit:x", "orbit:2x", "turntable:-1", "path.txt"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) assert_false(bench_path_is_circle(others[i], &count));
+    assert_int_equal(count, 12);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- results ---- */
 
 static json_t *make_result(const char *lists, double median, double mad, const char *equal) {
@@ -629,6 +666,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_are_compared_bit_by_bit),
         cmocka_unit_test(test_paths),
+                                       cmocka_unit_test(test_circles),
         cmocka_unit_test(test_conclusions),
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_ways_and_list_options_are_one_text),

@@ -3,6 +3,7 @@
 #include "render.h"
 
 #include "arguments.h"
+#include "bench.h" /* camera paths */
 #include "commands.h"
 
 #include <errno.h>
@@ -15,7 +16,7 @@
 #include <unistd.h>
 
 static void print_help(void) {
-    puts("Usage: fanal render SCENE -o OUT.png|OUT.exr [-o ...] [OPTIONS]\n"
+    puts("Usage: fanal render SCENE -o OUT.png|OUT.exr|- [-o ...] [OPTIONS]\n"
          "\n"
          "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole "
          "lamps grass "
@@ -23,9 +24,12 @@ static void print_help(void) {
          "nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
          "\n"
          "Picture\n"
-         "  -o, --output FILE          where to write; may be given several times\n"
+         "  -o, --output FILE|-        where to write, - is stdout; may be given several times\n"
+         "  --format KIND              of -o -: png exr raw y4m (png; of a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
+         "  --camera-path KIND|FILE    a sequence along a path: orbit, turntable, each with :N pictures once round, or a file\n"
+         "                             of lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
          "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
          "  --exposure EV|auto|none    EV100 (auto)\n"
          "  --tonemap KIND             none khronos-neutral aces agx (khronos-neutral)\n"
@@ -107,9 +111,10 @@ static void print_help(void) {
          "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures, in which "
          "the\n"
          "                             animation goes on by so much from each to the next (1/30)\n"
+         "  --start-frame N            begins a sequence with picture N (0); it ends where --frames says\n"
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
          "  --frames N                 renders N frames and reports medians (1); 0: the picture alone, as soon as it can be had\n"
-         "  --stats FILE.json          writes the numbers\n"
+         "  --stats FILE|-             writes the numbers as JSON; of a sequence a line for each picture\n"
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
@@ -117,13 +122,16 @@ static void print_help(void) {
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n"
          "\n"
-         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind.\n"
+         "With -o - or --stats - all that is printed otherwise goes to stderr.\n"
+         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind, of a sequence only\n"
+         "whole pictures.\n"
          "\n"
          "Examples:\n"
          "  fanal render builtin:hall --lights 500 -o hall.png\n"
          "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
          "city.png\n"
-         "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png");
+         "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png\n"
+         "  fanal render builtin:spheres --camera-path orbit:90 -o - --format y4m | ffmpeg -i - spheres.mp4");
 }
 
 /* ---- reading arguments ---- */
@@ -146,10 +154,6 @@ static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_no
 static const char *gradients_name(int i) { return fnl_gradients_name((fnl_gradients)i); }
 static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
 static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
-static const char *aov_name(int i) {
-    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion"};
-    return i < RENDER_AOV_COUNT ? names[i] : NULL;
-}
 
 static bool parse_aov(const char *text, uint32_t *aovs) {
     char copy[128];
@@ -157,7 +161,7 @@ static bool parse_aov(const char *text, uint32_t *aovs) {
     strcpy(copy, text);
     for (char *part = strtok(copy, ","); part; part = strtok(NULL, ",")) {
         int index;
-        if (!argument_name("aov", part, aov_name, &index)) return false;
+        if (!argument_name("aov", part, render_aov_name, &index)) return false;
         *aovs |= 1u << index;
     }
     return true;
@@ -174,8 +178,8 @@ static bool parse_exposure(const char *text, fnl_frame *frame) {
 }
 
 static bool add_output(struct render_options *o, const char *path) {
-    if (!render_has_extension(path, "png") && !render_has_extension(path, "exr"))
-        return argument_bad("output", path, "a file that ends in .png or .exr");
+    if (!render_is_stdout(path) && !render_has_extension(path, "png") && !render_has_extension(path, "exr"))
+        return argument_bad("output", path, "a file that ends in .png or .exr, nor -");
     if (o->output_count == RENDER_MAX_OUTPUTS) return argument_bad("output", path, "among the first 16 outputs");
     o->outputs[o->output_count++] = path;
     return true;
@@ -244,7 +248,11 @@ enum {
     O_DEBUG,
     O_AOV,
     O_STATS,
-    O_PLAN
+    O_PLAN,
+    O_CAMERA_PATH,
+    O_START_FRAME,
+    O_FORMAT,
+    OPTION_END
 };
 
 /* "gbuffer,no-mip-fix": the way, and a switch that shows what it would be without. */
@@ -498,6 +506,18 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_PLAN:
         o->plan = true;
         return true;
+    case O_CAMERA_PATH:
+        o->camera_path = value;
+        return true;
+    case O_START_FRAME:
+        if (!argument_integer("start-frame", value, 0, 999999, &integer)) return false;
+        o->start_frame = (uint32_t)integer;
+        return true;
+    case O_FORMAT:
+        if (!argument_name("format", value, render_format_name, &index)) return false;
+        o->format = (enum render_format)index;
+        o->has_format = true;
+        return true;
     default:
         return false;
     }
@@ -568,33 +588,47 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"aov", required_argument, NULL, O_AOV},
                                              {"stats", required_argument, NULL, O_STATS},
                                              {"plan", no_argument, NULL, O_PLAN},
+                                             {"camera-path", required_argument, NULL, O_CAMERA_PATH},
+                                             {"start-frame", required_argument, NULL, O_START_FRAME},
+                                             {"format", required_argument, NULL, O_FORMAT},
                                              {NULL, 0, NULL, 0}};
 
 /* What only makes sense together. */
 static bool check_options(struct render_options *o) {
     const char *problem = NULL;
-    bool has_exr = false;
-    for (int i = 0; i < o->output_count; i++) has_exr = has_exr || render_has_extension(o->outputs[i], "exr");
+    bool has_exr = false, has_stdout = false, sequence = render_makes_sequence(o);
+    uint32_t circle = 0;
+    for (int i = 0; i < o->output_count; i++) {
+        enum render_format format = render_format_of(o, o->outputs[i]);
+        bool is_stdout = render_is_stdout(o->outputs[i]);
+        has_exr = has_exr || format == RENDER_EXR;
+        if (is_stdout && has_stdout) problem = "-o - may be given once";
+        has_stdout = has_stdout || is_stdout;
+        if (sequence && is_stdout && format != RENDER_RAW && format != RENDER_Y4M)
+            problem = "a sequence goes to stdout as --format raw or y4m";
+        if (sequence && !is_stdout && !render_is_sequence(o->outputs[i]))
+            problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
+    }
     if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic)
         problem = "no output was asked for: give -o FILE, --stats FILE, --plan or --traffic";
+    if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
+    if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
+    if (o->camera_path && o->has_eye) problem = "--camera-path and --eye exclude one another";
+    if (o->camera_path && !o->has_frames && bench_path_is_circle(o->camera_path, &circle) && circle == 0)
+        problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
-    bool sequence = false;
-    for (int i = 0; i < o->output_count; i++) sequence = sequence || strchr(o->outputs[i], '%');
-    for (int i = 0; i < o->output_count && sequence; i++)
-        if (!render_is_sequence(o->outputs[i]))
-            problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
     if (o->supersample > 1 && o->frame.aa == FNL_ANTIALIASING_TAA) problem = "--supersample is no --aa taa";
-    if (sequence && o->stats) problem = "--stats is not for sequences";
     if (o->frame_count == 0 && (o->stats || sequence)) problem = "--frames 0 is a picture without numbers: not with --stats, nor for a sequence";
     if (o->has_frame_time && !sequence) problem = "--frame-time is for sequences: -o NAME-%04d.png";
+    if (o->start_frame > 0 && !sequence) problem = "--start-frame is for sequences: -o NAME-%04d.png";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal render --help'\n", problem);
     return !problem;
 }
 
 /* Settings of orders that are not rendered with are harmless, but hardly what was meant. auto may take any order, so it may need any. */
-static void warn_of_unused(const struct render_options *o, uint64_t given) {
+static void warn_of_unused(const struct render_options *o, const bool *given) {
 #define ORDER(order) (1u << FNL_SHADING_##order)
     static const struct {
         const char *name;
@@ -627,7 +661,7 @@ static void warn_of_unused(const struct render_options *o, uint64_t given) {
 #undef ORDER
     if (o->frame.shading == FNL_SHADING_AUTO || o->quiet) return;
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
-        if (given >> (settings[i].option - OPTION_FIRST) & 1 && !(settings[i].orders >> o->frame.shading & 1))
+        if (given[settings[i].option - OPTION_FIRST] && !(settings[i].orders >> o->frame.shading & 1))
             fprintf(stderr, "fanal: warning: --%s has no effect with --shading %s\n", settings[i].name,
                     fnl_shading_name(o->frame.shading));
 }
@@ -638,11 +672,10 @@ int command_render(int argc, char **argv) {
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
-    uint64_t given = 0; /* bits 1 << option - OPTION_FIRST */
-    _Static_assert(O_PLAN - OPTION_FIRST < 64, "a bit for each");
+    bool given[OPTION_END - OPTION_FIRST] = {false};
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
-        if (option >= OPTION_FIRST) given |= 1ull << (option - OPTION_FIRST);
+        if (option >= OPTION_FIRST) given[option - OPTION_FIRST] = true;
         if (option == 'h') {
             print_help();
             return 0;

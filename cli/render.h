@@ -17,8 +17,10 @@ enum render_aov {
     RENDER_AOV_COUNT
 };
 
+enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
+
 struct render_options {
-    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *animation, *device, *stats;
+    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *camera_path, *animation, *device, *stats;
     int output_count;
     fnl_frame frame;
     bool has_eye, has_look_at, has_shading, has_background, has_ambient, has_anisotropy, validate, quiet, plan, traffic;
@@ -33,23 +35,38 @@ struct render_options {
     bool has_range_roughness;
     float range_roughness;
     double time;
-    bool has_frames, has_frame_time;
+    bool has_frames, has_frame_time, has_format;
+    enum render_format format; /* of the output "-", which is stdout */
+    uint32_t start_frame;      /* of a sequence: the first picture that is wanted */
     uint32_t supersample; /* frames whose mean is taken; 0 or 1: none */
     double frame_time;    /* seconds between the pictures of a sequence */
 };
 
 /** Whether a path ends in this extension (without dot), in any case. */
 bool render_has_extension(const char *path, const char *extension);
+/** "-". */
+bool render_is_stdout(const char *path);
+/** What an output is to hold. */
+enum render_format render_format_of(const struct render_options *options, const char *path);
+/** "png", "exr", "raw", "y4m"; NULL beyond. */
+const char *render_format_name(int format);
+/** By bit of render_options.aovs; NULL beyond. */
+const char *render_aov_name(int aov);
 /** Whether a path stands for the pictures of a sequence: one %d, with or without a width, and no other %. */
 bool render_is_sequence(const char *path);
+/** Whether the run is one: by names of outputs, by a camera's path, or as only sequences go to stdout in this format. */
+bool render_makes_sequence(const struct render_options *options);
 /** Loads, renders, writes; returns the exit status. */
 int render_run(const struct render_options *options);
 
-/** Times and counts over the frames of a run. */
+/** Times and counts over the frames of a run, or of one picture of a sequence. */
 struct render_report {
+    const struct render_options *options;
     fnl_device_info device;
     fnl_scene_info scene;
     fnl_frame frame;
+    double time;           /* of the animation, seconds */
+    uint32_t picture;      /* of a sequence; UINT32_MAX: none */
     fnl_frame_stats stats; /* of the last, counted frame; its passes are not used */
     uint32_t frame_count, pass_count;
     const char **names;            /* pass_count */
@@ -57,10 +74,28 @@ struct render_report {
     double *cpu_times, *gpu_times; /* frame_count */
 };
 
+struct report_summary {
+    double median, low, p95;
+};
+struct report_summary report_summarise(const double *times, uint32_t count);
+
 void report_print(const struct render_report *report);
 /** A line instead, where nothing but the picture was asked for; `seconds` is what the command took. */
 void report_print_picture(const struct render_report *report, double seconds);
-/** False with a message when the file cannot be written. */
-bool report_save(const struct render_report *report, const char *path);
+/** The numbers as JSON, by docs/stats.schema.json, on a line of its own or indented; NULL when memory ran out. To be freed. */
+char *report_text(const struct render_report *report, bool line);
+/** Writes a whole file, or to a pipe or a device. False with a message. */
+bool report_write(const char *path, const char *text);
+
+/* ---- parts of a run ---- */
+
+struct supersample;
+bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
+/** Lists of blended fragments learn by the first frame how long they have to be: what is saved is exact if memory lasts. */
+bool render_settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
+bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
+                         const struct supersample *mean);
+bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
+                     const fnl_frame *frame, struct render_report *report);
 
 #endif

@@ -2,8 +2,10 @@
 #include "render.h"
 
 #include "progress.h"
+#include "stream.h"
 #include "supersample.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +15,7 @@
 
 /* ---- scene ---- */
 
-static bool find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
+bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
     fnl_scene_info info;
     if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
     *out = 0;
@@ -77,7 +79,7 @@ static bool add_default_light(const struct render_options *o, fnl_scene *scene) 
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
     if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
-    if (!find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
+    if (!render_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
@@ -109,10 +111,27 @@ bool render_has_extension(const char *path, const char *extension) {
     return dot && strcasecmp(dot + 1, extension) == 0;
 }
 
+bool render_is_stdout(const char *path) { return strcmp(path, "-") == 0; }
+
+enum render_format render_format_of(const struct render_options *o, const char *path) {
+    if (render_is_stdout(path)) return o->has_format ? o->format : render_makes_sequence(o) ? RENDER_Y4M : RENDER_PNG;
+    return render_has_extension(path, "png") ? RENDER_PNG : RENDER_EXR;
+}
+
+const char *render_format_name(int format) {
+    static const char *const names[] = {"png", "exr", "raw", "y4m"};
+    return format >= 0 && format <= RENDER_Y4M ? names[format] : NULL;
+}
+
+const char *render_aov_name(int aov) {
+    static const char *const names[] = {"depth", "normal", "albedo", "roughness", "id", "position", "motion"};
+    return aov >= 0 && aov < RENDER_AOV_COUNT ? names[aov] : NULL;
+}
+
 static uint32_t wanted_outputs(const struct render_options *o) {
     uint32_t outputs = o->output_count ? 0 : FNL_OUTPUT_COLOR; /* numbers alone still need the whole frame */
     for (int i = 0; i < o->output_count; i++)
-        outputs |= render_has_extension(o->outputs[i], "png") ? FNL_OUTPUT_COLOR : FNL_OUTPUT_RADIANCE;
+        outputs |= render_format_of(o, o->outputs[i]) == RENDER_EXR ? FNL_OUTPUT_RADIANCE : FNL_OUTPUT_COLOR;
     if (o->aovs & (1u << RENDER_AOV_ALBEDO | 1u << RENDER_AOV_ROUGHNESS)) outputs |= FNL_OUTPUT_SURFACE;
     if (o->aovs & (1u << RENDER_AOV_DEPTH | 1u << RENDER_AOV_NORMAL)) outputs |= FNL_OUTPUT_NORMAL;
     if (o->aovs & (1u << RENDER_AOV_ID | 1u << RENDER_AOV_POSITION)) outputs |= FNL_OUTPUT_POSITION;
@@ -156,7 +175,31 @@ static bool save_exr(const struct render_options *o, const fnl_host *host, const
     return fnl_exr_save(host, path, o->frame.width, o->frame.height, channels, count) == FNL_OK;
 }
 
-static bool save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
+static bool save_file(const struct render_options *o, const fnl_host *host, const char *path, const struct pictures *p) {
+    return render_has_extension(path, "png") ? fnl_image_save(host, path, &p->images[0]) == FNL_OK
+                                             : save_exr(o, host, path, p);
+}
+
+/* PNG and EXR are written to a file in a folder of its own, which is then copied: their writers want a file. */
+static bool save_stdout(const struct render_options *o, const fnl_host *host, const struct pictures *p) {
+    enum render_format format = render_format_of(o, "-");
+    if (format == RENDER_RAW) return stream_raw(&p->images[0]);
+    if (format == RENDER_Y4M) return stream_y4m(&p->images[0], o->frame_time);
+    const char *parent = getenv("TMPDIR");
+    char folder[3072], path[4096];
+    snprintf(folder, sizeof folder, "%s/fanal-XXXXXX", parent && *parent ? parent : "/tmp");
+    if (!mkdtemp(folder)) {
+        fprintf(stderr, "fanal: error: %s: cannot be made: %s\n", folder, strerror(errno));
+        return false;
+    }
+    snprintf(path, sizeof path, "%s/picture.%s", folder, render_format_name(format));
+    bool good = save_file(o, host, path, p) && stream_file(path);
+    unlink(path);
+    rmdir(folder);
+    return good;
+}
+
+bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean) {
     struct pictures p = {0};
     uint32_t outputs = wanted_outputs(o);
@@ -168,11 +211,11 @@ static bool save_outputs(const struct render_options *o, const fnl_host *host, f
     int written = 0;
     for (; written < o->output_count && good; written++) {
         const char *path = o->outputs[written];
-        good = render_has_extension(path, "png") ? fnl_image_save(host, path, &p.images[0]) == FNL_OK
-                                                 : save_exr(o, host, path, &p);
+        good = render_is_stdout(path) ? save_stdout(o, host, &p) : save_file(o, host, path, &p);
     }
     if (!good) /* all or nothing: the last one counted was not written */
-        for (int i = 0; i + 1 < written; i++) unlink(o->outputs[i]);
+        for (int i = 0; i + 1 < written; i++)
+            if (!render_is_stdout(o->outputs[i])) unlink(o->outputs[i]);
     for (int i = 0; i < 6; i++) fnl_image_free(host, &p.images[i]);
     return good;
 }
@@ -223,8 +266,7 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     return true;
 }
 
-/* Lists of blended fragments learn by the first frame how long they have to be: what is saved is exact if memory lasts. */
-static bool settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
+bool render_settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
     for (int i = 0; i < 2 && stats->blend_overflow > 0; i++)
         if (fnl_renderer_render(renderer, frame) != FNL_OK || fnl_renderer_query_stats(renderer, stats) != FNL_OK)
             return false;
@@ -242,7 +284,7 @@ static bool run_picture(const struct render_options *o, fnl_renderer *renderer, 
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
     }
-    return settle_transparency(renderer, &frame, &report->stats);
+    return render_settle_transparency(renderer, &frame, &report->stats);
 }
 
 /*
@@ -276,7 +318,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
     }
-    if (!settle_transparency(renderer, &frame, &report->stats)) return false;
+    if (!render_settle_transparency(renderer, &frame, &report->stats)) return false;
     if (counts && frame.msaa > 1) {
         fnl_frame_stats plain;
         progress_show("rendering", total - 1, total);
@@ -285,48 +327,6 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
             return false;
     }
     return true;
-}
-
-/* ---- sequences ---- */
-
-bool render_is_sequence(const char *path) {
-    const char *percent = strchr(path, '%');
-    if (!percent || strchr(percent + 1, '%')) return false;
-    size_t digits = strspn(percent + 1, "0123456789");
-    return digits <= 2 && percent[1 + digits] == 'd';
-}
-
-/* The path of picture `index`: written by hand, as the format is the user's. */
-static void sequence_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
-    const char *percent = strchr(pattern, '%');
-    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
-    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
-}
-
-/* Renders and saves each picture; the animation goes on from one to the next, and so does what is collected from frame to frame. */
-static bool run_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
-                         fnl_frame frame) {
-    char paths[RENDER_MAX_OUTPUTS][4096];
-    uint32_t animation;
-    struct render_options single = *o;
-    fnl_frame_stats stats = {.choosing = true};
-    frame.pin_choice = true;
-    bool good = find_animation(scene, o->animation, &animation);
-    for (uint32_t i = 0; i < o->frame_count && good; i++) {
-        struct supersample mean = {0};
-        progress_show("rendering", i, o->frame_count);
-        good = fnl_scene_set_time(scene, animation, o->time + i * o->frame_time) == FNL_OK &&
-               (o->supersample > 1 ? supersample_render(&mean, renderer, &frame, o->supersample)
-                                   : fnl_renderer_render(renderer, &frame) == FNL_OK) &&
-               fnl_renderer_query_stats(renderer, &stats) == FNL_OK;
-        for (int k = 0; k < o->output_count; k++) {
-            sequence_path(o->outputs[k], i, paths[k], sizeof paths[k]);
-            single.outputs[k] = paths[k];
-        }
-        good = good && save_outputs(&single, host, renderer, &mean);
-        supersample_free(&mean);
-    }
-    return good;
 }
 
 static void print_text(const fnl_renderer *renderer, size_t (*print)(const fnl_renderer *, char *, size_t)) {
@@ -338,33 +338,45 @@ static void print_text(const fnl_renderer *renderer, size_t (*print)(const fnl_r
     free(text);
 }
 
+static bool takes_stdout(const struct render_options *o) {
+    bool takes = o->stats && render_is_stdout(o->stats);
+    for (int i = 0; i < o->output_count; i++) takes = takes || render_is_stdout(o->outputs[i]);
+    return takes;
+}
+
+static bool save_stats(const struct render_options *o, const struct render_report *report) {
+    char *text = report_text(report, false);
+    if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
+    bool good = text && (render_is_stdout(o->stats) ? stream_write(text, strlen(text)) : report_write(o->stats, text));
+    free(text);
+    return good;
+}
+
 int render_run(const struct render_options *o) {
     fnl_host host = fnl_host_default();
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
     fnl_renderer *renderer = NULL;
-    struct render_report report = {0};
+    struct render_report report = {.options = o, .time = o->time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
     frame.outputs = wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
     choose_device(o, &device_params);
+    if (takes_stdout(o) && !stream_open()) return 2;
     progress_begin(o->quiet, PROGRESS_SECONDS);
     progress_show("loading the scene", 0, 0);
+    bool sequence = render_makes_sequence(o);
     bool good = load_scene(o, &host, &scene, &frame.camera) && fnl_device_create(&device_params, &device) == FNL_OK &&
-                fnl_renderer_create(device, scene, &renderer) == FNL_OK;
-    bool sequence = o->output_count && render_is_sequence(o->outputs[0]);
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
+                fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
     struct supersample mean = {0};
-    if (good && sequence) good = run_sequence(o, &host, scene, renderer, frame);
+    if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report);
     if (good && !sequence) good = run_frames(o, renderer, frame, &report);
     if (good && !sequence && o->supersample > 1) {
         frame.pin_choice = true;
         good = supersample_render(&mean, renderer, &frame, o->supersample);
     }
-    if (good) {
-        report.frame = frame;
-        good =
-            fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
-    }
+    report.frame = frame;
     if (good && o->validate && fnl_device_validation_count(device)) {
         fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
                 (unsigned long long)fnl_device_validation_count(device));
@@ -373,15 +385,17 @@ int render_run(const struct render_options *o) {
     progress_show("writing", 0, 0);
     if (good && o->plan) print_text(renderer, fnl_renderer_print_plan);
     if (good && o->traffic) print_text(renderer, fnl_renderer_print_traffic);
-    if (good && o->output_count && !sequence) good = save_outputs(o, &host, renderer, &mean);
+    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean);
     supersample_free(&mean);
-    if (good && o->stats && !sequence && !report_save(&report, o->stats)) {
-        for (int i = 0; i < o->output_count; i++) unlink(o->outputs[i]); /* all or nothing */
+    if (good && o->stats && !sequence && !save_stats(o, &report)) {
+        for (int i = 0; i < o->output_count; i++)
+            if (!render_is_stdout(o->outputs[i])) unlink(o->outputs[i]); /* all or nothing */
         good = false;
     }
     progress_end();
-    if (good && !o->quiet && !o->plan && !o->traffic && !sequence && o->frame_count == 0) report_print_picture(&report, progress_seconds());
-    if (good && !o->quiet && !o->plan && !o->traffic && !sequence && o->frame_count > 0) report_print(&report);
+    bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
+    if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
+    if (table && o->frame_count > 0) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);
     free(report.cpu_times);

@@ -8,6 +8,7 @@ install(TARGETS fanal EXPORT fanal LIBRARY COMPONENT program NAMELINK_COMPONENT 
 if(TARGET fanal_cli)
   set_target_properties(fanal_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   install(TARGETS fanal_cli COMPONENT program)
+  install(FILES docs/stats.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/fanal) # of what `fanal render --stats` writes
 endif()
 install(EXPORT fanal NAMESPACE fanal:: FILE fanal-targets.cmake DESTINATION ${package_folder})
 

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+/* The pictures of a sequence, in which the animation goes on and the camera follows a path. */
+#include "bench.h" /* camera paths */
+#include "progress.h"
+#include "render.h"
+#include "stream.h"
+#include "supersample.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool render_is_sequence(const char *path) {
+    const char *percent = strchr(path, '%');
+    if (!percent || strchr(percent + 1, '%')) return false;
+    size_t digits = strspn(percent + 1, "0123456789");
+    return digits <= 2 && percent[1 + digits] == 'd';
+}
+
+bool render_makes_sequence(const struct render_options *o) {
+    bool sequence = o->camera_path || (o->has_format && (o->format == RENDER_RAW || o->format == RENDER_Y4M));
+    for (int i = 0; i < o->output_count; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    return sequence;
+}
+
+/* The path of picture `index`: written by hand, as the format is the user's. */
+static void sequence_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
+    const char *percent = strchr(pattern, '%');
+    int width = atoi(percent + 1), prefix = (int)(percent - pattern);
+    snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
+}
+
+/* Pictures that show something of earlier ones: how many of those are rendered first when a sequence begins in the middle. */
+static uint32_t earlier_pictures(const fnl_frame *frame) {
+    if (frame->aa == FNL_ANTIALIASING_TAA) return 16;
+    if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING) return 2;
+    return frame->outputs & FNL_OUTPUT_MOTION || frame->debug == FNL_DEBUG_MOTION;
+}
+
+struct sequence {
+    const struct render_options *o;
+    const fnl_host *host;
+    fnl_scene *scene;
+    fnl_renderer *renderer;
+    fnl_frame frame;
+    fnl_frame_stats stats;
+    struct bench_path path;
+    uint32_t animation, end;
+    double time; /* of the animation */
+};
+
+/* The scene and the camera of picture `index`. */
+static bool pose(struct sequence *s, uint32_t index) {
+    const struct render_options *o = s->o;
+    const struct bench_point *point = &s->path.points[index % s->path.count];
+    uint32_t ignored;
+    bool file_time = o->camera_path && !bench_path_is_circle(o->camera_path, &ignored) && !o->has_frame_time;
+    s->time = o->time + (file_time ? point->time : index * o->frame_time);
+    s->frame.camera = point->camera;
+    if (o->fov > 0) s->frame.camera.vertical_fov = o->fov;
+    return fnl_scene_set_time(s->scene, s->animation, s->time) == FNL_OK;
+}
+
+static bool render(struct sequence *s, struct supersample *mean) {
+    if (s->o->supersample > 1 ? !supersample_render(mean, s->renderer, &s->frame, s->o->supersample)
+                              : fnl_renderer_render(s->renderer, &s->frame) != FNL_OK)
+        return false;
+    if (fnl_renderer_query_stats(s->renderer, &s->stats) != FNL_OK) return false;
+    if (earlier_pictures(&s->frame) > 0) return true; /* rendered again it would show no motion */
+    return s->o->supersample > 1 || render_settle_transparency(s->renderer, &s->frame, &s->stats);
+}
+
+static bool save(struct sequence *s, uint32_t index, const struct supersample *mean) {
+    char paths[RENDER_MAX_OUTPUTS][4096];
+    struct render_options single = *s->o;
+    for (int k = 0; k < single.output_count; k++) {
+        if (render_is_stdout(single.outputs[k])) continue;
+        sequence_path(single.outputs[k], index, paths[k], sizeof paths[k]);
+        single.outputs[k] = paths[k];
+    }
+    return render_save_outputs(&single, s->host, s->renderer, mean);
+}
+
+/* One line for each picture: as they come to stdout, all together at the end to a file. */
+static bool note(const struct sequence *s, uint32_t index, struct render_report *report, FILE *lines) {
+    if (!lines) return true;
+    report->picture = index;
+    report->time = s->time;
+    report->frame = s->frame;
+    report->stats = s->stats;
+    report->frame_count = 1;
+    report->pass_count = s->stats.pass_count;
+    const char **names = calloc(s->stats.pass_count + 1, sizeof *names);
+    double *times = calloc(s->stats.pass_count + 1, sizeof *times);
+    char *text = NULL;
+    if (names && times) {
+        for (uint32_t i = 0; i < s->stats.pass_count; i++) {
+            names[i] = s->stats.passes[i].name;
+            times[i] = s->stats.passes[i].milliseconds;
+        }
+        report->names = names;
+        report->pass_times = times;
+        report->cpu_times = &report->stats.cpu_milliseconds;
+        report->gpu_times = &report->stats.gpu_milliseconds;
+        text = report_text(report, true);
+    }
+    bool good = text && (render_is_stdout(s->o->stats) ? stream_write(text, strlen(text)) : fputs(text, lines) >= 0);
+    if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
+    free(text);
+    free(names);
+    free(times);
+    report->names = NULL;
+    report->pass_times = report->cpu_times = report->gpu_times = NULL;
+    return good;
+}
+
+static bool run(struct sequence *s, struct render_report *report, FILE *lines) {
+    const struct render_options *o = s->o;
+    uint32_t first = o->start_frame, earlier = earlier_pictures(&s->frame);
+    for (uint32_t i = first < earlier ? 0 : first - earlier; i < s->end; i++) {
+        struct supersample mean = {0};
+        progress_show("rendering", i < first ? 0 : i - first, s->end - first);
+        bool good = pose(s, i) && render(s, &mean) && (i < first || (save(s, i, &mean) && note(s, i, report, lines)));
+        supersample_free(&mean);
+        if (!good) return false;
+    }
+    return true;
+}
+
+bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
+                     const fnl_frame *frame, struct render_report *report) {
+    struct sequence s = {.o = o, .host = host, .scene = scene, .renderer = renderer, .frame = *frame};
+    s.frame.pin_choice = true;
+    char *text = NULL;
+    size_t length;
+    if (!render_find_animation(scene, o->animation, &s.animation) ||
+        !bench_path_create(&s.path, o->camera_path, scene, &frame->camera, o->frame_count,
+                           (float)frame->width / (float)frame->height))
+        return false;
+    s.end = o->has_frames || !o->camera_path ? o->frame_count : s.path.count;
+    FILE *lines = o->stats ? open_memstream(&text, &length) : NULL;
+    bool good = (!o->stats || lines) && (o->start_frame < s.end);
+    if (o->start_frame >= s.end)
+        fprintf(stderr, "fanal: error: --start-frame: the sequence has no picture %u; it ends after %u\n", o->start_frame, s.end - 1);
+    good = good && run(&s, report, lines);
+    if (lines && fclose(lines) != 0) good = false;
+    if (good && lines && !render_is_stdout(o->stats)) good = report_write(o->stats, text);
+    free(text);
+    bench_path_destroy(&s.path);
+    return good;
+}
