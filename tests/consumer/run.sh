@@ -40,11 +40,12 @@ pkgconfig)
     programs=$work
     awk '/^```/ { inside = $0 == "```c"; next } inside' "$source/../../README.md" >"$work/readme.c" # its example is a whole program
     for file in "$source/consumer.c" "$source/../../examples/hello.c" "$work/readme.c"; do
-        "$compiler" -std=c11 "$@" "$file" -o "$programs/$(basename "$file" .c)" $(pkg-config $static --cflags --libs fanal)
+        "$compiler" -std=c11 "$@" "$file" -o "$programs/$(basename "$file" .c)" $(pkg-config $static --cflags --libs fanal) \
+            -Wl,-rpath,"$(pkg-config --variable=libdir fanal)"
     done
     ;;
 esac
-export LD_LIBRARY_PATH=$folder
+unset LD_LIBRARY_PATH # programs know where the library is, as docs/embedding.md tells
 "$programs/consumer"
 "$programs/hello" "builtin:spheres?lights=0" "$work/hello.png"
 [ -s "$work/hello.png" ]
