@@ -85,12 +85,12 @@ spheres="builtin:spheres --lists clustered"
     [ $? = 2 ] && grep -q 'standard output cannot be written: No space' err && [ ! -e full.png ] || fail "a full device: $(cat err)"
 
     # The numbers: by the schema, and each property of it in one of these.
-    run 0 '' builtin:glass -q --lists clustered --shading dais --dais list --stats dais.json
-    run 0 '' builtin:glass -q --lists backface --shading coarse --transparency linked --stats coarse.json
-    run 0 '' builtin:glass -q --lists clustered --shading visibility --visibility-sort class --stats visibility.json
+    run 0 '' $spheres -q --shading dais --dais list --stats dais.json
+    run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --stats coarse.json
+    run 0 '' $spheres -q --shading visibility --visibility-sort class --stats visibility.json
     run 0 '' $spheres -q --shading virtual-texturing --stats atlas.json
-    run 0 '' builtin:glass -q --lists clustered --shading mobile --stats mobile.json
-    run 0 '' builtin:glass -q --lists clustered --shading deferred --msaa 4 --cull clusters --occlusion --class-blocks 0 --stats msaa.json
+    run 0 '' $spheres -q --shading mobile --stats mobile.json
+    run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion --class-blocks 0 --stats msaa.json
 }
 "$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json ||
     fail 'the numbers are not by docs/stats.schema.json'
