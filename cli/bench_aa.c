@@ -80,7 +80,7 @@ bool bench_metered_frame(fnl_renderer *renderer, const fnl_scene *scene, uint32_
     out->width = width;
     out->height = height;
     out->lists = FNL_LISTS_CLUSTERED;
-    if ((fnl_scene_camera_count(scene)
+    if ((fnl_scene_count(scene, FNL_ENTITY_CAMERA)
              ? fnl_scene_query_camera(scene, 0, &out->camera)
              : fnl_scene_query_framing_camera(scene, (float)width / (float)height, &out->camera)) != FNL_OK ||
         fnl_renderer_render(renderer, out) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)

@@ -54,7 +54,7 @@ bool bench_scene_load(const fnl_host *host, const char *name, int64_t lights, fn
 bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *settings, const char *name, float aspect,
                       struct bench_path *out) {
     fnl_camera camera = fnl_camera_default();
-    uint32_t index = 0, count = fnl_scene_camera_count(scene);
+    uint32_t index = 0, count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
     fnl_result result = FNL_OK;
     if (name) {
         char *end;
@@ -62,7 +62,7 @@ bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *setti
         if (*name && !*end && number < count)
             index = (uint32_t)number;
         else
-            result = fnl_scene_find_camera(scene, name, &index);
+            result = fnl_scene_find(scene, FNL_ENTITY_CAMERA, name, &index);
         if (result == FNL_OK) result = fnl_scene_query_camera(scene, index, &camera);
     } else {
         result = count ? fnl_scene_query_camera(scene, 0, &camera) : fnl_scene_query_framing_camera(scene, aspect, &camera);

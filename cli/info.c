@@ -163,12 +163,18 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
     print_rest(count);
 }
 
+static const char *camera_name(const fnl_scene *scene, uint32_t index) {
+    fnl_entity_info info = {.name = ""};
+    fnl_scene_query_entity(scene, FNL_ENTITY_CAMERA, index, &info);
+    return info.name;
+}
+
 static void print_cameras(const fnl_scene *scene, uint32_t count) {
     if (count) puts("\nCameras");
     for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
         fnl_camera camera;
         fnl_scene_query_camera(scene, i, &camera);
-        printf("  %3u  %-24s  ", i, fnl_scene_camera_name(scene, i));
+        printf("  %3u  %-24s  ", i, camera_name(scene, i));
         if (camera.orthographic)
             printf("orthographic, %.4g m high", (double)camera.vertical_extent);
         else
@@ -260,7 +266,7 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     fnl_camera camera;
     fnl_scene_query_camera(scene, index, &camera);
     json_t *object = json_object();
-    json_object_set_new(object, "name", json_string(fnl_scene_camera_name(scene, index)));
+    json_object_set_new(object, "name", json_string(camera_name(scene, index)));
     json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
     json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
                         json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));

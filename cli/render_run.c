@@ -39,7 +39,7 @@ bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *o
 }
 
 static bool choose_camera(const struct render_options *o, const fnl_scene *scene, fnl_camera *out) {
-    uint32_t index = 0, count = fnl_scene_camera_count(scene);
+    uint32_t index = 0, count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
     if (o->has_eye) {
         *out = fnl_camera_default();
         out->position = o->eye;
@@ -49,7 +49,7 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
         unsigned long number = strtoul(o->camera, &end, 10);
         if (*o->camera && !*end && number < count)
             index = (uint32_t)number;
-        else if (fnl_scene_find_camera(scene, o->camera, &index) != FNL_OK)
+        else if (fnl_scene_find(scene, FNL_ENTITY_CAMERA, o->camera, &index) != FNL_OK)
             return false;
         if (fnl_scene_query_camera(scene, index, out) != FNL_OK) return false;
     } else if (count > 0) {

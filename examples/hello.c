@@ -15,7 +15,7 @@ static fnl_result render(fnl_device *device, fnl_scene *scene, const char *path)
     fnl_frame frame = fnl_frame_default();
     frame.width = 640;
     frame.height = 360;
-    fnl_result result = fnl_scene_camera_count(scene) > 0
+    fnl_result result = fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0
                             ? fnl_scene_query_camera(scene, 0, &frame.camera)
                             : fnl_scene_query_framing_camera(scene, 640.0f / 360.0f, &frame.camera);
     fnl_renderer *renderer = NULL;

@@ -232,7 +232,7 @@ int main(int argc, char **argv) {
     fnl_scene *scene; /* knows nothing of devices */
     check_fanal(fnl_scene_load(NULL, source, &scene), source);
     fnl_camera camera;
-    check_fanal(fnl_scene_camera_count(scene) ? fnl_scene_query_camera(scene, 0, &camera)
+    check_fanal(fnl_scene_count(scene, FNL_ENTITY_CAMERA) ? fnl_scene_query_camera(scene, 0, &camera)
                                               : fnl_scene_query_framing_camera(scene, (float)WIDTH / HEIGHT, &camera),
                 "looking for a camera");
 

@@ -185,7 +185,7 @@ int main(int argc, char **argv) {
                                  .graphics_queue = w.queue};
     check((int)fnl_device_import(NULL, &handles, &device), "importing the device");
     check((int)fnl_renderer_create(device, scene, &renderer), "making the renderer");
-    check((int)(fnl_scene_camera_count(scene) ? fnl_scene_query_camera(scene, 0, &camera)
+    check((int)(fnl_scene_count(scene, FNL_ENTITY_CAMERA) ? fnl_scene_query_camera(scene, 0, &camera)
                                               : fnl_scene_query_framing_camera(scene, 16.0f / 9, &camera)),
           "looking for a camera");
     uint32_t count = argc > 2 ? (uint32_t)atoi(argv[2]) : UINT32_MAX; /* until the window is closed */

@@ -20,6 +20,7 @@ static struct {
     fnl_renderer *renderer;
     fnl_light_id light;
     fnl_mesh_id mesh;
+    fnl_material_id material;
     fnl_instance_id instance;
     fnl_decal_id decal;
     const char *function; /* that is tried */
@@ -92,6 +93,8 @@ static fnl_decal_params decal;
 static fnl_camera camera;
 static fnl_frame_stats stats;
 static fnl_scene_info info;
+static fnl_entity_info entity_info;
+static fnl_instance_info instance_info;
 static fnl_image_info image_info;
 static fnl_animation_info animation_info;
 static fnl_extension_info extension_info;
@@ -173,13 +176,13 @@ static uint32_t number;
       SILENT(fnl_scene_add_material(w.scene, NULL, &material_id)); NULLED("out", fnl_scene_add_material(w.scene, &material, NULL))) \
     X(fnl_scene_add_mesh, NULLED("scene", fnl_scene_add_mesh(NULL, &mesh, &mesh_id));                                       \
       NULLED("params", fnl_scene_add_mesh(w.scene, NULL, &mesh_id)); NULLED("out", fnl_scene_add_mesh(w.scene, &mesh, NULL))) \
-    X(fnl_scene_camera_count, GIVES("scene", 0, fnl_scene_camera_count(NULL)))                                              \
-    X(fnl_scene_camera_name, GIVES("scene", NULL, fnl_scene_camera_name(NULL, 0)))                                          \
+    X(fnl_scene_count, GIVES("scene", 0, fnl_scene_count(NULL, FNL_ENTITY_LIGHT)))                                         \
     X(fnl_scene_create, SILENT((fnl_scene_create(NULL, &made), fnl_scene_destroy(&made)));                                  \
       NULLED("out", fnl_scene_create(&host, NULL)))                                                                         \
     X(fnl_scene_destroy, SILENT(fnl_scene_destroy(NULL)))                                                                   \
-    X(fnl_scene_find_camera, NULLED("scene", fnl_scene_find_camera(NULL, "c", &number));                                    \
-      NULLED("name", fnl_scene_find_camera(w.scene, NULL, &number)); NULLED("out_index", fnl_scene_find_camera(w.scene, "c", NULL))) \
+    X(fnl_scene_find, NULLED("scene", fnl_scene_find(NULL, FNL_ENTITY_CAMERA, "c", &number));                              \
+      NULLED("name", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, NULL, &number));                                           \
+      NULLED("out_index", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, "c", NULL)))                                          \
     X(fnl_scene_grow_metal, NULLED("scene", fnl_scene_grow_metal(NULL, 1)))                                                 \
     X(fnl_scene_load, NULLED("source", fnl_scene_load(NULL, NULL, &made)); NULLED("source", fnl_scene_load(&host, NULL, &made)); \
       NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL)))                                                        \
@@ -190,6 +193,15 @@ static uint32_t number;
       NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
     X(fnl_scene_query_decal, NULLED("scene", fnl_scene_query_decal(NULL, 0, &decal));                                       \
       NULLED("out", fnl_scene_query_decal(w.scene, 0, NULL)))                                                               \
+    X(fnl_scene_query_entity, NULLED("scene", fnl_scene_query_entity(NULL, FNL_ENTITY_LIGHT, 0, &entity_info));            \
+      NULLED("out", fnl_scene_query_entity(w.scene, FNL_ENTITY_LIGHT, 0, NULL)))                                           \
+    X(fnl_scene_query_instance, NULLED("scene", fnl_scene_query_instance(NULL, 0, &instance_info));                        \
+      NULLED("out", fnl_scene_query_instance(w.scene, 0, NULL)))                                                           \
+    X(fnl_scene_query_material, NULLED("scene", fnl_scene_query_material(NULL, 0, &material));                             \
+      NULLED("out", fnl_scene_query_material(w.scene, 0, NULL)))                                                           \
+    X(fnl_scene_set_instance_visible, NULLED("scene", fnl_scene_set_instance_visible(NULL, w.instance, true)))             \
+    X(fnl_scene_set_material, NULLED("scene", fnl_scene_set_material(NULL, w.material, &material));                        \
+      NULLED("params", fnl_scene_set_material(w.scene, w.material, NULL)))                                                 \
     X(fnl_scene_query_extension, NULLED("scene", fnl_scene_query_extension(NULL, 0, &extension_info));                      \
       NULLED("out", fnl_scene_query_extension(w.scene, 0, NULL)))                                                           \
     X(fnl_scene_query_framing_camera, NULLED("scene", fnl_scene_query_framing_camera(NULL, 1, &camera));                    \
@@ -339,6 +351,7 @@ static void test_fields_of_lights(void **state) {
         material = fnl_material_params_default();                                                                           \
         material.field = value;                                                                                             \
         SAYS("fnl_scene_add_material", words, fnl_scene_add_material(w.scene, &material, &material_id));                    \
+        SAYS("fnl_scene_set_material", words, fnl_scene_set_material(w.scene, w.material, &material));                      \
         material = fnl_material_params_default();                                                                           \
     } while (0)
 
@@ -577,6 +590,7 @@ static int set_up(void **state) {
     fnl_device_params params = fnl_device_params_default();
     params.cache_folder = "";
     bool good = w.kept && fnl_scene_create(NULL, &w.scene) == FNL_OK && fnl_scene_add_mesh(w.scene, &mesh, &w.mesh) == FNL_OK &&
+                fnl_scene_add_material(w.scene, &material, &w.material) == FNL_OK &&
                 fnl_scene_add_instance(w.scene, w.mesh, &matrix, &w.instance) == FNL_OK &&
                 fnl_scene_add_light(w.scene, &light, &w.light) == FNL_OK &&
                 fnl_scene_add_decal(w.scene, &decal, &w.decal) == FNL_OK && fnl_device_create(&params, &w.device) == FNL_OK &&

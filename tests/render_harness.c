@@ -302,7 +302,7 @@ struct stage stage_open_scene(fnl_scene *scene) {
     stage.frame.ev = 5;
     stage.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     stage.frame.timers = false;
-    fnl_result result = fnl_scene_camera_count(scene)
+    fnl_result result = fnl_scene_count(scene, FNL_ENTITY_CAMERA)
                             ? fnl_scene_query_camera(scene, 0, &stage.frame.camera)
                             : fnl_scene_query_framing_camera(scene, 161 / 91.0f, &stage.frame.camera);
     assert_int_equal(result, FNL_OK);

@@ -73,6 +73,12 @@ typedef struct fnl_material_params {
 
 FNL_API fnl_material_params fnl_material_params_default(void);
 FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
+/**
+ * Changes a material, also one of a file (fnl_scene_query_material has what it is). Textures whose image stays keep their coordinates and
+ * filters; those that fnl_material_params does not name, of specular reflection, stay. Renderers upload the scene anew, but for its
+ * images: not for every frame.
+ */
+FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
 
 /**
  * Lets the metal in metallic-roughness textures reach `texels` (0 .. 64) farther. Where the mask of a metal fades over a texel, a light colour
@@ -100,7 +106,22 @@ FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *p
 /** Places a mesh. `transform` is affine, finite, and may mirror. */
 FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform,
                                           fnl_instance_id *out);
+/**
+ * Instances of files are their nodes: the transform is to the space of the parent, and what is below moves along, as do lights, cameras,
+ * decals and skins that follow the nodes. It holds until fnl_scene_set_time is called with an animation that moves this very node:
+ * that gives it translation, rotation and scale of the animation and, for those that are not animated, of the file.
+ */
 FNL_API fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform);
+/**
+ * Hides an instance with all that is below it, lights and decals too, or shows it again where nothing above it is hidden. Nodes of a
+ * file that are hidden (KHR_node_visibility) or in none of its shown scenes begin hidden. A skin is shown with the node of its mesh, wherever
+ * its joints are. Renderers upload the scene anew, but for its images: not for every frame.
+ */
+FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance_id instance, bool visible);
+/**
+ * Removes an instance with all that is below it and the lights there. Cameras there stay where they are, as do joints for the skins of
+ * other nodes; decals there show no more. Ids of all else stay valid.
+ */
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 
 /* ---- lights ---- */
@@ -148,6 +169,10 @@ FNL_API const char *fnl_light_kind_name(fnl_light_kind kind);
 
 FNL_API fnl_light_params fnl_light_params_default(void);
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
+/**
+ * A light of a file follows its node. It goes on doing so where position, direction and up, as far as its kind has them, are as fnl_scene_query_light
+ * gave them; another pose takes it off its node, and it stays there.
+ */
 FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
 
@@ -303,11 +328,8 @@ typedef struct fnl_camera {
 } fnl_camera;
 
 FNL_API fnl_camera fnl_camera_default(void);
-/** Number of cameras of the scene; query by index (in file order). The pose follows fnl_scene_set_time. */
-FNL_API uint32_t fnl_scene_camera_count(const fnl_scene *scene);
+/** By index, in file order. The pose follows the camera's node. */
 FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
-/** Index of the camera with this name; FNL_ERROR_INVALID (logged with the names there are) when there is none. */
-FNL_API fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint32_t *out_index);
 FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);
 /** A camera from which the whole scene fits a picture of the given aspect (width / height). */
 FNL_API fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out);
@@ -319,8 +341,8 @@ typedef struct fnl_scene_info {
     uint64_t unique_triangle_count; /**< over all meshes once */
     uint64_t unique_vertex_count;
     uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
-    uint64_t instance_count;
-    uint32_t light_count; /**< placed lights */
+    uint64_t instance_count; /**< of meshes that are shown */
+    uint32_t light_count;    /**< placed lights, those of hidden nodes too */
     uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count;
     uint32_t decal_count; /**< of all kinds */
     uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
@@ -352,9 +374,55 @@ FNL_API fnl_result fnl_scene_query_animation(const fnl_scene *scene, uint32_t in
 FNL_API fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t index, fnl_extension_info *out);
 /** Warnings of the import, in order, each with its JSON pointer. NULL when the index is too high. */
 FNL_API const char *fnl_scene_message(const fnl_scene *scene, uint32_t index);
-FNL_API const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index);
 FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out);
 FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
+FNL_API fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out);
+
+typedef struct fnl_instance_info {
+    fnl_mat4 transform;     /**< to the space of `parent` */
+    fnl_mat4 world;         /**< to the world */
+    fnl_instance_id parent; /**< all-zero: none */
+    fnl_mesh_id mesh;       /**< all-zero: none */
+    bool visible;           /**< as fnl_scene_set_instance_visible has it */
+    bool shown;             /**< so are all instances above it */
+} fnl_instance_info;
+
+FNL_API fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out);
+
+/** What a scene has several of. */
+typedef enum fnl_entity {
+    FNL_ENTITY_INSTANCE = 0, /**< of files: every node, with a mesh or without */
+    FNL_ENTITY_LIGHT,        /**< one for each node that carries it; called as the light, or as the node */
+    FNL_ENTITY_DECAL,
+    FNL_ENTITY_MESH,
+    FNL_ENTITY_MATERIAL,
+    FNL_ENTITY_IMAGE,
+    FNL_ENTITY_CAMERA,
+    FNL_ENTITY_ANIMATION,
+    FNL_ENTITY_COUNT
+} fnl_entity;
+
+typedef struct fnl_entity_info {
+    const char *name;   /**< "" for what has none; lives as long as the scene */
+    const char *extras; /**< glTF's "extras" as JSON text, or NULL; lives as long as the scene */
+    union {
+        fnl_instance_id instance;
+        fnl_light_id light;
+        fnl_decal_id decal;
+        fnl_mesh_id mesh;
+        fnl_material_id material;
+        fnl_image_id image;
+    } id; /**< what changes it; cameras and animations have none: they are known by index */
+} fnl_entity_info;
+
+/**
+ * Queries take an index, changes an id. Indices are 0 .. fnl_scene_count - 1, in the order of the file and of adding as long as nothing was
+ * removed. Those that come after something removed move down; ids stay. 0 for a kind out of range (logged).
+ */
+FNL_API uint32_t fnl_scene_count(const fnl_scene *scene, fnl_entity kind);
+FNL_API fnl_result fnl_scene_query_entity(const fnl_scene *scene, fnl_entity kind, uint32_t index, fnl_entity_info *out);
+/** The first index of this name; FNL_ERROR_INVALID (logged with the names there are) when there is none. */
+FNL_API fnl_result fnl_scene_find(const fnl_scene *scene, fnl_entity kind, const char *name, uint32_t *out_index);
 
 #ifdef __cplusplus
 }

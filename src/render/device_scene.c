@@ -6,6 +6,7 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .host = *gpu_host(device),
                                .scene = scene,
                                .structure_version = UINT64_MAX,
+                               .image_version = UINT64_MAX,
                                .transform_version = UINT64_MAX,
                                .light_version = UINT64_MAX,
                                .decals = {.version = UINT64_MAX, .sent_version = UINT64_MAX}};
@@ -23,17 +24,22 @@ static void free_structure(struct device_scene *d) {
                                     &d->influences,   &d->morphs,     &d->material_entries, &d->previous,  &d->clusters,
                                     &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
-    for (uint32_t i = 0; i < d->images.count; i++)
-        if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
-    d->images.count = d->image_blues.count = d->buckets.count = d->node_instances.count = d->deformed.count =
+    d->buckets.count = d->node_instances.count = d->deformed.count =
         d->deform_vertex_counts.count = 0;
     d->attribute_bits = 0;
     d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
     d->cluster_count = d->triangle_count = 0;
 }
 
+static void free_images(struct device_scene *d) {
+    for (uint32_t i = 0; i < d->images.count; i++)
+        if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
+    d->images.count = d->image_blues.count = 0;
+}
+
 void device_scene_finish(struct device_scene *d) {
     free_structure(d);
+    free_images(d);
     device_decals_finish(d);
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->faded_lights);
@@ -52,7 +58,7 @@ void device_scene_finish(struct device_scene *d) {
 }
 
 void device_scene_forget(struct device_scene *d) {
-    d->structure_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
+    d->structure_version = d->image_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
 }
 
 static bool node_mirrors(const struct scene_node *node) {
@@ -78,6 +84,8 @@ static bool handedness_changed(const struct device_scene *d) {
 
 static fnl_result prepare_structure(struct device_scene *d) {
     free_structure(d);
+    if (d->image_version != d->scene->image_version) free_images(d); /* else those that are there serve on */
+    d->image_version = d->scene->image_version;
     if (!array_reserve(&d->host, &d->node_mirrored, d->scene->nodes.count)) return FNL_ERROR_MEMORY;
     for (uint32_t n = 0; n < d->scene->nodes.count; n++) d->node_mirrored.data[n] = node_mirrors(&d->scene->nodes.data[n]);
     TRY(device_images_upload(d, gpu_jobs(d->device)));

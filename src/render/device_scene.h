@@ -49,7 +49,7 @@ struct device_scene {
     gpu_device *device;
     fnl_host host;
     fnl_scene *scene;
-    uint64_t structure_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
+    uint64_t structure_version, image_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
 
     struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups,
         table, deforms, influences, morphs, clusters, cluster_words;
@@ -71,7 +71,7 @@ struct device_scene {
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
     struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
     uint32_t first_deformed, deformed_vertex_count; /* vertices */
-    uint64_t upload_count;
+    uint64_t upload_count, image_upload_count; /* of scenes and of images so far */
 
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
     struct device_decals decals;

@@ -85,6 +85,7 @@ void animation_apply(fnl_scene *scene, uint32_t animation, double seconds) {
         const struct scene_channel *channel = &what->channels[i];
         if (!channel->key_count || channel->node >= scene->nodes.count) continue;
         struct scene_node *node = &scene->nodes.data[channel->node];
+        if (node->removed) continue;
         struct key_span span = find_span(channel, (float)seconds);
         if (channel->path == SCENE_PATH_WEIGHTS) {
             apply_weights(scene, node, channel, &span);

@@ -81,12 +81,16 @@ static fnl_result check_all(const struct call *call, const fnl_scene *scene, con
 
 /* ---- where they are ---- */
 
-bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal) {
+bool decal_exists(const fnl_scene *scene, const struct scene_decal *decal) {
     if (decal->removed) return false;
     if (decal->node == SCENE_NONE) return true;
     const struct scene_node *node = &scene->nodes.data[decal->node];
-    uint32_t wanted = decal->params.instance.generation; /* 0: of a file, whose nodes stay */
-    return node->active && !node->removed && (wanted == 0 || node->generation == wanted);
+    uint32_t wanted = decal->params.instance.generation; /* 0: of a file, whose nodes keep their places */
+    return !node->removed && (wanted == 0 || node->generation == wanted);
+}
+
+bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal) {
+    return decal_exists(scene, decal) && (decal->node == SCENE_NONE || scene->nodes.data[decal->node].active);
 }
 
 mat4 decal_transform(const fnl_scene *scene, const struct scene_decal *decal) {
@@ -178,10 +182,10 @@ fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id id) {
     TRY(check_decal_id(CALL(&scene->host), scene, id));
     if (!array_push(&scene->host, &scene->free_decals, id.index)) return FNL_ERROR_MEMORY;
     struct scene_decal *decal = &scene->decals.data[id.index];
-    bool shown = decal_shows(scene, decal);
+    bool exists = decal_exists(scene, decal);
     decal->removed = true;
     touch(scene);
-    return decal->params.kind == FNL_DECAL_BAKED && shown ? decal_bake(scene, decal->node) : FNL_OK;
+    return decal->params.kind == FNL_DECAL_BAKED && exists ? decal_bake(scene, decal->node) : FNL_OK;
 }
 
 fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers) {
@@ -196,10 +200,7 @@ fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id in
 fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->decals.count - scene->free_decals.count, "decals"));
-    uint32_t alive = index;
-    for (index = 0; alive > 0 || scene->decals.data[index].removed; index++)
-        if (!scene->decals.data[index].removed) alive--;
-    *out = scene->decals.data[index].params;
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_DECAL), "decals"));
+    *out = scene->decals.data[scene_entity_slot(scene, FNL_ENTITY_DECAL, index)].params;
     return FNL_OK;
 }

@@ -367,6 +367,7 @@ static uint32_t own_image(fnl_scene *scene, const struct scene_texture *original
         texture->image = index;
     }
     uint8_t *pixels = scene->images.data[texture->image].pixels;
+    scene->image_version++;
     if (source->pixels)
         memcpy(pixels, source->pixels, bytes);
     else
@@ -506,7 +507,7 @@ fnl_result decal_bake(fnl_scene *scene, uint32_t node) {
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < scene->decals.count && result == FNL_OK; i++) {
         const struct scene_decal *decal = &scene->decals.data[i];
-        if (decal->params.kind != FNL_DECAL_BAKED || decal->node != node || !decal_shows(scene, decal)) continue;
+        if (decal->params.kind != FNL_DECAL_BAKED || decal->node != node || !decal_exists(scene, decal)) continue;
         if (!(decal->params.channels & FNL_DECAL_ALL)) continue;
         struct brush *b = &brushes[count++];
         b->params = &decal->params;

@@ -98,12 +98,13 @@ struct gltf_texture {
 
 struct gltf_camera {
     bool valid;
-    const char *name;
+    const char *name, *extras;
     fnl_camera camera;
 };
 
 struct gltf_light {
     bool valid;
+    const char *name, *extras;
     fnl_light_params params;
 };
 
@@ -177,6 +178,8 @@ uint32_t gltf_count(json_t *array);
 const char *gltf_string(struct gltf *g, json_t *object, const struct at *at, const char *key, bool required);
 /** A copy of "name" in the scene, "" without one. Never NULL. */
 const char *gltf_name(struct gltf *g, json_t *object, const struct at *at);
+/** "extras" as JSON text in the scene, or NULL. */
+const char *gltf_extras(struct gltf *g, json_t *object);
 bool gltf_bool(struct gltf *g, json_t *object, const struct at *at, const char *key, bool fallback);
 /** A whole number in low..high. False: absent or wrong (warned); `out` is then unchanged. */
 bool gltf_uint(struct gltf *g, json_t *object, const struct at *at, const char *key, bool required, uint64_t low,

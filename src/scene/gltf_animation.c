@@ -152,6 +152,7 @@ static bool load_channel(struct gltf *g, json_t *object, const struct at *at, co
 
 static void load_animation(struct gltf *g, json_t *object, const struct at *at, struct scene_animation *animation) {
     animation->name = gltf_name(g, object, at);
+    animation->extras = gltf_extras(g, object);
     json_t *samplers = gltf_array(g, object, at, "samplers", true), *channels = gltf_array(g, object, at, "channels", true);
     uint32_t sampler_count = gltf_count(samplers), channel_count = gltf_count(channels);
     struct sampler *loaded = gltf_scratch(g, sampler_count, sizeof *loaded);

@@ -144,6 +144,6 @@ void gltf_load_decals(struct gltf *g) {
         if (gltf_uint(g, extension, &place.extension, "receiverMask", false, 0, 255, &mask))
             g->scene->nodes.data[i].refuses = (uint8_t)~mask;
         json_t *decal = gltf_object(g, extension, &place.extension, "decal", false);
-        if (decal && g->scene->nodes.data[i].active) place_decal(g, decal, AT_KEY(&place.extension, "decal"), i);
+        if (decal && g->in_scene[i]) place_decal(g, decal, AT_KEY(&place.extension, "decal"), i);
     }
 }

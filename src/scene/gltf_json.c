@@ -176,6 +176,16 @@ const char *gltf_name(struct gltf *g, json_t *object, const struct at *at) {
     return copy ? copy : "";
 }
 
+const char *gltf_extras(struct gltf *g, json_t *object) {
+    json_t *extras = json_object_get(object, "extras");
+    if (!extras) return NULL;
+    char *text = json_dumps(extras, JSON_COMPACT | JSON_ENCODE_ANY);
+    const char *copy = text ? arena_string(&g->scene->arena, text) : NULL;
+    free(text);
+    if (!copy) gltf_fail_memory(g);
+    return copy;
+}
+
 bool gltf_bool(struct gltf *g, json_t *object, const struct at *at, const char *key, bool fallback) {
     json_t *value = json_object_get(object, key);
     if (!value) return fallback;

@@ -42,6 +42,7 @@ static bool load_orthographic(struct gltf *g, json_t *object, const struct at *a
 static void load_camera(struct gltf *g, json_t *object, const struct at *at, struct gltf_camera *out) {
     out->camera = fnl_camera_default();
     out->name = gltf_name(g, object, at);
+    out->extras = gltf_extras(g, object);
     const char *type = gltf_string(g, object, at, "type", true);
     if (json_object_get(object, "perspective") && json_object_get(object, "orthographic"))
         gltf_warn(g, at, "has both 'perspective' and 'orthographic'; 'type' decides");
@@ -95,6 +96,8 @@ static void load_shape(struct gltf *g, json_t *light_object, const struct at *li
 static void load_light(struct gltf *g, json_t *object, const struct at *at, struct gltf_light *out) {
     fnl_light_params *light = &out->params;
     *light = fnl_light_params_default();
+    out->name = gltf_name(g, object, at);
+    out->extras = gltf_extras(g, object);
     const char *type = gltf_string(g, object, at, "type", true);
     if (!type) return;
     if (strcmp(type, "directional") == 0)
@@ -153,7 +156,7 @@ static void place_camera(struct gltf *g, uint32_t node_index, struct scene_node 
     const struct gltf_camera *source = &g->cameras[node->camera];
     node->camera = SCENE_NONE;
     if (!source->valid) return;
-    struct scene_camera camera = {.node = node_index, .camera = source->camera};
+    struct scene_camera camera = {.extras = source->extras, .node = node_index, .camera = source->camera};
     camera.name = *source->name ? source->name
                   : *node->name ? node->name
                                 : arena_format(&g->scene->arena, "camera%u", g->scene->cameras.count);
@@ -174,7 +177,14 @@ void gltf_place(struct gltf *g) {
         else
             node->camera = SCENE_NONE;
         uint32_t light = g->node_lights[i];
-        if (light == SCENE_NONE || !node->active || !g->lights[light].valid) continue;
-        if (scene_add_light(g->scene, &g->lights[light].params, i) == SCENE_NONE) gltf_fail_memory(g);
+        if (light == SCENE_NONE || !g->in_scene[i] || !g->lights[light].valid) continue;
+        uint32_t index = scene_add_light(g->scene, &g->lights[light].params, i);
+        if (index == SCENE_NONE) {
+            gltf_fail_memory(g);
+            return;
+        }
+        struct scene_light *placed = &g->scene->lights.data[index];
+        placed->name = *g->lights[light].name ? g->lights[light].name : node->name;
+        placed->extras = g->lights[light].extras;
     }
 }

@@ -117,6 +117,7 @@ static void load_material_extensions(struct gltf *g, json_t *object, const struc
 
 static void load_material(struct gltf *g, json_t *object, const struct at *at, struct scene_material *material) {
     material->name = gltf_name(g, object, at);
+    material->extras = gltf_extras(g, object);
     json_t *metallic_roughness = gltf_object(g, object, at, "pbrMetallicRoughness", false);
     if (metallic_roughness) load_metallic_roughness(g, metallic_roughness, AT_KEY(at, "pbrMetallicRoughness"), material);
     json_t *normal = load_texture(g, object, at, "normalTexture", SCENE_TEXTURE_NORMAL, material);

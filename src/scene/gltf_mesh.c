@@ -109,6 +109,7 @@ static void load_mesh(struct gltf *g, json_t *object, const struct at *at) {
     if (g->result == FNL_OK && index == SCENE_NONE) gltf_fail_memory(g);
     if (index != SCENE_NONE) {
         struct scene_mesh *mesh = &g->scene->meshes.data[index];
+        mesh->extras = gltf_extras(g, object);
         for (uint32_t i = 0; i < kept; i++)
             if (primitives[i].morph_target_count != mesh->morph_target_count) {
                 gltf_warn(g, AT_KEY(at, "primitives"), "the primitives have different numbers of morph targets");

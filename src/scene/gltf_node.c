@@ -86,6 +86,7 @@ static void load_node_extensions(struct gltf *g, json_t *object, const struct at
 
 static void load_node(struct gltf *g, json_t *object, const struct at *at, uint32_t index, struct scene_node *node) {
     node->name = gltf_name(g, object, at);
+    node->extras = gltf_extras(g, object);
     load_transform(g, object, at, node);
     node->mesh = gltf_index(g, object, at, "mesh", false, g->mesh_count);
     node->camera = gltf_index(g, object, at, "camera", false, g->camera_count);
@@ -167,6 +168,8 @@ void gltf_load_nodes(struct gltf *g) {
             .skin = SCENE_NONE,
             .camera = SCENE_NONE,
             .instance_count = 1,
+            .linked = true,
+            .generation = scene_take_generation(g->scene),
         };
     }
     g->scene->nodes.count = g->node_count;

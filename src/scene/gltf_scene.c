@@ -10,6 +10,7 @@ static void show_tree(struct gltf *g, uint32_t root) {
     uint32_t i = root;
     for (;;) {
         g->in_scene[i] = true;
+        nodes[i].hidden = g->hidden[i];
         nodes[i].active = !g->hidden[i] && (i == root || nodes[nodes[i].parent].active);
         if (nodes[i].first_child != SCENE_NONE) {
             i = nodes[i].first_child;
@@ -19,6 +20,13 @@ static void show_tree(struct gltf *g, uint32_t root) {
         if (i == root) return;
         i = nodes[i].next_sibling;
     }
+}
+
+/** What is in no shown scene is hidden, each tree by its topmost node; showing that brings it in. */
+static void hide_the_rest(struct gltf *g) {
+    struct scene_node *nodes = g->scene->nodes.data;
+    for (uint32_t i = 0; i < g->node_count; i++)
+        if (!g->in_scene[i]) nodes[i].hidden = g->hidden[i] || nodes[i].parent == SCENE_NONE;
 }
 
 void gltf_load_scenes(struct gltf *g) {
@@ -46,6 +54,7 @@ void gltf_load_scenes(struct gltf *g) {
             if (i == shown && !g->in_scene[root]) show_tree(g, root);
         }
     }
+    hide_the_rest(g);
 }
 
 /* ---- instances ---- */

@@ -204,12 +204,26 @@ static void test_scenes_visibility_and_instancing(void **state) {
         &binary, sizeof binary);
     const bool active[5] = {true, true, false, false, false};
     for (uint32_t i = 0; i < 5; i++) assert_int_equal(scene->nodes.data[i].active, active[i]);
-    assert_int_equal(scene->lights.count, 0);
+    assert_int_equal(scene->lights.count, 1); /* of the hidden node; none of node 4, which is in another scene */
+    assert_int_equal(scene->lights.data[0].node, 3);
     fnl_scene_info info;
     assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
     assert_int_equal(info.instance_count, 2);
     assert_int_equal(info.triangle_count, 2);
     assert_true(info.bounds_low.x == 20 && info.bounds_high.x == 42 && info.bounds_low.y == 5 && info.bounds_high.y == 7);
+    const bool visible[5] = {true, true, false, true, false};
+    for (uint32_t i = 0; i < 5; i++) {
+        fnl_instance_info node;
+        assert_int_equal(fnl_scene_query_instance(scene, i, &node), FNL_OK);
+        assert_true(node.visible == visible[i] && node.shown == active[i]);
+    }
+    for (uint32_t i = 2; i < 5; i += 2) { /* what the file hides can be shown */
+        fnl_entity_info node;
+        assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, i, &node), FNL_OK);
+        assert_int_equal(fnl_scene_set_instance_visible(scene, node.id.instance, true), FNL_OK);
+    }
+    assert_int_equal(fnl_scene_query_info(scene, &info), FNL_OK);
+    assert_int_equal(info.instance_count, 4);
     fnl_scene_destroy(&scene);
 }
 
@@ -470,11 +484,13 @@ static void test_sample_cameras(void **state) {
     UNUSED(state);
     fnl_scene *scene = load_sample(SCENES "geometry-camera-light.glb");
     fnl_camera camera;
-    assert_int_equal(fnl_scene_camera_count(scene), 2);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_CAMERA), 2);
     assert_int_equal(fnl_scene_query_camera(scene, 1, &camera), FNL_OK);
     assert_true(camera.orthographic && fabsf(camera.vertical_extent - 27) < 0.1f);
     uint32_t index = 9;
-    assert_int_equal(fnl_scene_find_camera(scene, fnl_scene_camera_name(scene, 1), &index), FNL_OK);
+    fnl_entity_info entity;
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_CAMERA, 1, &entity), FNL_OK);
+    assert_int_equal(fnl_scene_find(scene, FNL_ENTITY_CAMERA, entity.name, &index), FNL_OK);
     assert_int_equal(index, 1);
     fnl_scene_destroy(&scene);
 }

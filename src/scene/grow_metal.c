@@ -55,6 +55,7 @@ fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels) {
     TRY(check_count(CALL(&scene->host), "texels", texels, 0, 64));
     bool *done = host_allocate_zero(&scene->host, MAX(scene->images.count, 1u));
     if (!done) return FNL_ERROR_MEMORY;
+    if (texels) scene->image_version++;
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < scene->materials.count && result == FNL_OK && texels; i++) {
         const struct scene_texture *texture = &scene->materials.data[i].textures[SCENE_TEXTURE_METALLIC_ROUGHNESS];

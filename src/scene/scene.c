@@ -5,7 +5,7 @@
 /** A file that is wrong everywhere must not fill the memory with warnings. */
 #define MESSAGE_MAX 1000u
 
-static uint32_t take_generation(fnl_scene *scene) {
+uint32_t scene_take_generation(fnl_scene *scene) {
     if (++scene->next_generation == 0) scene->next_generation = 1;
     return scene->next_generation;
 }
@@ -133,7 +133,7 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .skin = SCENE_NONE,
         .camera = SCENE_NONE,
         .instance_count = 1,
-        .generation = take_generation(scene),
+        .generation = scene_take_generation(scene),
     };
     if (parent != SCENE_NONE) {
         struct scene_node *above = &scene->nodes.data[parent];
@@ -178,7 +178,7 @@ void scene_light_changed(fnl_scene *scene, uint32_t light) {
 }
 
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
-    struct scene_light light = {.params = *params, .node = node, .generation = take_generation(scene)};
+    struct scene_light light = {.params = *params, .node = node, .generation = scene_take_generation(scene)};
     if (node != SCENE_NONE) pose_light(scene, &light);
     uint32_t index;
     if (scene->free_lights.count > 0) {
@@ -222,12 +222,24 @@ static uint32_t next_in_tree(const struct scene_node *nodes, uint32_t index, uin
 
 static bool update_node(struct scene_node *nodes, uint32_t index, uint64_t version) {
     struct scene_node *node = &nodes[index];
-    if (!node->has_matrix) node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
+    if (!node->has_matrix && !node->placed) node->local = mat4_from_trs(node->translation, node->rotation, node->scale);
     mat4 world = node->parent == SCENE_NONE ? node->local : mat4_mul(nodes[node->parent].world, node->local);
     bool moved = node->moved_version == version || memcmp(&world, &node->world, sizeof world) != 0;
     node->world = world;
     if (moved) node->moved_version = version;
     return moved;
+}
+
+static void pose_moved_lights(fnl_scene *scene, uint64_t version) {
+    bool any = false;
+    for (uint32_t i = 0; i < scene->lights.count; i++) {
+        struct scene_light *light = &scene->lights.data[i];
+        if (light->removed || light->node == SCENE_NONE || scene->nodes.data[light->node].moved_version != version) continue;
+        pose_light(scene, light);
+        if (!any) scene->light_version++;
+        list_changed_light(scene, i);
+        any = true;
+    }
 }
 
 void scene_update_transforms(fnl_scene *scene) {
@@ -248,29 +260,84 @@ void scene_update_transforms(fnl_scene *scene) {
     scene->moved_since = listed ? scene->transform_version : version;
     scene->transform_version = version;
 
-    bool lights_moved = false;
-    for (uint32_t i = 0; i < scene->lights.count; i++) {
-        struct scene_light *light = &scene->lights.data[i];
-        if (light->removed || light->node == SCENE_NONE || nodes[light->node].moved_version != version) continue;
-        pose_light(scene, light);
-        if (!lights_moved) scene->light_version++;
-        list_changed_light(scene, i);
-        lights_moved = true;
-    }
+    pose_moved_lights(scene, version);
 }
 
 void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
-    struct scene_node *node = &scene->nodes.data[index];
-    bool listed = node->moved_version > scene->moved_since;
-    node->local = node->world = *local;
-    node->moved_version = ++scene->transform_version;
-    if (listed) return;
+    struct scene_node *nodes = scene->nodes.data;
+    nodes[index].local = *local;
+    nodes[index].placed = true;
+    uint64_t version = ++scene->transform_version;
     /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
     uint32_t limit = 1024 + scene->nodes.count / 16;
-    if (scene->moved.count >= limit || !array_push(&scene->host, &scene->moved, index)) {
-        scene->moved.count = 0;
-        scene->moved_since = scene->transform_version;
+    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index)) {
+        bool listed = nodes[i].moved_version > scene->moved_since;
+        if (!update_node(nodes, i, version) || listed) continue;
+        if (scene->moved.count >= limit || !array_push(&scene->host, &scene->moved, i)) {
+            scene->moved.count = 0;
+            scene->moved_since = version;
+        }
     }
+    if (nodes[index].linked) pose_moved_lights(scene, version);
+}
+
+/* ---- showing and removing ---- */
+
+void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {
+    struct scene_node *nodes = scene->nodes.data;
+    if (nodes[index].hidden == !visible) return;
+    nodes[index].hidden = !visible;
+    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index))
+        nodes[i].active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+    scene->structure_version++;
+    scene->decal_version++;
+    if (nodes[index].linked) scene_lights_changed(scene);
+}
+
+void scene_remove_light(fnl_scene *scene, uint32_t index) {
+    light_hull_free(scene, &scene->lights.data[index]);
+    scene->lights.data[index].removed = true;
+    scene->free_lights.data[scene->free_lights.count++] = index;
+    scene_lights_changed(scene);
+}
+
+fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
+    const fnl_host *host = &scene->host;
+    struct scene_node *nodes = scene->nodes.data;
+    uint32_t count = 0;
+    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index)) count++;
+    if (!array_reserve(host, &scene->free_nodes, (uint64_t)scene->free_nodes.count + count) ||
+        !array_reserve(host, &scene->free_lights, scene->lights.count))
+        return FNL_ERROR_MEMORY;
+    bool linked = nodes[index].linked;
+    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index)) nodes[i].removed = true;
+    for (uint32_t i = 0; i < scene->cameras.count && linked; i++) { /* cameras stay where they are */
+        struct scene_camera *camera = &scene->cameras.data[i];
+        if (camera->node == SCENE_NONE || !nodes[camera->node].removed) continue;
+        UNUSED(fnl_scene_query_camera(scene, i, &camera->camera));
+        camera->node = SCENE_NONE;
+    }
+    for (uint32_t i = 0; i < scene->lights.count && linked; i++) {
+        const struct scene_light *light = &scene->lights.data[i];
+        if (!light->removed && light->node != SCENE_NONE && nodes[light->node].removed) scene_remove_light(scene, i);
+    }
+    if (nodes[index].parent != SCENE_NONE) {
+        uint32_t *link = &nodes[nodes[index].parent].first_child;
+        while (*link != index) link = &nodes[*link].next_sibling;
+        *link = nodes[index].next_sibling;
+    }
+    for (uint32_t i = index, next; i != SCENE_NONE; i = next) {
+        next = next_in_tree(nodes, i, index);
+        nodes[i].active = false;
+        nodes[i].mesh = SCENE_NONE;
+        if (nodes[i].linked)
+            scene->lost_nodes++; /* joints keep the pose that they had */
+        else
+            scene->free_nodes.data[scene->free_nodes.count++] = i;
+    }
+    scene->structure_version++;
+    scene->decal_version++;
+    return FNL_OK;
 }
 
 /* ---- bounds ---- */

@@ -55,7 +55,7 @@ struct scene_texture {
 };
 
 struct scene_material {
-    const char *name;
+    const char *name, *extras; /* extras: JSON text, or NULL; so below */
     vec4 base_color;
     float metallic, roughness, normal_scale, occlusion_strength;
     vec3 emissive; /* cd/m^2, strength included */
@@ -97,7 +97,7 @@ struct scene_primitive {
 };
 
 struct scene_mesh {
-    const char *name;
+    const char *name, *extras;
     uint32_t first_primitive, primitive_count;
     const float *morph_weights; /* default weights, one per target; NULL: zeros */
     uint32_t morph_target_count;
@@ -105,11 +105,14 @@ struct scene_mesh {
 };
 
 struct scene_node {
-    const char *name;
+    const char *name, *extras;
     uint32_t parent, first_child, next_sibling; /* SCENE_NONE ends */
     bool has_matrix;                            /* local is given as matrix, not as TRS */
-    bool active;                                /* part of the shown scene and visible */
+    bool placed; /* local was set by a call; translation, rotation and scale make it again when they are animated */
+    bool hidden; /* with what is below it */
+    bool active; /* neither it nor a node above is hidden */
     bool removed;
+    bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
     vec3 translation;
     quat rotation;
     vec3 scale;
@@ -118,7 +121,7 @@ struct scene_node {
     float *morph_weights;        /* this node's weights, or NULL: the mesh's */
     const mat4 *instances;       /* EXT_mesh_gpu_instancing: transforms in node space, or NULL */
     uint32_t instance_count;     /* 1 without `instances` */
-    uint32_t generation;         /* for fnl_instance_id; 0: not made through the API */
+    uint32_t generation;         /* for fnl_instance_id */
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
     uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
 };
@@ -143,7 +146,7 @@ struct scene_channel {
 };
 
 struct scene_animation {
-    const char *name;
+    const char *name, *extras;
     const struct scene_channel *channels;
     uint32_t channel_count;
     float duration; /* last key of all channels */
@@ -162,6 +165,7 @@ struct light_hull {
 struct scene_light {
     fnl_light_params params; /* position, direction and up in world space; the latter two unit and at right angles */
     struct light_hull *hull; /* or NULL */
+    const char *name, *extras; /* NULL: none */
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
     bool removed;
@@ -183,7 +187,7 @@ struct scene_painted {
 };
 
 struct scene_camera {
-    const char *name;
+    const char *name, *extras;
     uint32_t node;     /* pose comes from the node; SCENE_NONE: `camera` holds it */
     fnl_camera camera; /* projection, and the pose of free cameras */
 };
@@ -222,6 +226,7 @@ struct fnl_scene {
 
     /* A renderer remembers the versions it has seen. */
     uint64_t structure_version;     /* images, materials, meshes, nodes came or went: rebuild */
+    uint64_t image_version;         /* pixels of images that were there: upload them anew */
     uint64_t light_version;         /* lights, ambient */
     uint64_t light_set_version;     /* … at which lights last came or went, or all changed: re-read all */
     ARRAY(uint32_t) changed_lights; /* every light whose changed_version is above changed_lights_since, once */
@@ -232,12 +237,14 @@ struct fnl_scene {
     uint64_t moved_since;
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals; /* the holes */
+    uint32_t lost_nodes; /* removed, and not to be used again */
 };
 
 /* ---- building: used by the importer, the generators and the public calls ---- */
 
 fnl_result scene_create(const fnl_host *host, const char *source, fnl_scene **out);
 struct scene_material scene_material_default(void);
+uint32_t scene_take_generation(fnl_scene *scene);
 struct scene_texture scene_texture_none(void);
 /** Each returns the new index, or SCENE_NONE when memory ran out (logged). Data pointed to must live in scene->arena. */
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image);
@@ -260,8 +267,13 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__(
  * changes a node's morph weights sets its moved_version to transform_version + 1 before the call.
  */
 void scene_update_transforms(fnl_scene *scene);
-/** Gives a root without children a new transform, at a cost that does not depend on the number of nodes. */
+/** Gives a node a new local transform; costs what is below it, and a look at the lights if it is linked. */
 void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
+/** Hides a node with what is below it, or shows what is not hidden below it. */
+void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
+/** Removes a node, what is below it, and the lights there. */
+fnl_result scene_remove_node(fnl_scene *scene, uint32_t node);
+void scene_remove_light(fnl_scene *scene, uint32_t light);
 /** World-space bounds of all active instances (skinned meshes by their bind pose moved by the joints' boxes). */
 struct box scene_bounds(const fnl_scene *scene);
 /* Of a scene that says nothing else (fnl_scene_set_light_cutoff). */
@@ -279,12 +291,17 @@ void light_hull_free(fnl_scene *scene, struct scene_light *light);
 
 /** A checked decal; `node` as in struct scene_decal. SCENE_NONE when memory ran out or it cannot be painted (logged). */
 uint32_t scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, uint32_t node);
-/** Whether what a decal is on or moves with is shown. */
+/** Whether it is there and what it is on too; whether that is shown besides. */
+bool decal_exists(const fnl_scene *scene, const struct scene_decal *decal);
 bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal);
 /** Whether numbers are in their ranges; logged. Instance and pictures are left to the caller. */
 fnl_result decal_check(const struct call *call, const fnl_decal_params *params);
 /** Whether a camera can be used; `prefix` stands before the names of its fields, such as "camera.". */
 fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera);
+fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *transform);
+/** How many there are, and where the index-th of them stands in its array. */
+uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind);
+uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index);
 /** The argument `instance` of a public function. */
 fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id);
 /** From the unit cube to the world, or for mesh, redraw and baked decals to the space of their mesh. */

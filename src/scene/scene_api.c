@@ -143,6 +143,88 @@ fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *p
     return FNL_OK;
 }
 
+/* The texture of another image starts anew; of the same one its coordinates and filters stay. */
+static void change_image(struct scene_texture *texture, fnl_image_id id) {
+    uint32_t image = id.generation ? id.index : SCENE_NONE;
+    if (texture->image == image) return;
+    *texture = scene_texture_none();
+    texture->image = image;
+}
+
+/* Copies of a material that baked decals are painted on follow it, but for the painted textures. */
+static fnl_result repaint(fnl_scene *scene, uint32_t material, const struct scene_material *before) {
+    for (uint32_t i = 0; i < scene->painted.count; i++) {
+        const struct scene_painted *painted = &scene->painted.data[i];
+        const struct scene_mesh *source = &scene->meshes.data[painted->mesh], *own = &scene->meshes.data[painted->own_mesh];
+        bool uses = false;
+        for (uint32_t k = 0; k < source->primitive_count; k++) {
+            if (scene->primitives.data[source->first_primitive + k].material != material) continue;
+            struct scene_material *copy =
+                &scene->materials.data[scene->primitives.data[own->first_primitive + k].material];
+            struct scene_material fresh = scene->materials.data[material];
+            for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) /* what was painted on is still the same */
+                if (fresh.textures[slot].image == before->textures[slot].image) fresh.textures[slot] = copy->textures[slot];
+            *copy = fresh;
+            uses = true;
+        }
+        if (uses && !scene->nodes.data[painted->node].removed) TRY(decal_bake(scene, painted->node));
+    }
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fnl_material_params *p) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_id(call, "material", id.generation == FIXED_GENERATION && id.index < scene->materials.count, id.index,
+                 id.generation, "a material"));
+    TRY(check_pointer(call, "params", p));
+    TRY(check_material(call, scene, p));
+    const struct scene_material before = scene->materials.data[id.index];
+    struct scene_material changed = material_of(p);
+    changed.name = before.name;
+    changed.extras = before.extras;
+    memcpy(changed.textures, before.textures, sizeof changed.textures);
+    change_image(&changed.textures[SCENE_TEXTURE_BASE_COLOR], p->base_color_image);
+    change_image(&changed.textures[SCENE_TEXTURE_METALLIC_ROUGHNESS], p->metallic_roughness_image);
+    change_image(&changed.textures[SCENE_TEXTURE_NORMAL], p->normal_image);
+    change_image(&changed.textures[SCENE_TEXTURE_OCCLUSION], p->occlusion_image);
+    change_image(&changed.textures[SCENE_TEXTURE_EMISSIVE], p->emissive_image);
+    scene->materials.data[id.index] = changed;
+    scene->structure_version++;
+    return repaint(scene, id.index, &before);
+}
+
+static fnl_image_id image_of(const struct scene_material *material, enum scene_texture_slot slot) {
+    uint32_t image = material->textures[slot].image;
+    return image == SCENE_NONE ? (fnl_image_id){0} : (fnl_image_id){image, FIXED_GENERATION};
+}
+
+fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    TRY(check_index(CALL(&scene->host), "index", index, scene->materials.count, "materials"));
+    const struct scene_material *m = &scene->materials.data[index];
+    *out = (fnl_material_params){.base_color = {m->base_color.x, m->base_color.y, m->base_color.z, m->base_color.w},
+                                 .metallic = m->metallic,
+                                 .roughness = m->roughness,
+                                 .emissive = {m->emissive.x, m->emissive.y, m->emissive.z},
+                                 .normal_scale = m->normal_scale,
+                                 .occlusion_strength = m->occlusion_strength,
+                                 .ior = m->ior,
+                                 .specular = m->specular,
+                                 .specular_color = {m->specular_color.x, m->specular_color.y, m->specular_color.z},
+                                 .alpha_mode = m->alpha_mode,
+                                 .alpha_cutoff = m->alpha_cutoff,
+                                 .double_sided = m->double_sided,
+                                 .unlit = m->unlit,
+                                 .base_color_image = image_of(m, SCENE_TEXTURE_BASE_COLOR),
+                                 .metallic_roughness_image = image_of(m, SCENE_TEXTURE_METALLIC_ROUGHNESS),
+                                 .normal_image = image_of(m, SCENE_TEXTURE_NORMAL),
+                                 .occlusion_image = image_of(m, SCENE_TEXTURE_OCCLUSION),
+                                 .emissive_image = image_of(m, SCENE_TEXTURE_EMISSIVE)};
+    return FNL_OK;
+}
+
 /* ---- meshes and instances ---- */
 
 static fnl_result check_indices(const struct call *call, const fnl_mesh_params *p) {
@@ -218,19 +300,13 @@ fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, f
     return FNL_OK;
 }
 
-static fnl_result check_affine(const struct call *call, const fnl_mat4 *m) {
+fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *m) {
     TRY(check_pointer(call, "transform", m));
     TRY(check_floats(call, "transform.m", m->m, 16, -(double)FLT_MAX, (double)FLT_MAX, ""));
     if (m->m[3] != 0 || m->m[7] != 0 || m->m[11] != 0 || m->m[15] != 1)
         return misuse(call, "the last row of transform is %g, %g, %g, %g, must be 0, 0, 0, 1", (double)m->m[3], (double)m->m[7],
                       (double)m->m[11], (double)m->m[15]);
     return FNL_OK;
-}
-
-fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id) {
-    const struct scene_node *node = id.index < scene->nodes.count ? &scene->nodes.data[id.index] : NULL;
-    bool alive = node && id.generation && node->generation == id.generation && !node->removed;
-    return check_id(call, "instance", alive, id.index, id.generation, "an instance");
 }
 
 fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform, fnl_instance_id *out) {
@@ -240,31 +316,10 @@ fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_
     const struct call *call = CALL(&scene->host);
     TRY(check_id(call, "mesh", mesh.generation == FIXED_GENERATION && mesh.index < scene->meshes.count, mesh.index,
                  mesh.generation, "a mesh"));
-    TRY(check_affine(call, transform));
+    TRY(scene_check_affine(call, transform));
     uint32_t index = scene_add_node(scene, "", SCENE_NONE, transform, mesh.index);
     if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_instance_id){index, scene->nodes.data[index].generation};
-    return FNL_OK;
-}
-
-fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
-    TRY(check_handle(__func__, "scene", scene));
-    const struct call *call = CALL(&scene->host);
-    TRY(scene_check_instance(call, scene, instance));
-    TRY(check_affine(call, transform));
-    scene_move_node(scene, instance.index, transform);
-    return FNL_OK;
-}
-
-fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance) {
-    TRY(check_handle(__func__, "scene", scene));
-    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
-    if (!array_push(&scene->host, &scene->free_nodes, instance.index)) return FNL_ERROR_MEMORY;
-    struct scene_node *node = &scene->nodes.data[instance.index];
-    node->removed = true;
-    node->active = false;
-    node->mesh = SCENE_NONE;
-    scene->structure_version++;
     return FNL_OK;
 }
 
@@ -342,13 +397,24 @@ static fnl_result check_light_id(const struct call *call, const fnl_scene *scene
     return check_id(call, "light", alive, id.index, id.generation, "a light");
 }
 
+/* Of what a light of the kind has of a pose. */
+static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
+    bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
+    bool direction = a->kind != FNL_LIGHT_POINT && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
+    bool up = (a->kind == FNL_LIGHT_WEDGE || a->kind == FNL_LIGHT_BOX) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
+    return position || direction || up;
+}
+
 fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_light_id(CALL(&scene->host), scene, light));
     fnl_light_params checked;
     TRY(check_light(CALL(&scene->host), params, &checked));
-    fnl_light_params *changed = &scene->lights.data[light.index].params;
-    bool stays = (changed->kind == FNL_LIGHT_DIRECTIONAL) == (checked.kind == FNL_LIGHT_DIRECTIONAL);
+    struct scene_light *target = &scene->lights.data[light.index];
+    fnl_light_params *changed = &target->params;
+    bool leaves = target->node != SCENE_NONE && poses_differ(params, changed);
+    if (leaves) target->node = SCENE_NONE;
+    bool stays = !leaves && (changed->kind == FNL_LIGHT_DIRECTIONAL) == (checked.kind == FNL_LIGHT_DIRECTIONAL);
     *changed = checked;
     if (stays)
         scene_light_changed(scene, light.index);
@@ -360,10 +426,8 @@ fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_l
 fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_light_id(CALL(&scene->host), scene, light));
-    if (!array_push(&scene->host, &scene->free_lights, light.index)) return FNL_ERROR_MEMORY;
-    light_hull_free(scene, &scene->lights.data[light.index]);
-    scene->lights.data[light.index].removed = true;
-    scene_lights_changed(scene);
+    if (!array_reserve(&scene->host, &scene->free_lights, scene->lights.count)) return FNL_ERROR_MEMORY;
+    scene_remove_light(scene, light.index);
     return FNL_OK;
 }
 
@@ -445,7 +509,7 @@ fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out) {
         .primitive_count = scene->primitives.count,
         .material_count = scene->materials.count,
         .image_count = scene->images.count,
-        .node_count = scene->nodes.count - scene->free_nodes.count,
+        .node_count = scene_entity_count(scene, FNL_ENTITY_INSTANCE),
         .light_count = scene->lights.count - scene->free_lights.count,
         .decal_count = scene->decals.count - scene->free_decals.count,
         .camera_count = scene->cameras.count,
@@ -531,12 +595,7 @@ const char *fnl_scene_message(const fnl_scene *scene, uint32_t index) {
 fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
-    TRY(check_index(CALL(&scene->host), "index", index, scene->lights.count - scene->free_lights.count, "lights"));
-    if (scene->free_lights.count > 0) { /* count past the holes */
-        uint32_t alive = index;
-        for (index = 0; alive > 0 || scene->lights.data[index].removed; index++)
-            if (!scene->lights.data[index].removed) alive--;
-    }
-    *out = scene->lights.data[index].params;
+    TRY(check_index(CALL(&scene->host), "index", index, scene_entity_count(scene, FNL_ENTITY_LIGHT), "lights"));
+    *out = scene->lights.data[scene_entity_slot(scene, FNL_ENTITY_LIGHT, index)].params;
     return FNL_OK;
 }

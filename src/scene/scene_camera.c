@@ -13,10 +13,6 @@ fnl_camera fnl_camera_default(void) {
     };
 }
 
-uint32_t fnl_scene_camera_count(const fnl_scene *scene) {
-    return check_handle(__func__, "scene", scene) == FNL_OK ? scene->cameras.count : 0;
-}
-
 fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
@@ -33,25 +29,6 @@ fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_ca
     out->target = vec3_add_scaled(out->position, forward, fmaxf(1, 0.1f * vec3_length(out->position)));
     out->up = up;
     return FNL_OK;
-}
-
-fnl_result fnl_scene_find_camera(const fnl_scene *scene, const char *name, uint32_t *out_index) {
-    TRY(check_handle(__func__, "scene", scene));
-    TRY(check_pointer(CALL(&scene->host), "name", name));
-    TRY(check_pointer(CALL(&scene->host), "out_index", out_index));
-    for (uint32_t i = 0; i < scene->cameras.count; i++)
-        if (strcmp(scene->cameras.data[i].name, name) == 0) {
-            *out_index = i;
-            return FNL_OK;
-        }
-    char names[1024] = "";
-    size_t length = 0;
-    for (uint32_t i = 0; i < scene->cameras.count && length < sizeof names; i++)
-        length +=
-            (size_t)snprintf(names + length, sizeof names - length, "%s'%s'", i ? ", " : "", scene->cameras.data[i].name);
-    log_error(&scene->host, "%s: there is no camera '%s'; there %s %s", scene->source, name,
-              scene->cameras.count ? "are" : "is", scene->cameras.count ? names : "none at all");
-    return FNL_ERROR_INVALID;
 }
 
 /* The field's name in the struct that holds the camera, such as "camera.up". */
@@ -89,11 +66,6 @@ fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_ca
         .name = arena_string(&scene->arena, name ? name : ""), .node = SCENE_NONE, .camera = *camera};
     if (!added.name || !array_push(&scene->host, &scene->cameras, added)) return FNL_ERROR_MEMORY;
     return FNL_OK;
-}
-
-const char *fnl_scene_camera_name(const fnl_scene *scene, uint32_t index) {
-    if (check_handle(__func__, "scene", scene) != FNL_OK) return NULL;
-    return index < scene->cameras.count ? scene->cameras.data[index].name : NULL;
 }
 
 /** What there is to see: the geometry, else the lights, else a metre around the origin. */

@@ -86,7 +86,7 @@ static void test_misuse_is_named(void **state) {
     camera.target = camera.position;
     expect_misuse(fnl_scene_add_camera(scene, "c", &camera), "target is the position");
     uint32_t index;
-    expect_misuse(fnl_scene_find_camera(scene, "c", &index), "there is no camera 'c'");
+    expect_misuse(fnl_scene_find(scene, FNL_ENTITY_CAMERA, "c", &index), "there is no 'c' among the 0 cameras");
     expect_misuse(fnl_scene_query_camera(scene, 0, &camera), "index is 0, but there are no cameras");
     expect_misuse(fnl_scene_query_framing_camera(scene, 0, &camera), "aspect is 0, must be above 0 and finite");
     expect_misuse(fnl_scene_query_image(scene, 0, &(fnl_image_info){0}), "index is 0, but there are no images");

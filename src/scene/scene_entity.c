@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/* The public calls that go through what a scene has, by index and name, and those that change its instances. */
+#include "scene/scene.h"
+
+/* What is removed leaves a hole, which indices skip. */
+static bool is_hole(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
+    return (kind == FNL_ENTITY_INSTANCE && scene->nodes.data[slot].removed) ||
+           (kind == FNL_ENTITY_LIGHT && scene->lights.data[slot].removed) ||
+           (kind == FNL_ENTITY_DECAL && scene->decals.data[slot].removed);
+}
+
+/* With holes. */
+static uint32_t slot_count(const fnl_scene *scene, fnl_entity kind) {
+    const uint32_t counts[FNL_ENTITY_COUNT] = {
+        [FNL_ENTITY_INSTANCE] = scene->nodes.count,  [FNL_ENTITY_LIGHT] = scene->lights.count,
+        [FNL_ENTITY_DECAL] = scene->decals.count,    [FNL_ENTITY_MESH] = scene->meshes.count,
+        [FNL_ENTITY_MATERIAL] = scene->materials.count, [FNL_ENTITY_IMAGE] = scene->images.count,
+        [FNL_ENTITY_CAMERA] = scene->cameras.count,  [FNL_ENTITY_ANIMATION] = scene->animations.count};
+    return counts[kind];
+}
+
+uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind) {
+    uint32_t holes = kind == FNL_ENTITY_INSTANCE ? scene->free_nodes.count + scene->lost_nodes
+                     : kind == FNL_ENTITY_LIGHT  ? scene->free_lights.count
+                     : kind == FNL_ENTITY_DECAL  ? scene->free_decals.count
+                                                 : 0;
+    return slot_count(scene, kind) - holes;
+}
+
+uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
+    if (scene_entity_count(scene, kind) == slot_count(scene, kind)) return index;
+    uint32_t slot = 0;
+    for (uint32_t left = index; left > 0 || is_hole(scene, kind, slot); slot++) left -= !is_hole(scene, kind, slot);
+    return slot;
+}
+
+static const char *const plurals[FNL_ENTITY_COUNT] = {"instances", "lights",  "decals",    "meshes",
+                                                      "materials", "images", "cameras", "animations"};
+
+static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
+    fnl_entity_info info = {.name = ""};
+    const uint32_t fixed = 1; /* the generation of what is never removed */
+    switch (kind) {
+    case FNL_ENTITY_INSTANCE:
+        info.name = scene->nodes.data[slot].name;
+        info.extras = scene->nodes.data[slot].extras;
+        info.id.instance = (fnl_instance_id){slot, scene->nodes.data[slot].generation};
+        break;
+    case FNL_ENTITY_LIGHT:
+        info.name = scene->lights.data[slot].name;
+        info.extras = scene->lights.data[slot].extras;
+        info.id.light = (fnl_light_id){slot, scene->lights.data[slot].generation};
+        break;
+    case FNL_ENTITY_DECAL:
+        info.id.decal = (fnl_decal_id){slot, scene->decals.data[slot].generation};
+        break;
+    case FNL_ENTITY_MESH:
+        info.name = scene->meshes.data[slot].name;
+        info.extras = scene->meshes.data[slot].extras;
+        info.id.mesh = (fnl_mesh_id){slot, fixed};
+        break;
+    case FNL_ENTITY_MATERIAL:
+        info.name = scene->materials.data[slot].name;
+        info.extras = scene->materials.data[slot].extras;
+        info.id.material = (fnl_material_id){slot, fixed};
+        break;
+    case FNL_ENTITY_IMAGE:
+        info.name = scene->images.data[slot].name;
+        info.id.image = (fnl_image_id){slot, fixed};
+        break;
+    case FNL_ENTITY_CAMERA:
+        info.name = scene->cameras.data[slot].name;
+        info.extras = scene->cameras.data[slot].extras;
+        break;
+    case FNL_ENTITY_ANIMATION:
+        info.name = scene->animations.data[slot].name;
+        info.extras = scene->animations.data[slot].extras;
+        break;
+    case FNL_ENTITY_COUNT:
+        break;
+    }
+    if (!info.name) info.name = "";
+    return info;
+}
+
+uint32_t fnl_scene_count(const fnl_scene *scene, fnl_entity kind) {
+    if (check_handle(__func__, "scene", scene) != FNL_OK) return 0;
+    if (check_enum(CALL(&scene->host), "kind", (int)kind, FNL_ENTITY_COUNT, "fnl_entity") != FNL_OK) return 0;
+    return scene_entity_count(scene, kind);
+}
+
+fnl_result fnl_scene_query_entity(const fnl_scene *scene, fnl_entity kind, uint32_t index, fnl_entity_info *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "out", out));
+    TRY(check_enum(call, "kind", (int)kind, FNL_ENTITY_COUNT, "fnl_entity"));
+    TRY(check_index(call, "index", index, scene_entity_count(scene, kind), plurals[kind]));
+    *out = describe(scene, kind, scene_entity_slot(scene, kind, index));
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_find(const fnl_scene *scene, fnl_entity kind, const char *name, uint32_t *out_index) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "name", name));
+    TRY(check_pointer(call, "out_index", out_index));
+    TRY(check_enum(call, "kind", (int)kind, FNL_ENTITY_COUNT, "fnl_entity"));
+    char names[1024] = "";
+    size_t length = 0;
+    uint32_t index = 0;
+    for (uint32_t slot = 0; slot < slot_count(scene, kind); slot++) {
+        if (is_hole(scene, kind, slot)) continue;
+        const char *known = describe(scene, kind, slot).name;
+        if (strcmp(known, name) == 0) {
+            *out_index = index;
+            return FNL_OK;
+        }
+        if (*known && length < sizeof names)
+            length += (size_t)snprintf(names + length, sizeof names - length, "%s'%s'", length ? ", " : "", known);
+        index++;
+    }
+    return misuse(call, "%s: there is no '%s' among the %u %s%s%s", scene->source, name, index, plurals[kind],
+                  length ? ": " : "", names);
+}
+
+/* ---- instances ---- */
+
+fnl_result scene_check_instance(const struct call *call, const fnl_scene *scene, fnl_instance_id id) {
+    const struct scene_node *node = id.index < scene->nodes.count ? &scene->nodes.data[id.index] : NULL;
+    bool alive = node && id.generation && node->generation == id.generation && !node->removed;
+    return check_id(call, "instance", alive, id.index, id.generation, "an instance");
+}
+
+fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_pointer(call, "out", out));
+    TRY(check_index(call, "index", index, scene_entity_count(scene, FNL_ENTITY_INSTANCE), "instances"));
+    const struct scene_node *node = &scene->nodes.data[scene_entity_slot(scene, FNL_ENTITY_INSTANCE, index)];
+    *out = (fnl_instance_info){
+        .transform = node->local, .world = node->world, .visible = !node->hidden, .shown = node->active};
+    if (node->parent != SCENE_NONE)
+        out->parent = (fnl_instance_id){node->parent, scene->nodes.data[node->parent].generation};
+    if (node->mesh != SCENE_NONE) out->mesh = (fnl_mesh_id){node->mesh, 1};
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(scene_check_instance(call, scene, instance));
+    TRY(scene_check_affine(call, transform));
+    scene_move_node(scene, instance.index, transform);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance_id instance, bool visible) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
+    scene_show_node(scene, instance.index, visible);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(scene_check_instance(CALL(&scene->host), scene, instance));
+    return scene_remove_node(scene, instance.index);
+}
