@@ -115,7 +115,8 @@ static uint32_t number;
 
 /* X(function, what is tried with each pointer of its declaration). Where a host is NULL it stands for the built-in one. */
 #define EXPORTS(X)                                                                                                          \
-    X(fnl_device_create, SILENT(fnl_device_create(NULL, &made_device)); NULLED("out", fnl_device_create(NULL, NULL)))       \
+    X(fnl_device_create, SILENT((fnl_device_create(NULL, &made_device), fnl_device_destroy(&made_device)));                 \
+      NULLED("out", fnl_device_create(NULL, NULL)))                                                                         \
     X(fnl_device_destroy, SILENT(fnl_device_destroy(NULL)))                                                                 \
     X(fnl_device_import, NULLED("import", fnl_device_import(NULL, NULL, &made_device));                                     \
       NULLED("out", fnl_device_import(NULL, &handles, NULL)); NULLED("import", fnl_device_import(NULL, NULL, &made_device))) \
@@ -303,7 +304,6 @@ static void test_null_is_named_by_every_export(void **state) {
     }
     fclose(list);
     assert_int_equal(found, COUNT_OF(exports));
-    fnl_device_destroy(&made_device);
 }
 
 /* ---- fields out of their range ---- */
