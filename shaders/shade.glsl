@@ -7,7 +7,8 @@
 #include "brdf.glsl"
 #include "lights/illuminate.glsl"
 
-// Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface.
+// Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface; behind them, points that no cell of
+// their list served.
 layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
 
 // Variants for pixels that need less: 0 where no list holds a light; HAS_METAL of brdf.glsl.
@@ -72,6 +73,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
     if (COUNT_LIGHTS == 1u) {
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u], visited);
         atomicAdd(counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
+        if (cursor.unserved) atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u], 1u);
     }
 
     if (v.view.shade_cost > 0u) sum += shade_cost(v, s.roughness);

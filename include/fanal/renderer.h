@@ -668,9 +668,12 @@ typedef struct fnl_frame_stats {
         lights_in_view; /**< in_view counts those whose bounds touch the view; for `all` lists it is the total */
     uint64_t list_bytes, list_entries;
     uint64_t list_used_bytes;       /**< the part of list_bytes that this frame's lights and cells fill */
-    uint32_t cells, overflow_cells; /**< cells that used all lights because the pool was too small in this frame */
+    uint32_t cells,
+        overflow_cells; /**< cells that used coarser lists, of about a hundredth of the screen, as the pool was too small in this frame */
     uint32_t lights_dropped;        /**< always 0: that is the contract */
-    bool evaluations_counted;       /**< the next four are only known with fnl_frame.count_lights */
+    bool evaluations_counted;       /**< the next three, and mean and maximum, are only known with fnl_frame.count_lights */
+    uint64_t unserved_points; /**< points shaded with coarser lists, or all lights: in cells that overflowed; with MSAA also off the surfaces of
+                                 their cell or out of the view. Not counted by light-prepass, low-res and inferred */
     uint64_t evaluations;           /**< lights visited by shaded fragments, directional lights left out */
     uint64_t evaluations_useful; /**< those that reach the fragment's surface point: the least that any list could visit */
     uint64_t lights_behind;      /**< backface lists: lights in view that are behind the surfaces of every tile they touch */

@@ -10,7 +10,7 @@
 #define LIGHTS_BINS_GLSL
 
 const uint BINS_HEAD = 4u;
-const uint BINS_ALL = 1u; // state of a cell that the pool could not hold: all lights
+const uint BINS_ALL = 1u; // state of a cell that the pool could not hold: the spare list
 
 struct bins_cell {
     uint state;
@@ -27,28 +27,24 @@ uint bins_slice(light_list_block l, float view_depth) { return slice_of(l, max(v
 
 struct bins_cursor {
     bins_cell tile, bin;
-    bool whole_tile, whole_bin; // all lights
-    uint light_count, top_count;
+    uint top_count;
     uint top, group, word;                // where the walk is
     uint groups_left, words_left, left;   // what is not visited yet: groups of the top word, words of the group, lights of the word
     uint tile_words, bin_words;           // which words of the group there are
     uint tile_offset, bin_offset;         // where they begin
 };
 
-bins_cursor bins_begin(light_list_block l, uint tile, float view_depth) {
+// False: the pool could not hold the tile or the bin.
+bool bins_begin(light_list_block l, uint tile, float view_depth, out bins_cursor c) {
     const_uint_array table = const_uint_array(l.list.cells);
     uint tile_count = l.list.tiles_x * l.list.tiles_y, cell_count = tile_count + l.list.slices;
-    bins_cursor c;
-    c.light_count = table.at[0];
     uint group_count = table.at[1];
     c.top_count = table.at[2];
     c.tile = bins_cell_of(tile, cell_count, group_count, c.top_count);
     c.bin = bins_cell_of(tile_count + bins_slice(l, view_depth), cell_count, group_count, c.top_count);
-    c.whole_tile = table.at[c.tile.state] == BINS_ALL;
-    c.whole_bin = table.at[c.bin.state] == BINS_ALL;
     c.top = 0xffffffffu;
     c.group = c.word = c.groups_left = c.words_left = c.left = c.tile_words = c.bin_words = c.tile_offset = c.bin_offset = 0u;
-    return c;
+    return table.at[c.tile.state] != BINS_ALL && table.at[c.bin.state] != BINS_ALL;
 }
 
 // Moves on; false at the end. One loop that takes one step at a time: Mesa's CPU driver ends loops within loops too early for some threads,
@@ -61,28 +57,21 @@ bool bins_next(light_list_block l, inout bins_cursor c, out uint id) {
             uint word = uint(findLSB(c.words_left)), before = (1u << word) - 1u;
             c.words_left &= c.words_left - 1u;
             c.word = c.group * 32u + word;
-            c.left = (c.whole_tile ? 0xffffffffu : l.list.ids.at[c.tile_offset + uint(bitCount(c.tile_words & before))]) &
-                     (c.whole_bin ? 0xffffffffu : l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))]);
-            if (c.word * 32u + 32u > c.light_count)
-                c.left &= c.word * 32u >= c.light_count ? 0u : (1u << (c.light_count - c.word * 32u)) - 1u;
+            c.left = l.list.ids.at[c.tile_offset + uint(bitCount(c.tile_words & before))] &
+                     l.list.ids.at[c.bin_offset + uint(bitCount(c.bin_words & before))];
         } else if (c.groups_left != 0u) {
             c.group = c.top * 32u + uint(findLSB(c.groups_left));
             c.groups_left &= c.groups_left - 1u;
-            ended = c.group * 1024u >= c.light_count; // only where both are all lights
             uint tile_record = c.tile.records + c.group * 2u, bin_record = c.bin.records + c.group * 2u;
-            if (!ended) {
-                c.tile_offset = table.at[tile_record];
-                c.tile_words = c.whole_tile ? 0xffffffffu : table.at[tile_record + 1u];
-                c.bin_offset = table.at[bin_record];
-                c.bin_words = c.whole_bin ? 0xffffffffu : table.at[bin_record + 1u];
-                c.words_left = c.tile_words & c.bin_words;
-            }
+            c.tile_offset = table.at[tile_record];
+            c.tile_words = table.at[tile_record + 1u];
+            c.bin_offset = table.at[bin_record];
+            c.bin_words = table.at[bin_record + 1u];
+            c.words_left = c.tile_words & c.bin_words;
         } else {
             c.top = min(c.top + 1u, c.top_count); // from -1
             ended = c.top == c.top_count;
-            if (!ended)
-                c.groups_left = (c.whole_tile ? 0xffffffffu : table.at[c.tile.tops + c.top]) &
-                                (c.whole_bin ? 0xffffffffu : table.at[c.bin.tops + c.top]);
+            if (!ended) c.groups_left = table.at[c.tile.tops + c.top] & table.at[c.bin.tops + c.top];
         }
     }
     id = 0u;

@@ -30,20 +30,6 @@ bool fine_tested(light_list_block l, uint tile, uvec2 pixel_in_tile, vec3 positi
     return distance(tested, position) <= 0.9 * fine_slack(l, tested);
 }
 
-// The tile that a point is seen in, wherever it is shaded. False: it is not in view.
-bool fine_tile_of_point(light_list_block l, vec3 position, out uvec2 tile) {
-    view_block v = l.list.view;
-    vec3 seen = (v.view.world_to_view * vec4(position, 1.0)).xyz;
-    float spread = v.view.orthographic > 0.5 ? 1.0 : -seen.z;
-    vec2 ndc = (seen.xy / spread - v.view.ndc_offset) / v.view.ndc_scale;
-    vec2 pixel = (vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * vec2(v.view.size);
-    tile = uvec2(0u);
-    if (!(-seen.z > v.view.near_distance * 1.0001) || !all(greaterThan(pixel, vec2(0.0))) ||
-        !all(lessThan(pixel, vec2(v.view.size)))) return false;
-    tile = uvec2(pixel) / l.list.tile_size;
-    return true;
-}
-
 struct fine_cursor {
     uint first, end; // entries of the tile
     uint word, bits; // where the next mask is, what is left of this one; packed: where the tile's words are
@@ -66,16 +52,16 @@ fine_cursor fine_begin_packed(light_list_block l, uint cell) {
     return c;
 }
 
-// False: the point takes all lights.
+// False: no tile serves the point. Scattered ones are asked for on the pixel that they are seen on.
 bool fine_begin(light_list_block l, uvec2 tile, uvec2 pixel, vec3 position, out fine_cursor c) {
     uint index = tile.y * l.list.tiles_x + tile.x, cell = l.list.first_cell + index;
     uvec2 pixel_in_tile = pixel - tile * l.list.tile_size;
     c = fine_cursor(0u, 0u, 0u, 0u, l.list.mask_size != 0u, false);
-    bool tested = fine_tested(l, index, pixel_in_tile, position), scattered = l.list.scattered == 1u;
-    if (!tested || (scattered && l.list.positions == 0u)) {
+    bool tested = fine_tested(l, index, pixel_in_tile, position);
+    if (!tested || (LIST_SCATTERED && l.list.positions == 0u)) {
         uint first = tested ? l.list.first_cell : l.list.other_cell;
-        if (first == GPU_CELL_ALL || (scattered && !fine_tile_of_point(l, position, tile))) return false;
-        cell = first + tile.y * l.list.tiles_x + tile.x;
+        if (first == GPU_CELL_ALL) return false;
+        cell = first + index;
         c.masked = false;
     }
     if (l.list.packed == 1u) {

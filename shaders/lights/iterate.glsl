@@ -15,14 +15,18 @@
 
 layout(buffer_reference) buffer light_array;
 layout(buffer_reference) buffer cell_array;
+layout(buffer_reference) buffer bounds_array;
 
 #include "lights/lights_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_array { gpu_light at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer cell_array { gpu_cell at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_list_block { gpu_light_list list; };
 
-layout(constant_id = 0) const uint LIST_KIND = GPU_LIST_ALL;
+layout(constant_id = 0) const uint LIST_BITS = GPU_LIST_ALL;
+const uint LIST_KIND = LIST_BITS & ~GPU_LIST_SCATTERED;
+const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
 layout(constant_id = 6) const uint FIXED_LIGHTS = 0u;
 
@@ -43,6 +47,7 @@ uint slice_of(light_list_block l, float view_depth) {
 
 uvec2 tile_of(light_list_block l, uvec2 pixel) { return min(pixel / l.list.tile_size, uvec2(l.list.tiles_x, l.list.tiles_y) - 1u); }
 
+#include "lights/spare.glsl"
 #include "lights/bins.glsl"
 #include "lights/fine.glsl"
 #include "lights/sparse.glsl"
@@ -57,6 +62,9 @@ struct light_cursor {
     fine_cursor fine; // of GPU_LIST_FINE alone
     tree_cursor tree; // of GPU_LIST_TREE alone
     uint depth;       // of GPU_LIST_RANGES alone: code of the view depth
+    bool unserved;    // no cell serves the point: all lights are visited, or
+    bool spared;      // those of the spare list, by
+    spare_cursor spare;
 };
 
 light_cursor cursor_over(uint next, uint end, bool direct) {
@@ -66,6 +74,15 @@ light_cursor cursor_over(uint next, uint end, bool direct) {
     c.direct = direct;
     c.turn = 0u;
     c.padding = false;
+    c.unserved = c.spared = false;
+    return c;
+}
+
+// For a point that no cell serves.
+light_cursor cursor_over_spare(light_list_block l, light_point p) {
+    light_cursor c = cursor_over(0u, l.list.local_count, true);
+    c.unserved = true;
+    c.spared = spare_begin(l, p.position, c.spare);
     return c;
 }
 
@@ -102,35 +119,58 @@ uint links_next(light_list_block l, inout uint node) {
     return light;
 }
 
+// Whether the list of a cell was made for a place like the point's; `seen` is in view space. What lies so little beyond the bounds loses no
+// light to that: cells take lights that are a little farther away. Bounds that are not numbers hold everything, as where lights are tested.
+bool cell_serves(uint kind, light_list_block l, uint cell, vec3 seen) {
+    if (kind != GPU_LIST_TILES && kind != GPU_LIST_HALVES && kind != GPU_LIST_ITEMS) return true;
+    gpu_cell_bounds b = l.list.bounds.at[cell];
+    float slack = 5e-7 * (1.0 + length(seen));
+    bool outside = any(lessThan(seen, b.low - slack)) || any(greaterThan(seen, b.high + slack));
+    for (int i = 0; i < 4; i++) outside = outside || dot(b.planes[i].xyz, seen) + b.planes[i].w < -slack;
+    if (kind == GPU_LIST_TILES && l.list.masks_depth == 1u)
+        outside = outside || (l.list.extra.at[cell] >> depth_cell(b, -seen.z) & 1u) == 0u;
+    return !outside;
+}
+
 light_cursor lights_begin_as(uint kind, light_list_block l, light_point p) {
     light_cursor c = cursor_over(0u, l.list.local_count, true);
-    if (kind == GPU_LIST_ALL) return c;
-    if (kind == GPU_LIST_ITEMS && p.item >= l.list.tiles_x) return c;
+    if (kind == GPU_LIST_ALL || kind == GPU_LIST_ITEMS && p.item >= l.list.tiles_x) return c;
+    vec3 seen = vec3(0.0);
+    bool served = true;
+    if (LIST_SCATTERED && kind != GPU_LIST_WORLD) {
+        view_block v = l.list.view;
+        seen = (v.view.world_to_view * vec4(p.position, 1.0)).xyz;
+        served = seen_on(v, seen, p.pixel);
+        p.view_depth = served ? -seen.z : 1.0;
+    }
+    uvec2 tile = tile_of(l, p.pixel);
     if (kind == GPU_LIST_BINS) {
-        uvec2 tile = tile_of(l, p.pixel);
-        c.bins = bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth);
-        return c;
-    }
-    if (kind == GPU_LIST_FINE) {
-        c.direct = !fine_begin(l, tile_of(l, p.pixel), p.pixel, p.position, c.fine);
-        return c;
-    }
-    if (kind == GPU_LIST_LINKS) {
+        served = served && bins_begin(l, tile.y * l.list.tiles_x + tile.x, p.view_depth, c.bins);
+    } else if (kind == GPU_LIST_FINE) {
+        c.direct = false;
+        served = served && fine_begin(l, tile, p.pixel, p.position, c.fine);
+    } else if (kind == GPU_LIST_LINKS) {
         uint first = const_uint_array(l.list.cells).at[cell_of_as(kind, l, p)];
-        return first == GPU_NODE_ALL ? c : cursor_over(first, GPU_NODE_END, false);
-    }
-    uint index;
-    if (kind == GPU_LIST_SPARSE) {
-        uint bucket = l.list.buckets > 1u ? normal_bucket(p.normal) : 0u;
-        if (!sparse_find(l, sparse_key(l, tile_of(l, p.pixel), slice_of(l, p.view_depth), bucket), index)) return c;
+        served = served && first != GPU_NODE_ALL;
+        c = cursor_over(first, GPU_NODE_END, false);
     } else {
-        index = cell_of_as(kind, l, p);
+        uint index = 0u;
+        if (kind == GPU_LIST_SPARSE) {
+            uint bucket = l.list.buckets > 1u ? normal_bucket(p.normal) : 0u;
+            bool found = sparse_find(l, sparse_key(l, tile, slice_of(l, p.view_depth), bucket), index);
+            if (!found) index = 0u;
+            served = served && found;
+        } else {
+            index = cell_of_as(kind, l, p);
+        }
+        gpu_cell cell = l.list.cells.at[index];
+        served = served && cell.count != GPU_CELL_ALL;
+        if (LIST_SCATTERED) served = served && cell_serves(kind, l, index, seen);
+        c = cursor_over(cell.offset, cell.offset + cell.count, false);
+        if (kind == GPU_LIST_RANGES) c.depth = depth_code(p.view_depth);
+        if (kind == GPU_LIST_TREE) c.tree = tree_begin(cell, p.view_depth);
     }
-    gpu_cell cell = l.list.cells.at[index];
-    if (cell.count == GPU_CELL_ALL) return c;
-    c = cursor_over(cell.offset, cell.offset + cell.count, false);
-    if (kind == GPU_LIST_RANGES) c.depth = depth_code(p.view_depth);
-    if (kind == GPU_LIST_TREE) c.tree = tree_begin(cell, p.view_depth);
+    if (!served) c = cursor_over_spare(l, p);
     return c;
 }
 
@@ -144,7 +184,13 @@ bool lights_next_as(uint kind, light_list_block l, inout light_cursor c, out uin
         c.turn++;
         return true;
     }
-    if (kind == GPU_LIST_BINS || (kind == GPU_LIST_FINE || kind == GPU_LIST_TREE) && !c.direct) {
+    if (kind != GPU_LIST_ALL && c.spared) {
+        uint id;
+        bool found = spare_next(l, c.spare, id);
+        light = l.list.directional_count + id;
+        return found;
+    }
+    if (kind == GPU_LIST_BINS && !c.unserved || (kind == GPU_LIST_FINE || kind == GPU_LIST_TREE) && !c.direct) {
         uint id;
         bool found = kind == GPU_LIST_BINS   ? bins_next(l, c.bins, id)
                      : kind == GPU_LIST_FINE ? fine_next(l, c.fine, id)

@@ -57,9 +57,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 #define GPU_LIST_WORLD 10u  /* a grid in world space */
 #define GPU_LIST_ITEMS 11u  /* a cell for each draw item */
 #define GPU_LIST_ONE 12u    /* one light, for a pass per light */
+/* Beside the kind: points may be shaded off their pixel and off the surfaces that depth shows (MSAA); each is looked up where it is itself. */
+#define GPU_LIST_SCATTERED 0x100u
 
-/* count of a cell whose list did not fit into the pool: all lights are used instead. */
+/* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu
+
+/*
+ * The spare list serves points that no cell does: bit masks over all local lights, a row for each of a few tiles of the screen and for each
+ * of SPARE_BINS ranges of depth. A point visits the lights that are in both of its rows. It takes 16 bytes a light and no pool, so that it
+ * cannot overflow. Word 0 says whether this frame made it; where it did not, all lights are used.
+ */
+#define SPARE_ROWS 128u
+#define SPARE_BINS 32u            /* half an octave of view depth each, from the near plane on; the last has no end */
 
 /* GPU_LIST_LINKS: cells are the numbers of first nodes, a uint each; ids are nodes of one word (light << 20 | next) or two (kind << 24 |
    light, next). Nodes ascend by light. */
@@ -92,6 +102,16 @@ struct gpu_cell {
     uint count;          /* or GPU_CELL_ALL */
 };
 
+/*
+ * What a cell encloses, in view space: between four planes (inside is dot(normal, p) + d >= 0, unit normals) and in a box. z is
+ * negative in front of the viewer. low.z > high.z: the cell is empty and takes no light.
+ */
+struct gpu_cell_bounds {
+    vec4 planes[4];
+    vec3 low;
+    vec3 high;
+};
+
 struct gpu_light_list {
     uint directional_count;
     uint local_count;    /* lights that are not directional */
@@ -116,9 +136,14 @@ struct gpu_light_list {
     uint mask_size;      /* fine: side of the squares of pixels that share a mask; 0: no masks */
     uint positions;      /* fine: where in extra the tested positions begin; 0: they are those of shading */
     float eye_distance;  /* fine: of the eye from the world's origin, metres */
-    uint scattered;      /* fine: 1: points may be shaded off their pixel (MSAA) */
     uint packed;         /* fine: 1: cells are GPU_PACKED_WORDS words each, without masks */
-    ADDRESS(view_block) view; /* fine: where scattered points are seen */
+    ADDRESS(view_block) view;
+    ADDRESS(bounds_array) bounds; /* of the cells, where kinds built from depth or boxes of items serve scattered points; or 0 */
+    uint masks_depth;    /* tiles: 1: extra has a mask of occupied depth cells for each */
+    ADDRESS(const_uint_array) spare; /* the spare list; or 0 */
+    uint spare_words;    /* of a row; 0: there is no spare list */
+    uint spare_tile_size; /* pixels */
+    uvec2 spare_tiles;
     uint buckets;        /* sparse: keys of a cluster, 1 or one for each range of normals. In extra: the occupied ones before each, and one more */
     uint cell_limit;     /* sparse: cells that there is memory for */
 };

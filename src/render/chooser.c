@@ -23,10 +23,7 @@ static bool worth(const struct choice_case *at, struct choice c) {
     if (!fnl_lists_supported(c.shading, c.lists)) return false;
     /* Edges are lit at other points of their pixels than with forward shading: taken only if asked for. */
     if (is_deferred(c.shading) && at->msaa > 1 && at->asked.shading == FNL_SHADING_AUTO) return false;
-    /* With multisampling a shaded point may lie beyond the sampled depths of its tile: those lists may be off by a hair. */
     bool splits = c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D || c.lists == FNL_LISTS_BACKFACE;
-    if (at->msaa > 1 && (splits || c.lists == FNL_LISTS_TILED || c.lists == FNL_LISTS_ENHANCED || c.lists == FNL_LISTS_TREE))
-        return false;
     /* Without depth beforehand these are others by another name. */
     bool early = c.shading == FNL_SHADING_FORWARD || (c.shading == FNL_SHADING_MOBILE && !at->depth_first);
     if (early && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE)) return false;

@@ -208,7 +208,6 @@ static void add_fine(struct lists_context *c) {
     params.mask_size = options->fine_masks;
     params.packed = options->fine_packed;
     params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS) && c->frame->msaa == 1;
-    params.scattered = c->frame->msaa > 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
     params.eye_distance = vec3_length(c->view->eye);
@@ -269,6 +268,10 @@ static void add_backface(struct lists_context *c) {
     add_blend_tiles(c, &visible, &params.tiles);
 }
 
+static void mark_scattered(struct light_list *list) {
+    if (list->kind != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
+}
+
 struct light_list lists_add_fallback(const struct lists_context *c) {
     enum { TREE_LIGHTS = 1024, TILE = 32 };
     struct light_input input = *c->input;
@@ -277,11 +280,14 @@ struct light_list lists_add_fallback(const struct lists_context *c) {
     input.queue = GRAPH_QUEUE_ASYNC;
     input.keep_unseen = !c->frame->list_options.frustum_cull;
     input.spheres_only = !c->frame->list_options.cone_tests;
+    input.scattered = c->frame->msaa > 1;
     struct lights_in_view visible = lights_in_view_add(c->graph, c->device, &input);
     struct clustered_params params = cluster_params(c);
     params.tile_size = MIN(params.tile_size, (uint32_t)TILE); /* asked here and there, at edges: small cells pay */
-    return input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
-                                           : bvh_add(c->graph, c->device, &input, &visible, &params);
+    struct light_list list = input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
+                                                             : bvh_add(c->graph, c->device, &input, &visible, &params);
+    if (input.scattered) mark_scattered(&list);
+    return list;
 }
 
 /* ---- the table ---- */
@@ -332,9 +338,14 @@ bool lists_cull_on_cpu(fnl_light_lists lists) { return (builders[lists].flags & 
 
 void lists_add(struct lists_context *c) {
     const struct builder *builder = &builders[c->frame->lists];
+    c->input->scattered = c->frame->msaa > 1;
     c->input->queue = builder->queue;
     c->input->keep_unseen = !c->frame->list_options.frustum_cull;
     c->blend_lights = (struct light_list){0};
     builder->add(c);
+    if (c->input->scattered) {
+        mark_scattered(&c->lights);
+        mark_scattered(&c->blend_lights);
+    }
     if (!c->blend_lights.header) c->blend_lights = c->lights;
 }

@@ -16,7 +16,7 @@ bool order_draws_per_light(const struct frame_state *f) {
 /* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
 static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
-    if (!own || f->lights.kind != GPU_LIST_ITEMS || order_draws_batches(f) || order_draws_per_light(f)) return;
+    if (!own || (f->lights.kind & ~GPU_LIST_SCATTERED) != GPU_LIST_ITEMS || order_draws_batches(f) || order_draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
     if (f->r->told_of_mesh_lists) return;
     f->r->told_of_mesh_lists = true;

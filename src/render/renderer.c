@@ -186,9 +186,8 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (frame->outputs & 1u << i) TRY(keep_buffer(r, &r->outputs[i], "output", pixels * renderer_pixel_size(i)));
     if (!frame->count_lights) return FNL_OK;
-    /* Exactly two counters per pixel: the whole buffer is summed. */
-    if (r->counters.size != pixels * 8) gpu_buffer_destroy(r->device, &r->counters);
-    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 8));
+    /* Two counters per pixel, and one for all. */
+    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 8 + 4));
     return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
 }
 

@@ -34,6 +34,7 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
         s->evaluations_useful += counters[2 * i + 1];
         s->max_per_pixel = MAX(s->max_per_pixel, counters[2 * i]);
     }
+    s->unserved_points = counters[2 * pixels];
     s->mean_per_pixel = (double)s->evaluations / (double)pixels;
     s->evaluations_counted = true;
     const struct gpu_draw *draws = r->draws.mapped;

@@ -175,7 +175,7 @@ static void execute_view(const struct graph_context *context, const void *data) 
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
                     struct debug_counts counts, graph_image metal, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {mode, lights->kind,   image.width,   image.height, *aov,   counts,
+    struct view_data data = {mode, lights->kind & ~GPU_LIST_SCATTERED,   image.width,   image.height, *aov,   counts,
                              view, lights->header, lights->cones, metal,        target, swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);

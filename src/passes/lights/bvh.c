@@ -184,6 +184,7 @@ static void execute_query(const struct graph_context *context, const void *data)
         if (d->query.header) {
             d->query.header->cells = graph_address(context, d->cells);
             d->query.header->ids = graph_address(context, d->ids);
+            if (d->query.occupied && d->input.scattered) d->query.header->bounds = graph_address(context, d->query.bounds);
         }
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
@@ -328,6 +329,10 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
                                .header = query->header_address,
                                .cells = data.cells,
                                .ids = data.ids,
+                               .spare = light_spare_add(graph, names->cells.spare, names->cells.spare_buffer, input, in_view,
+                                                        data.overflow, &query->header, &query->header_address, 1,
+                                                        input->scattered && query->occupied),
+                               .bounds = query->occupied && input->scattered ? query->bounds : (graph_buffer){0},
                                .cell_count = query->cell_count,
                                .byte_count = query->cell_count * sizeof(struct gpu_cell) + query->pool_capacity * 4ull,
                                .fixed_bytes = query->cell_count * sizeof(struct gpu_cell),

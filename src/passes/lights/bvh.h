@@ -48,6 +48,7 @@ struct bvh_query {
     uint64_t cell_counter_offset; /* bytes */
     graph_buffer facings;         /* struct gpu_facing, or id 0 */
     bool cone_tests;
+    bool occupied; /* cells serve the surfaces alone that they were made for: scattered points need bounds and the spare list */
     uint32_t pool_capacity;
     struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
     VkDeviceAddress header_address;

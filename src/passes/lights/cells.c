@@ -57,6 +57,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
         if (d->build.header) {
             d->build.header->cells = graph_address(context, d->cells);
             d->build.header->ids = push.ids;
+            if (d->input.scattered) d->build.header->bounds = graph_address(context, d->bounds);
             if (d->extra.id) d->build.header->extra = push.extra;
         }
     }
@@ -130,6 +131,9 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
     if (data.extra.id) graph_use_buffer(pass, data.extra, ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
 
+    graph_buffer spare =
+        light_spare_add(graph, names->spare, names->spare_buffer, input, in_view, data.overflow, &build->header,
+                        &build->header_address, 1, input->scattered && (build->depth.id || build->bounds_input.id));
     uint64_t fixed_bytes = data.cell_count * sizeof(struct gpu_cell) + (ranges ? 0 : build->extra_bytes);
     uint32_t entry_bytes = ranges ? 8 : 4;
     return (struct light_list){.lights = input->buffer,
@@ -137,6 +141,8 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .cells = data.cells,
                                .ids = data.ids,
                                .extra = data.extra,
+                               .bounds = input->scattered ? data.bounds : (graph_buffer){0},
+                               .spare = spare,
                                .cell_count = data.cell_count,
                                .byte_count = fixed_bytes + (uint64_t)build->pool_capacity * entry_bytes,
                                .fixed_bytes = fixed_bytes,

@@ -7,13 +7,11 @@
 #include "lights/iterate.glsl"
 
 layout(buffer_reference) buffer bound_array;
-layout(buffer_reference) buffer bounds_array;
 layout(buffer_reference) buffer reach_array;
 
 #include "passes/lights/cells_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bound_array { gpu_bound at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer reach_array { gpu_reach at[]; };
 
 // Tests are widened by this much, relatively, so that rounding never loses a light.

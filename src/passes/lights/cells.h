@@ -9,14 +9,15 @@
 
 /** Names of the passes and buffers; one static table for each list that a frame may hold. */
 struct cells_names {
-    const char *bounds, *count, *fill, *totals;
-    const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer, *extra_buffer;
+    const char *bounds, *count, *fill, *totals, *spare;
+    const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer, *extra_buffer, *spare_buffer;
     struct prefix_sum_names sum;
 };
 #define CELLS_NAMES(what)                                                                                                   \
     {                                                                                                                       \
-        what " bounds", what " count", what " fill", what " totals", what " cell bounds", what " sums", what " cells",      \
-            what " ids", what " overflow", what " list totals", what " extra", PREFIX_SUM_NAMES(what)                       \
+        what " bounds", what " count", what " fill", what " totals", what " spare", what " cell bounds", what " sums",      \
+            what " cells", what " ids", what " overflow", what " list totals", what " extra", what " spare list",           \
+            PREFIX_SUM_NAMES(what)                                                                                          \
     }
 
 /** What is known when the lights of each cell are counted: sums[cell * chunk_count + chunk]. */

@@ -6,12 +6,7 @@
 #include "passes/lights/cells.glsl"
 #include "lights/ranges.glsl"
 
-// ---- masks of 32 depth cells (T. Harada, "A 2.5D Culling for Forward+", SIGGRAPH Asia 2012 Technical Briefs) ----
-
-uint depth_cell(gpu_cell_bounds b, float view_depth) {
-    float near = -b.high.z, far = -b.low.z;
-    return uint(clamp((view_depth - near) / max(far - near, 1e-30) * 32.0, 0.0, 31.0));
-}
+// ---- masks of 32 depth cells: depth_cell() ----
 
 uint cell_light_mask(gpu_cell_bounds b, gpu_bound light) {
     float radius = cell_radius(light), near = -light.center.z - radius, far = -light.center.z + radius;

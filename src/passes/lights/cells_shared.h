@@ -33,16 +33,6 @@ struct gpu_reach {
     vec2 high;
 };
 
-/*
- * What a cell encloses, in view space: between four planes (inside is dot(normal, p) + d >= 0, unit normals) and in a box. z is
- * negative in front of the viewer. low.z > high.z: the cell is empty and takes no light.
- */
-struct gpu_cell_bounds {
-    vec4 planes[4];
-    vec3 low;
-    vec3 high;
-};
-
 struct gpu_lights_push {
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) list;
@@ -76,6 +66,18 @@ struct gpu_cells_push {
     uint flags;
     uint front;                    /* tiles: bindless index of the depth of the nearest blended surfaces, or GPU_NO_DEPTH */
 };
+
+struct gpu_spare_push {
+    ADDRESS(view_block) view;
+    ADDRESS(light_list_block) list;
+    ADDRESS(const_uint_array) visible_sums; /* one per local light and one more */
+    ADDRESS(bound_array) bounds;            /* of the lights in view */
+    ADDRESS(const_uint_array) overflow;     /* [0]: number of cells that did not fit */
+    ADDRESS(uint_array) spare;
+    uint light_count;
+    uint always;                            /* 1: the list is made whether cells overflow or not */
+};
+
 #define GPU_NO_DEPTH 0xffffffffu
 #define CELLS_MIN_DEPTH 1u         /* flags: lights nearer than the nearest pixel of the tile are left out */
 #define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest */

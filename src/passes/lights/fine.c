@@ -176,9 +176,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         header->mask_size = flags[i] & FINE_PIXELS ? mask_size : 0;
         header->positions = compares && (i == 0 || i != blend) ? (uint32_t)mask_words : 0;
         header->eye_distance = params->eye_distance;
-        header->scattered = params->scattered;
         header->packed = params->packed;
-        header->view = input->view;
     }
     all.header = addresses[0];
 
@@ -217,6 +215,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                                        .cells = all.cells,
                                        .ids = params->packed ? in_view->ids : all.ids,
                                        .extra = all.extra,
+                                       .spare = light_spare_add(graph, "fine spare", "fine spare list", &all.input,
+                                                                &all.in_view, all.overflow, all.headers, addresses,
+                                                                all.list_count, false),
                                        .cell_count = cell_count,
                                        .entry_bytes = params->packed ? 0 : 4 + side * side / 8,
                                        .totals = totals};

@@ -29,7 +29,6 @@ struct fine_params {
         packed; /* three places of 10 bits a word, eight words a tile; mask_size and pool_capacity mean nothing then; default false */
     bool
         exact_positions; /* shading makes its positions from depth as well, so that none have to be compared; default true */
-    bool scattered;      /* MSAA: shading may be off its pixel; default false */
     bool blend;          /* a second list for blended surfaces; default false */
     graph_image
         blend_depth; /* of the nearest of them; id 0 (default): they may be anywhere before what is opaque, and are not pruned */

@@ -37,8 +37,8 @@ void main() {
     if (gl_LocalInvocationIndex != 0u) return;
     uint tile = tile_index(), tile_count = push.list.list.tiles_x * push.list.list.tiles_y;
     bool near_used = used && near_half_far != 0xffffffffu, far_used = used && far_half_near != 0u;
-    float near_end = view_depth_of(push.view, uintBitsToFloat(near_half_far)) * (1.0 + CELL_SLACK);
-    float far_start = view_depth_of(push.view, uintBitsToFloat(far_half_near)) * (1.0 - CELL_SLACK);
+    float near_end = view_depth_of(push.view, uintBitsToFloat(near_half_far)) * (1.0 + TILE_SLACK);
+    float far_start = view_depth_of(push.view, uintBitsToFloat(far_half_near)) * (1.0 - TILE_SLACK);
     push.cells.at[tile] = tile_piece(near, near_end, near_used);
     push.cells.at[tile_count + tile] = tile_piece(far_start, far, far_used);
     push.extra.at[tile] = floatBitsToUint(split);

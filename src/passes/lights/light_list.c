@@ -10,6 +10,8 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     if (list->cells.id) graph_use_buffer(pass, list->cells, use);
     if (list->ids.id) graph_use_buffer(pass, list->ids, use);
     if (list->extra.id) graph_use_buffer(pass, list->extra, use);
+    if (list->bounds.id) graph_use_buffer(pass, list->bounds, use);
+    if (list->spare.id) graph_use_buffer(pass, list->spare, use);
 }
 
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
@@ -22,7 +24,8 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .tiles_x = 1,
                                                                        .tiles_y = 1,
                                                                        .slices = 1,
-                                                                       .lights = input->lights};
+                                                                       .lights = input->lights,
+                                                                       .view = input->view};
     return slice.data;
 }
 
@@ -129,4 +132,65 @@ graph_buffer light_totals_add(struct graph *graph, const char *pass_name, const 
     graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
     return totals.totals;
+}
+
+/* ---- the spare list ---- */
+
+enum { SPARE_HEADERS = 4, SPARE_GROUPS = 2048 };
+
+struct spare_data {
+    struct light_input input;
+    struct lights_in_view in_view;
+    graph_buffer overflow, spare;
+    struct gpu_light_list *headers[SPARE_HEADERS];
+    VkDeviceAddress address;
+    uint32_t header_count;
+    bool always;
+};
+
+static void execute_spare(const struct graph_context *context, const void *data) {
+    const struct spare_data *d = data;
+    struct gpu_compute_params params = {.shader = &shader_light_spare_comp};
+    struct gpu_spare_push push = {.view = d->input.view,
+                                  .list = d->address,
+                                  .visible_sums = graph_address(context, d->in_view.sums),
+                                  .bounds = graph_address(context, d->in_view.bounds),
+                                  .overflow = graph_address(context, d->overflow),
+                                  .spare = graph_address(context, d->spare),
+                                  .light_count = d->input.local_count,
+                                  .always = d->always};
+    for (uint32_t i = 0; i < d->header_count; i++)
+        if (d->headers[i]) d->headers[i]->spare = push.spare;
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+    gpu_push(context->commands, &push, sizeof push);
+    gpu_dispatch_linear(context->commands, MIN(DIVIDE_UP(d->input.local_count, 32u), (uint32_t)SPARE_GROUPS));
+}
+
+graph_buffer light_spare_add(struct graph *graph, const char *name, const char *buffer_name, const struct light_input *input,
+                             const struct lights_in_view *in_view, graph_buffer overflow,
+                             struct gpu_light_list *const headers[], const VkDeviceAddress addresses[], uint32_t header_count,
+                             bool always) {
+    if (input->local_count == 0) return (graph_buffer){0};
+    struct spare_data data = {.input = *input,
+                              .in_view = *in_view,
+                              .overflow = overflow,
+                              .address = addresses[0],
+                              .header_count = header_count,
+                              .always = always};
+    uint32_t words = DIVIDE_UP(input->local_count, 32u), size = 16;
+    while (DIVIDE_UP(input->width, size) * DIVIDE_UP(input->height, size) > SPARE_ROWS - SPARE_BINS) size += 16;
+    for (uint32_t i = 0; i < header_count; i++) {
+        data.headers[i] = headers[i];
+        if (!headers[i]) continue;
+        headers[i]->spare_words = words;
+        headers[i]->spare_tile_size = size;
+        headers[i]->spare_tiles = (uvec2){DIVIDE_UP(input->width, size), DIVIDE_UP(input->height, size)};
+    }
+    data.spare = graph_create_buffer(graph, buffer_name, (1 + (uint64_t)SPARE_ROWS * words) * 4);
+    struct graph_pass *pass = graph_add_pass(graph, name, input->queue, execute_spare, &data, sizeof data);
+    graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, overflow, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.spare, GRAPH_WRITE_COMPUTE);
+    return data.spare;
 }

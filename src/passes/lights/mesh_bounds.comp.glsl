@@ -19,7 +19,8 @@ void main() {
     gpu_instance instance = scene.scene.instances.at[item.instance];
     vec3 world_center = transform_point(instance, primitive.center);
     vec3 center = (push.view.view.world_to_view * vec4(world_center, 1.0)).xyz;
-    float rounding = float(BOUND_ROUNDING) * (length(world_center) + length(push.view.view.eye));
+    // Positions are interpolated, which rounds more than moving a point does: on the faces of the box they are still inside of it.
+    float rounding = 16.0 * float(BOUND_ROUNDING) * (length(world_center) + length(push.view.view.eye));
     mat3 to_view = mat3(push.view.view.world_to_view);
     vec3 sides[3], extent = vec3(rounding);
     for (int k = 0; k < 3; k++) {

@@ -263,6 +263,8 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     out.list.entry_bytes = entry_bytes(d.nodes);
     out.list.totals =
         light_totals_add(graph, "raster totals", "raster list totals", input, in_view, d.sums, sum_count, d.overflow);
+    out.list.spare = light_spare_add(graph, "raster spare", "raster spare list", input, in_view, d.overflow, &d.header,
+                                     &out.list.header, 1, false);
     out.slots = d.slots;
     out.slot_sums = d.slot_sums;
     out.rectangles = d.lights;

@@ -135,6 +135,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
                               .cell_counter_offset = data.key_count * 4ull,
                               .facings = data.facings,
                               .cone_tests = params->grid.cone_tests,
+                              .occupied = true,
                               .pool_capacity = params->grid.pool_capacity,
                               .header = data.header,
                               .header_address = data.header_address};

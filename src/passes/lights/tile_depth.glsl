@@ -8,6 +8,9 @@ shared uint tile_nearest, tile_farthest;
 
 const float FAR_AWAY = 1e9;
 
+// With more samples points are shaded between them or a little beyond: most of those are served by bounds that reach so much farther.
+const float TILE_SLACK = SAMPLES > 1u ? 2e-2 : CELL_SLACK;
+
 float tile_fetch(uint image, ivec2 pixel, int s) {
     return SAMPLES > 1u ? texelFetch(textures_multisampled[image], pixel, s).r : texelFetch(textures[image], pixel, 0).r;
 }
@@ -51,9 +54,9 @@ bool tile_depths(out float near, out float far) {
         atomicMin(tile_farthest, far_bits);
     }
     barrier();
-    if ((push.flags & CELLS_MIN_DEPTH) != 0u) near = view_depth_of(push.view, uintBitsToFloat(tile_nearest)) * (1.0 - CELL_SLACK);
+    if ((push.flags & CELLS_MIN_DEPTH) != 0u) near = view_depth_of(push.view, uintBitsToFloat(tile_nearest)) * (1.0 - TILE_SLACK);
     if ((push.flags & CELLS_MAX_DEPTH) != 0u && tile_farthest != 0u)
-        far = view_depth_of(push.view, uintBitsToFloat(tile_farthest)) * (1.0 + CELL_SLACK);
+        far = view_depth_of(push.view, uintBitsToFloat(tile_farthest)) * (1.0 + TILE_SLACK);
     return tile_nearest != 0u;
 }
 

@@ -11,6 +11,7 @@ struct light_list tiled25d_add(struct graph *graph, gpu_device *device, const st
     build.bounds_shader = &shader_tiled25d_bounds_comp;
     build.flags |= CELLS_MIN_DEPTH | CELLS_MAX_DEPTH | CELLS_MASKS;
     build.extra_bytes = (uint64_t)build.bounds_groups_x * build.bounds_groups_y * 4;
+    if (build.header) build.header->masks_depth = 1;
     struct light_list list = cells_add(graph, input, in_view, &build);
     list.kind = GPU_LIST_TILES;
     return list;

@@ -31,5 +31,5 @@ void main() {
     barrier();
     if (gl_LocalInvocationIndex != 0u) return;
     push.cells.at[tile_index()] = bounds;
-    push.extra.at[tile_index()] = occupied;
+    push.extra.at[tile_index()] = SAMPLES > 1u ? occupied | occupied << 1 | occupied >> 1 : occupied; // see TILE_SLACK
 }

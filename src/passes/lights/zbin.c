@@ -122,6 +122,8 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
                                .cells = data.table,
                                .ids = data.pool,
                                .extra = in_view->ids,
+                               .spare = light_spare_add(graph, "zbin spare", "zbin spare list", input, in_view,
+                                                        data.overflow, &data.header, &data.header_address, 1, false),
                                .cell_count = data.cell_count,
                                .byte_count = data.table_words * 4ull + params->pool_capacity * 4ull,
                                .fixed_bytes = data.table_words * 4ull,

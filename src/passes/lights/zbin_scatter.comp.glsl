@@ -6,6 +6,7 @@
 // the threads does not matter.
 #include "common.glsl"
 #include "passes/lights/zbin.glsl"
+#include "passes/lights/light_tiles.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 1) const uint FILL = 0u;
@@ -15,43 +16,13 @@ shared uvec4 tiles[32];  // first column and row, columns and rows
 shared uvec2 bins[32];   // first, count
 shared uint begins[33];  // cells of the lights before
 
-// Tangents of the two view rays that touch a circle, in a plane through the view axis; infinite where they do not cross the screen.
-// cf. Mara & McGuire 2013, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere.
-vec2 tangents(float across, float depth, float radius) {
-    float far2 = across * across + depth * depth - radius * radius;
-    if (!(far2 > 0.0)) return vec2(-1e30, 1e30); // the viewer is in it
-    float side = sqrt(far2);
-    vec2 low = vec2(across * side - depth * radius, depth * side + across * radius);
-    vec2 high = vec2(across * side + depth * radius, depth * side - across * radius);
-    return vec2(low.y > 0.0 ? low.x / low.y : -1e30, high.y > 0.0 ? high.x / high.y : 1e30);
-}
-
-// First and last tile of an axis; `at` is what the screen's plane is cut at, at depth 1.
-uvec2 tile_range(vec2 at, float scale, float offset, bool down, float size, uint tile_count) {
-    vec2 part = ((at - offset) / scale) * (down ? -0.5 : 0.5) + 0.5;
-    float a = min(part.x, part.y) * size - 0.25, b = max(part.x, part.y) * size + 0.25;
-    float tile_size = float(push.list.list.tile_size), last = float(tile_count - 1u);
-    // NaN takes all.
-    uint first = a > 0.0 ? uint(min(floor(a / tile_size), last)) : 0u;
-    uint end = b < size ? uint(clamp(floor(b / tile_size), 0.0, last)) : tile_count - 1u;
-    return uvec2(min(first, end), end);
-}
-
 void take_light(uint lane, gpu_bound light) {
-    view_block v = push.view;
-    float radius = light.radius * (1.0 + CELL_SLACK) + CELL_SLACK * (1e-2 + length(light.center) * 1e-2);
-    float depth = -light.center.z;
-    vec2 x = vec2(light.center.x - radius, light.center.x + radius), y = vec2(light.center.y - radius, light.center.y + radius);
-    if (v.view.orthographic <= 0.5) {
-        x = tangents(light.center.x, depth, radius);
-        y = tangents(light.center.y, depth, radius);
-    }
-    uvec2 columns = tile_range(x, v.view.ndc_scale.x, v.view.ndc_offset.x, false, float(v.view.size.x), push.list.list.tiles_x);
-    uvec2 rows = tile_range(y, v.view.ndc_scale.y, v.view.ndc_offset.y, true, float(v.view.size.y), push.list.list.tiles_y);
-    float near = (depth - radius) * (1.0 - CELL_SLACK), far = (depth + radius) * (1.0 + CELL_SLACK);
+    vec2 depths;
+    uvec4 range = tiles_of_light(push.view, light, push.list.list.tile_size, uvec2(push.list.list.tiles_x, push.list.list.tiles_y), depths);
+    float near = depths.x, far = depths.y;
     uint first_bin = near > 0.0 ? bins_slice(push.list, near) : 0u;
     uint last_bin = far < 1e30 ? bins_slice(push.list, far) : push.list.list.slices - 1u;
-    tiles[lane] = uvec4(columns.x, rows.x, columns.y - columns.x + 1u, rows.y - rows.x + 1u);
+    tiles[lane] = uvec4(range.xy, range.zw - range.xy + 1u);
     bins[lane] = uvec2(first_bin, max(last_bin, first_bin) - first_bin + 1u);
     lights[lane] = light;
     begins[lane] = tiles[lane].z * tiles[lane].w + bins[lane].y;
