@@ -4,6 +4,7 @@
 #include "passes/lights/backface.h"
 #include "passes/lights/fine.h"
 #include "passes/lights/mesh_lists.h"
+#include "render/light_reach.h"
 #include "render/shading.h"
 
 /* ---- life ---- */
@@ -61,14 +62,35 @@ static struct lights_in_view in_view(struct lists_context *c, bool reaches) {
 
 static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c->graph, c->device, c->input); }
 
-static struct tiled_params tiled_params(const struct lists_context *c) {
+/* Room for so many entries, in steps of a quarter: views that change a little keep the same buffers. */
+static uint32_t pool_for(const struct lists_context *c, double entries) {
+    uint32_t pool = c->pool_capacity;
+    while (pool < c->pool_limit && pool < entries) pool = MIN(pool + pool / 4 + 1, c->pool_limit);
+    return pool;
+}
+
+static const struct gpu_light *local_lights(const struct lists_context *c) {
+    return c->input->local_count ? c->device_scene->light_data.data + c->input->directional_count : NULL;
+}
+
+static struct light_reach reach_of(const struct lists_context *c, const struct clustered_params *grid) {
+    return light_reach_estimate(c->view, local_lights(c), c->input->local_count, grid);
+}
+
+static uint32_t tile_pool(const struct lists_context *c, double lists) {
+    struct clustered_params grid = clustered_params_default();
+    grid.tile_size = c->frame->list_options.tile_size;
+    return pool_for(c, lists * reach_of(c, &grid).tiles);
+}
+
+static struct tiled_params tiled_params(const struct lists_context *c, double lists) {
     struct tiled_params params = tiled_params_default();
     params.tile_size = c->frame->list_options.tile_size;
     params.bounds = (enum tile_bounds)c->frame->list_options.tile_bounds;
     params.cone_tests = c->frame->list_options.cone_tests;
     params.min_depth = c->frame->list_options.min_depth;
     params.max_depth = c->frame->list_options.max_depth;
-    params.pool_capacity = c->pool_capacity;
+    params.pool_capacity = tile_pool(c, lists);
     return params;
 }
 
@@ -99,37 +121,35 @@ static void add_blend_tiles(struct lists_context *c, const struct lights_in_view
 
 static void add_tiled(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c);
+    struct tiled_params params = tiled_params(c, 1);
     c->lights = tiled_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_halfz(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c);
+    struct tiled_params params = tiled_params(c, 2);
     c->lights = halfz_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_25d(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c);
+    struct tiled_params params = tiled_params(c, 1);
     c->lights = tiled25d_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     add_blend_tiles(c, &visible, &params);
 }
 
 static void add_enhanced(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
-    struct tiled_params params = tiled_params(c);
+    struct tiled_params params = tiled_params(c, 1);
     c->lights = enhanced_add(c->graph, c->device, c->input, &visible, &params);
 }
 
 static void add_tree(struct lists_context *c) {
     struct light_tree_params params = {.tile_size = c->frame->list_options.tile_size,
                                        .hybrid = c->frame->list_options.tree_hybrid};
-    const struct gpu_light *lights =
-        c->input->local_count ? c->device_scene->light_data.data + c->input->directional_count : NULL;
-    c->lights = light_tree_add(&c->state->tree, c->device, c->input, lights, c->view, &params);
+    c->lights = light_tree_add(&c->state->tree, c->device, c->input, local_lights(c), c->view, &params);
 }
 
 /* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
@@ -145,7 +165,7 @@ static struct clustered_params cluster_params(const struct lists_context *c) {
     params.near = fminf(params.near, params.far * 0.5f);
     params.linear = options->distribution == FNL_SLICES_LINEAR;
     params.cone_tests = options->cone_tests;
-    params.pool_capacity = c->pool_capacity;
+    params.pool_capacity = pool_for(c, reach_of(c, &params).clusters);
     return params;
 }
 
@@ -155,15 +175,25 @@ static void add_clustered(struct lists_context *c) {
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
 }
 
+/* Words of 32 lights: a tile or bin has no more of them than lights, and no more than there are. */
+static uint32_t zbin_pool(const struct lists_context *c, const struct clustered_params *grid) {
+    struct light_reach reach = reach_of(c, grid);
+    double words = ceil(reach.in_view / 32) + 1;
+    double tiles = (double)DIVIDE_UP(c->input->width, grid->tile_size) * DIVIDE_UP(c->input->height, grid->tile_size);
+    return pool_for(c, fmin(reach.tiles, tiles * words) + fmin(reach.slices, grid->slices * words));
+}
+
 static void add_zbin(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
-    struct clustered_params clusters = cluster_params(c);
-    struct zbin_params params = {.tile_size = c->frame->list_options.tile_size,
-                                 .bins = clusters.slices * ZBIN_BINS_PER_SLICE,
-                                 .near = clusters.near,
-                                 .far = clusters.far,
-                                 .linear = clusters.linear,
-                                 .pool_capacity = c->pool_capacity};
+    struct clustered_params grid = cluster_params(c);
+    grid.tile_size = c->frame->list_options.tile_size;
+    grid.slices *= ZBIN_BINS_PER_SLICE;
+    struct zbin_params params = {.tile_size = grid.tile_size,
+                                 .bins = grid.slices,
+                                 .near = grid.near,
+                                 .far = grid.far,
+                                 .linear = grid.linear,
+                                 .pool_capacity = zbin_pool(c, &grid)};
     c->lights = zbin_add(c->graph, c->device, c->input, &visible, &params);
 }
 
@@ -195,7 +225,7 @@ static void add_clustered_cpu(struct lists_context *c) {
     struct clustered_cpu_view view = {c->view->ndc_scale, c->view->ndc_offset, c->frame->camera.orthographic,
                                       c->frame->width, c->frame->height};
     c->lights = clustered_cpu_add(&c->state->clustered_cpu, c->device, input,
-                                  input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL,
+                                  local_lights(c),
                                   &c->view->world_to_view, &view, &params);
 }
 
@@ -211,7 +241,7 @@ static void add_fine(struct lists_context *c) {
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
     params.eye_distance = vec3_length(c->view->eye);
-    params.pool_capacity = c->pool_capacity;
+    params.pool_capacity = tile_pool(c, c->has_blend || c->frame->msaa > 1 ? 2 : 1);
     struct fine_lists lists = fine_add(c->graph, c->device, c->input, &visible, c->depth, &params);
     c->lights = lists.lights;
     c->blend_lights = lists.blend;
@@ -237,8 +267,7 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
     params.flat = flat;
     /* As for pools: a 32nd of the device's memory. */
     params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
-    const struct gpu_light *lights = input->local_count ? c->device_scene->light_data.data + input->directional_count : NULL;
-    c->lights = world_grid_add(grid, c->graph, c->device, input, lights, c->device_scene->light_version,
+    c->lights = world_grid_add(grid, c->graph, c->device, input, local_lights(c), c->device_scene->light_version,
                                &c->device_scene->bounds, &params);
 }
 
@@ -247,7 +276,8 @@ static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->g
 
 static void add_mesh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
-    c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, c->pool_capacity);
+    uint32_t pool = pool_for(c, light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene));
+    c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, pool);
 }
 
 _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_SUM == FNL_BACKFACE_AXIS_SUM,
@@ -260,7 +290,7 @@ static void add_backface(struct lists_context *c) {
     }
     struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct backface_params params = backface_params_default();
-    params.tiles = tiled_params(c);
+    params.tiles = tiled_params(c, 1);
     params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
     params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
     params.tally = c->frame->count_lights;

@@ -45,7 +45,7 @@ struct lists_context {
     graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
-    uint32_t pool_capacity;
+    uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);

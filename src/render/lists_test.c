@@ -291,6 +291,7 @@ static void test_reaches_for_those_who_use_them(void **state) {
 /* ---- overflow ---- */
 
 static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capacity) {
+    stage->renderer->fixed_pools = true;
     frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(stage, &frame);
     for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
@@ -342,6 +343,7 @@ static void test_overflow_in_flight(void **state) {
     struct stage stage = stage_open("builtin:onetile?lights=400", 0);
     stage.frame.lists = FNL_LISTS_TILED;
     stage.renderer->pool_capacity = 10;
+    stage.renderer->fixed_pools = true;
     for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++)
         assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
     assert_true(stage.renderer->pool_capacity > 10);

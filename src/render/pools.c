@@ -12,13 +12,18 @@ void pools_init(fnl_renderer *r) {
     r->dais_node_capacity = DAIS_NODE_START;
 }
 
+static uint64_t pool_limit(const fnl_renderer *r) {
+    return MAX(MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT), (uint64_t)POOL_START);
+}
+
 /* After an overflow the pool takes what the frame needed and a quarter more, but never so much that the device could run out: cells
  * beyond that go on using all lights. */
 static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     uint64_t needed = MAX(counts->lights.entries, counts->blend_lights.entries);
-    uint64_t limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
-    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)POOL_START));
+    if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
 }
+
+uint32_t pools_list_limit(const fnl_renderer *r) { return r->fixed_pools ? r->pool_capacity : (uint32_t)pool_limit(r); }
 
 /* So does what holds decals: entries of their list, or fragments of the G-buffer's way. */
 static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) {

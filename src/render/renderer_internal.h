@@ -58,7 +58,8 @@ struct fnl_renderer {
     struct temporal_state temporal;
     struct virtual_atlas atlas; /* of virtual texturing */
     struct lists_state lists; /* what builders keep from frame to frame */
-    uint32_t pool_capacity;   /* entries of the id pools; grows after an overflow */
+    uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
+    bool fixed_pools;         /* tests: so many, whatever the lights of the frame are thought to need */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
@@ -125,6 +126,8 @@ size_t renderer_pixel_size(uint32_t bit);
 void pools_init(fnl_renderer *r);
 /** Sets those that start with a frame's size. */
 void pools_prepare(fnl_renderer *r, uint64_t pixels);
+/** Entries that the pool of a list may have. */
+uint32_t pools_list_limit(const fnl_renderer *r);
 /** After a frame: what overflowed gets room for what that frame needed. */
 void pools_grow(fnl_renderer *r, const struct frame_counts *counts);
 /** Those of culling alone: once the scene's size is known, with counts of 0. */

@@ -24,7 +24,8 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .input = &f->scene->lights,
                                   .state = &f->r->lists,
                                   .has_blend = order_has_blend(f),
-                                  .pool_capacity = f->r->pool_capacity};
+                                  .pool_capacity = f->r->pool_capacity,
+                                  .pool_limit = pools_list_limit(f->r)};
 }
 
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer) {

@@ -149,6 +149,7 @@ static void test_overflow_CL_10_MP_18(void **state) {
     struct stage stage = stage_open("builtin:glass?lights=200", 0);
     struct shot fits = shoot(&stage, FNL_LISTS_MULTIPASS);
     stage.renderer->pool_capacity = 50;
+    stage.renderer->fixed_pools = true;
     memset(stage.renderer->slot_frames, 0, sizeof stage.renderer->slot_frames);
     struct shot over = shoot(&stage, FNL_LISTS_MULTIPASS), next = shoot(&stage, FNL_LISTS_MULTIPASS);
     assert_true(over.stats.overflow_cells > 0);
