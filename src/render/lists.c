@@ -276,8 +276,11 @@ static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->g
 
 static void add_mesh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
-    uint32_t pool = pool_for(c, light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene));
-    c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, pool);
+    struct mesh_lists_params params = mesh_lists_params_default();
+    params.grid = cluster_params(c);
+    params.grid.pool_capacity =
+        pool_for(c, light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene));
+    c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, &params);
 }
 
 _Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_SUM == FNL_BACKFACE_AXIS_SUM,

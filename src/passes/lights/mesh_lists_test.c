@@ -58,7 +58,7 @@ static struct stage open_empty(void) {
 }
 
 /* The items' lists as a frame of the stage has them. */
-static struct list_copy read_lists(struct stage *stage, uint32_t *item_count) {
+static struct list_copy read_lists_from(struct stage *stage, uint32_t *item_count, uint32_t tree_lights) {
     struct shot shot = stage_shoot(stage, &stage->frame);
     shot_free(&shot); /* now the scene is on the device */
     gpu_device *device = harness_device();
@@ -76,7 +76,10 @@ static struct list_copy read_lists(struct stage *stage, uint32_t *item_count) {
     scene.lights.width = stage->frame.width;
     scene.lights.height = stage->frame.height;
     struct lights_in_view in_view = lights_in_view_add(r->graph, device, &scene.lights);
-    struct light_list list = mesh_lists_add(r->graph, device, &scene.lights, &in_view, &scene.geometry, 1 << 18);
+    struct mesh_lists_params params = mesh_lists_params_default();
+    params.grid.pool_capacity = 1 << 18;
+    params.tree_lights = tree_lights;
+    struct light_list list = mesh_lists_add(r->graph, device, &scene.lights, &in_view, &scene.geometry, &params);
     struct list_readback readback;
     list_readback_add(r->graph, &list, &readback);
     assert_int_equal(graph_compile(r->graph), FNL_OK);
@@ -86,6 +89,14 @@ static struct list_copy read_lists(struct stage *stage, uint32_t *item_count) {
     struct gpu_light_list grid = {
         .local_count = scene.lights.local_count, .tiles_x = *item_count, .tiles_y = 1, .slices = 1};
     return list_readback_take(&readback, &grid);
+}
+
+/* Whether items ask all lights or a tree of them, their lists are the same. */
+static struct list_copy read_lists(struct stage *stage, uint32_t *item_count) {
+    struct list_copy flat = read_lists_from(stage, item_count, UINT32_MAX), tree = read_lists_from(stage, item_count, 0);
+    assert_true(list_equal(&flat, &tree));
+    list_free(&tree);
+    return flat;
 }
 
 static void check_pictures(struct stage *stage) {
