@@ -254,6 +254,8 @@ bool bench_save(const char *folder, const struct bench_data *data, bool page);
 void bench_drop_page(const char *folder);
 /** Writes `size` bytes as DIR/name under a temporary name, then renames it. */
 bool bench_save_file(const char *folder, const char *name, const char *text, size_t size);
+/** Pictures whose keys begin with what scenes are called on the page instead of their sources, or `back` to these. */
+json_t *bench_pictures_renamed(const json_t *results, const json_t *pictures, bool back);
 /** The page as text of *size bytes; free() it. NULL when memory ran out. */
 char *bench_page_create(const struct bench_data *data, size_t *size);
 

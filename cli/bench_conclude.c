@@ -76,11 +76,11 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
         double ratio = bench_median(sorted[1], "frame_ms") / time;
         bool clear = bench_clear(sorted[0], sorted[1]);
         used += (size_t)snprintf(text + used, sizeof text - used,
-                                 clear ? ", %.2f times as fast as %s" : "; %.2f times that, but within the spread, took %s", ratio, other);
+                                 clear ? ", %.2f times as fast as %s" : ". Its lead, %.2f times as fast as %s, is within the spread", ratio, other);
         while (brute < count && !is_brute(sorted[brute])) brute++;
         if (brute > 1 && brute < count && !is_brute(sorted[0])) {
             bench_describe(sorted[brute], other, sizeof other);
-            used += (size_t)snprintf(text + used, sizeof text - used, clear ? " and %.2f times as fast as %s" : "; it was %.2f times as fast as %s",
+            used += (size_t)snprintf(text + used, sizeof text - used, clear ? " and %.2f times as fast as %s" : ". It was %.2f times as fast as %s",
                                      bench_median(sorted[brute], "frame_ms") / time, other);
         }
     }

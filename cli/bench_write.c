@@ -322,6 +322,8 @@ bool bench_load(const char *folder, struct bench_data *data) {
                 *error.text ? ": " : "", error.text);
         return false;
     }
-    data->pictures = load_pictures(folder);
+    json_t *pictures = load_pictures(folder);
+    data->pictures = pictures ? bench_pictures_renamed(results, pictures, true) : NULL;
+    json_decref(pictures);
     return true;
 }

@@ -39,8 +39,9 @@ function bytes(value) {
   }
   return number(value) + ' GiB';
 }
-const scheme = (r) => r.lists + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
-const caseName = (r) => r.scene + ', ' + r.width + ' × ' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '');
+const listsName = (lists) => (lists === 'all' ? 'brute force' : lists);
+const scheme = (r) => listsName(r.lists) + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
+const caseName = (r) => r.scene + ', ' + r.width + '\u00a0×\u00a0' + r.height + (r.msaa > 1 ? ', MSAA ' + r.msaa : '');
 const lightsOf = (r) => r.lights;
 const plural = (count, noun) => whole(count) + ' ' + noun + (count === 1 ? '' : 's');
 
@@ -97,6 +98,22 @@ function settle() {
 
 /* ---- tables ---- */
 
+/* What does not fit scrolls, and says so: a finger does not look for what it cannot see. */
+const boxes = [];
+function scrolling(name, content) {
+  const hint = element('p', {class: 'hint', hidden: ''}, 'Scroll sideways for more columns \u2192');
+  const scroll = element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': name}, content);
+  const box = element('div', {class: 'scroll-box'}, hint, scroll);
+  const update = () => {
+    const more = scroll.scrollWidth - scroll.clientWidth;
+    hint.hidden = more <= 1;
+    box.classList.toggle('more', more > 1 && scroll.scrollLeft < more - 1);
+  };
+  scroll.addEventListener('scroll', update, {passive: true});
+  new ResizeObserver(update).observe(scroll);
+  boxes.push({scroll, hint, update});
+  return box;
+}
 /* A header that starts with '<' is of a column of text. A row is an array, or {cells, best}. */
 function table(name, headers, rows) {
   const text = headers.map((h) => h.startsWith('<'));
@@ -106,8 +123,7 @@ function table(name, headers, rows) {
     return element('tr', row.best ? {class: 'best'} : null,
       ...cells.map((cell, i) => element('td', text[i] ? {class: 'text'} : null, cell instanceof Node ? cell : String(cell))));
   });
-  return element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': name},
-    element('table', {'data-name': name}, element('thead', null, head), element('tbody', null, ...body)));
+  return scrolling(name, element('table', {'data-name': name}, element('thead', null, head), element('tbody', null, ...body)));
 }
 
 /* ---- plots ---- */
@@ -127,7 +143,7 @@ const whiskers = {
       context.strokeStyle = dataset.whisker || dataset.borderColor;
       chart.getDatasetMeta(d).data.forEach((point, i) => {
         const spread = dataset.spreads[i];
-        if (!spread || !(spread[0] > 0)) return;
+        if (!spread || !Number.isFinite(spread[0])) return;
         const a = scale.getPixelForValue(spread[0]), b = scale.getPixelForValue(spread[1]);
         context.beginPath();
         if (across) {
@@ -152,7 +168,7 @@ const bound = {
   id: 'bound',
   afterDatasetsDraw(chart) {
     const value = chart.options.plugins.bound && chart.options.plugins.bound.value;
-    if (!(value > 0)) return;
+    if (!Number.isFinite(value)) return;
     const x = chart.scales.x.getPixelForValue(value), area = chart.chartArea, context = chart.ctx;
     context.save();
     context.strokeStyle = variable('--text');
@@ -166,6 +182,39 @@ const bound = {
   }
 };
 
+/* A logarithmic axis has no 0. Where values are 0 they get a place of their own beyond the least one, behind a break. */
+const axisBreak = {
+  id: 'axisBreak',
+  afterDraw(chart) {
+    const context = chart.ctx, area = chart.chartArea;
+    for (const scale of Object.values(chart.scales)) {
+      const log = scale.options.log;
+      if (!log || !log.zero) continue;
+      const at = scale.getPixelForValue(log.gap);
+      context.save();
+      context.strokeStyle = variable('--soft');
+      context.lineWidth = 1.5;
+      context.beginPath();
+      for (const shift of [-3, 3])
+        if (scale.axis === 'x') {
+          context.moveTo(at + shift - 3, area.bottom + 5);
+          context.lineTo(at + shift + 3, area.bottom - 5);
+        } else {
+          context.moveTo(area.left - 5, at + shift + 3);
+          context.lineTo(area.left + 5, at + shift - 3);
+        }
+      context.stroke();
+      context.setLineDash([2, 4]);
+      context.lineWidth = 1;
+      context.beginPath();
+      context.moveTo(scale.axis === 'x' ? at : area.left, scale.axis === 'x' ? area.top : at);
+      context.lineTo(scale.axis === 'x' ? at : area.right, scale.axis === 'x' ? area.bottom : at);
+      context.stroke();
+      context.restore();
+    }
+  }
+};
+
 function plot(container, name, height, config) {
   if (!hasChart) return;
   const canvas = element('canvas', {role: 'img', 'aria-label': name + '; the table below has its numbers'});
@@ -174,7 +223,7 @@ function plot(container, name, height, config) {
     responsive: true, maintainAspectRatio: false, animation: false, interaction: {mode: 'nearest', intersect: false}
   }, config.options);
   config.options.plugins = Object.assign({legend: {display: false}}, config.options.plugins);
-  config.plugins = [whiskers, bound];
+  config.plugins = [whiskers, bound, axisBreak];
   charts.push(new Chart(canvas, config));
 }
 
@@ -184,33 +233,37 @@ function axis(title, type, more) {
     ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: true}
   }, more);
 }
-/* Of a logarithmic axis only 1, 2 and 5 carry numbers, only 1 where there are many decades. */
-function logAxis(title, values) {
-  const range = values.filter((v) => v > 0), pad = 1.25;
-  return axis(title, 'logarithmic', {
-    min: range.length ? Math.min(...range) / pad : undefined, max: range.length ? Math.max(...range) * pad : undefined,
+/* Where values stand on a logarithmic axis: by their logarithm, and 0 in a place of its own. */
+function logScale(values) {
+  const range = values.filter((v) => v > 0), zero = values.some((v) => v === 0);
+  const low = Math.log10(range.length ? Math.min(...range) : 1), high = Math.log10(range.length ? Math.max(...range) : 1);
+  const span = Math.max(high - low, 0.4), nil = low - 0.17 * span, pad = 0.04 * span;
+  return {zero, nil, low, gap: (low + nil) / 2, min: (zero ? nil : low) - pad, max: high + pad, place: (v) => (v > 0 ? Math.log10(v) : nil)};
+}
+/* Such an axis; `at`: values that carry numbers, else 1, 2 and 5 of each decade, or only 1 where there are many. */
+function logAxis(title, log, at, format) {
+  const shown = format || ((value) => (value >= 1e4 ? value / 1000 + 'k' : String(Number(number(value)))));
+  return axis(title, 'linear', {
+    log, min: log.min, max: log.max,
     afterBuildTicks(scale) {
-      const decades = Math.log10(scale.max / scale.min), ticks = [];
+      const ticks = log.zero ? [{value: log.nil}] : [], decades = log.max - log.low;
       const keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
-      for (let power = Math.floor(Math.log10(scale.min)); power <= Math.ceil(Math.log10(scale.max)); power++)
-        for (const digit of keep) {
-          const value = Number((digit * Math.pow(10, power)).toPrecision(3));
-          if (value >= scale.min * 0.999 && value <= scale.max * 1.001) ticks.push({value});
-        }
+      const marks = at ? at.filter((v) => v > 0) : [];
+      for (let power = Math.floor(log.low); !at && power <= Math.ceil(log.max); power++)
+        for (const digit of keep) marks.push(Number((digit * Math.pow(10, power)).toPrecision(3)));
+      for (const mark of marks) {
+        const value = Math.log10(mark);
+        if (value >= (log.zero ? log.low : log.min) - 1e-9 && value <= log.max + 1e-9) ticks.push({value});
+      }
       scale.ticks = ticks;
     },
-    ticks: {color: variable('--soft'), maxRotation: 0, callback: (value) => (value >= 1e4 ? value / 1000 + 'k' : String(Number(number(value))))}
+    ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: !!at, callback: (value) => (log.zero && value === log.nil ? '0' : shown(Number(Math.pow(10, value).toPrecision(6))))}
   });
 }
-function lightsAxis(counts) {
-  return axis('lights', 'logarithmic', {
-    min: counts[0] / 1.15, max: counts[counts.length - 1] * 1.15, afterBuildTicks(scale) { scale.ticks = counts.map((value) => ({value})); },
-    ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: true, callback: (value) => (value >= 10000 ? Math.round(value / 1000) + 'k' : value)}
-  });
-}
+const lightsAxis = (log, counts) => logAxis('lights', log, counts, (value) => (value >= 10000 ? Math.round(value / 1000) + 'k' : String(Math.round(value))));
 /* Names as axis labels: one part of the options a line, so that they fit a phone. */
-const labelOf = (r) => [r.lists].concat(r.options ? r.options.split(',') : []);
-const barHeight = (rows, perRow) => 86 + rows.reduce((sum, r) => sum + Math.max(perRow || 30, 15 * labelOf(r).length + 6), 0);
+const labelOf = (r) => [listsName(r.lists)].concat(r.options ? r.options.split(',') : []);
+const barHeight = (rows, perRow, label) => 86 + rows.reduce((sum, r) => sum + Math.max(perRow, 15 * label(r).length + 8), 0);
 const nameAxis = () => ({grid: {display: false}, ticks: {color: variable('--text'), autoSkip: false, font: {size: 12}}});
 
 function swatch(name) {
@@ -257,54 +310,68 @@ const roleLegend = (keys, color, names) => element('div', {class: 'legend'}, ...
   return element('span', {class: 'key'}, box, names[role]);
 }));
 
-/* One line per scheme over the numbers of lights; `more` are datasets besides. */
-function linePlot(container, name, key, title, more) {
-  const counts = lightCounts().filter((n) => n > 0), rows = shown();
-  const value = typeof key === 'function' ? key : (r) => median(r, key);
-  const names = schemes.filter((s) => rows.some((r) => scheme(r) === s));
-  const datasets = names.map((s) => {
-    const look = style(s);
-    const own = rows.filter((r) => scheme(r) === s && lightsOf(r) > 0 && value(r) > 0).sort((a, b) => lightsOf(a) - lightsOf(b));
-    return {
-      label: s, data: own.map((r) => ({x: lightsOf(r), y: value(r)})), borderColor: look.color, backgroundColor: look.color,
-      borderDash: look.dash, borderWidth: 2, pointStyle: look.marker, pointRadius: 5, pointHoverRadius: 7, pointBorderWidth: 2,
-      /* of many lines they would only hide one another */
-      spreads: typeof key === 'function' || names.length > 6 ? null : own.map((r) => [r[key].p5, r[key].p95])
-    };
+/* Lines over the numbers of lights: {label, look, rows}; `key` is of times, or a function; `more` are lines besides. */
+function linesPlot(container, name, lines, key, title, more) {
+  const timed = typeof key === 'string', value = timed ? (r) => median(r, key) : key, known = (r) => Number.isFinite(value(r));
+  const all = lines.concat(more || []).flatMap((line) => line.rows.map((r) => (line.value || value)(r)));
+  const whisker = (r) => (timed && lines.length <= 6 ? [r[key].p5, r[key].p95] : null); /* of many lines they would only hide one another */
+  const heights = logScale(all.concat(lines.flatMap((line) => line.rows.filter(known).flatMap((r) => whisker(r) || []))).filter(Number.isFinite));
+  const counts = countsOf(lines.flatMap((line) => line.rows)), lights = logScale(counts);
+  const datasets = lines.concat(more || []).map((line) => {
+    const own = line.rows.filter((r) => Number.isFinite((line.value || value)(r))).sort((a, b) => lightsOf(a) - lightsOf(b));
+    const points = [], spreads = [];
+    for (const r of own) {
+      const y = (line.value || value)(r), spread = line.value ? null : whisker(r);
+      points.push({x: lights.place(lightsOf(r)), y: heights.place(y), lights: lightsOf(r), real: y});
+      spreads.push(spread ? spread.map(heights.place) : null);
+      if (lightsOf(r) === 0) { /* no line leads over the break */
+        points.push({x: lights.gap, y: NaN});
+        spreads.push(null);
+      }
+    }
+    return Object.assign({
+      label: line.label, data: points, spreads, borderColor: line.look.color, backgroundColor: line.look.color, borderDash: line.look.dash, borderWidth: 2,
+      pointStyle: line.look.marker, pointRadius: 5, pointHoverRadius: 7, pointBorderWidth: 2
+    }, line.dataset);
   });
-  const heights = datasets.concat(more || []).flatMap((d) => d.data.map((p) => p.y).concat((d.spreads || []).flat()));
   plot(container, name, 380, {
-    type: 'line',
-    data: {datasets: datasets.concat(more || [])},
+    type: 'line', data: {datasets},
     options: {
-      scales: {x: lightsAxis(counts), y: logAxis(title, heights)},
+      scales: {x: lightsAxis(lights, counts), y: logAxis(title, heights)},
       plugins: {tooltip: {callbacks: {
-        title: (items) => plural(items[0].parsed.x, 'light'), label: (item) => item.dataset.label + ': ' + number(item.parsed.y)
+        title: (items) => plural(items[0].raw.lights, 'light'), label: (item) => item.dataset.label + ': ' + number(item.raw.real)
       }}}
     }
   });
 }
+/* One line per kind of lists. */
+function linePlot(container, name, key, title, more) {
+  const rows = shown(), names = schemes.filter((s) => rows.some((r) => scheme(r) === s));
+  linesPlot(container, name, names.map((s) => ({label: s, look: style(s), rows: rows.filter((r) => scheme(r) === s)})), key, title, more);
+}
 /* `sets`: {label, color, value(r), spread(r)?}; bars lie along x, one row for each result. */
 function barPlot(container, name, rows, title, sets, more) {
   const options = more || {}, stacked = !!options.stacked;
-  const x = options.log ? logAxis(title, rows.flatMap((r) => sets.map((set) => set.value(r)))) : axis(title, 'linear', {beginAtZero: true});
+  const spreads = sets.flatMap((set) => (set.spread ? rows.flatMap(set.spread) : []));
+  const log = options.log ? logScale(rows.flatMap((r) => sets.map((set) => set.value(r))).concat(spreads).concat(options.bound > 0 ? options.bound : [])) : null;
+  const place = log ? log.place : (v) => v, x = log ? logAxis(title, log) : axis(title, 'linear', {beginAtZero: true, suggestedMax: Math.max(0, ...spreads)});
   if (stacked) x.stacked = true;
-  plot(container, name, barHeight(rows, sets.length > 1 && !stacked ? 40 : 30), {
+  plot(container, name, barHeight(rows, sets.length > 1 && !stacked ? 40 : 30, options.label || labelOf), {
     type: 'bar',
     data: {
       labels: rows.map(options.label || labelOf),
       datasets: sets.map((set) => ({
-        label: set.label, data: rows.map((r) => set.value(r)), backgroundColor: set.colors ? rows.map(set.colors) : set.color,
-        borderColor: variable('--panel'), borderWidth: stacked ? {right: 1} : 0, maxBarThickness: 26, whisker: variable('--text'),
-        spreads: set.spread ? rows.map(set.spread) : null
+        label: set.label, data: rows.map((r) => place(set.value(r))), real: rows.map((r) => set.value(r)), base: log ? log.min : undefined,
+        backgroundColor: set.colors ? rows.map(set.colors) : set.color, borderColor: variable('--panel'), borderWidth: stacked ? {right: 1} : 0,
+        maxBarThickness: 26, whisker: variable('--text'), spreads: set.spread ? rows.map((r) => set.spread(r).map(place)) : null
       }))
     },
     options: {
       indexAxis: 'y', scales: {x: x, y: Object.assign(nameAxis(), {stacked: stacked})},
       interaction: {mode: stacked ? 'nearest' : 'index', intersect: stacked, axis: stacked ? 'xy' : 'y'},
-      plugins: {bound: {value: options.bound}, tooltip: {callbacks: {
+      plugins: {bound: {value: options.bound > 0 ? place(options.bound) : NaN}, tooltip: {callbacks: {
         title: (items) => String(items[0].label).replace(/,/g, ' '),
-        label: (item) => item.dataset.label + ': ' + (options.format || number)(item.raw)
+        label: (item) => item.dataset.label + ': ' + (options.format || number)(item.dataset.real[item.dataIndex])
       }}}
     }
   });
@@ -316,11 +383,37 @@ function addPlot(id, title, text, draw) {
   const body = element('div'), section = element('section', {id: id}, element('h2', null, title), element('p', {class: 'note'}, text), body);
   plots.push({id, section, draw: () => { body.replaceChildren(); draw(body); }});
 }
-const many = () => lightCounts().filter((n) => n > 0).length > 1;
+const many = () => lightCounts().length > 1;
 /* The first row of a table is the best one. */
 const ranked = (rows, cells) => rows.map((r, i) => ({best: i === 0, cells: cells(r)}));
 
-addPlot('time', 'Time', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work ' +
+const orderLook = (name) => {
+  const all = unique(results.map((r) => r.shading)), i = all.indexOf(name), p = palette();
+  return {color: p[i % p.length], marker: markers[i % markers.length], dash: dashes[(i + Math.floor(i / p.length)) % dashes.length]};
+};
+addPlot('orders', 'Shading orders', 'Each with the lists that it is fastest with here: medians of the whole frame; whiskers span from the 5th to the 95th percentile.',
+  (body) => {
+  const key = 'frame_ms', fastest = (rows) => rows.slice().sort(byTime(key))[0], at = inCase().filter((r) => lightsOf(r) === state.lights);
+  const bestOf = (rows) => unique(rows.map((r) => r.shading)).map((name) => fastest(rows.filter((r) => r.shading === name))).sort(byTime(key));
+  const rows = bestOf(at), most = rows.length ? median(rows[rows.length - 1], key) : 0;
+  const brute = (r) => at.find((o) => o.shading === r.shading && o.lists === 'all' && (o.ways || '') === (r.ways || ''));
+  barPlot(body, 'Time of shading orders', rows, 'ms', [{
+    label: 'whole frame, ms', value: (r) => median(r, key), colors: (r) => orderLook(r.shading).color, spread: (r) => [r[key].p5, r[key].p95]
+  }], {label: (r) => [r.shading, 'with ' + listsName(r.lists)].concat(r.options ? r.options.split(',') : []), log: most > 30 * median(rows[0], key)});
+  if (many()) {
+    const orders = unique(inCase().map((r) => r.shading));
+    body.append(roleLegend(orders, (name) => orderLook(name).color, Object.fromEntries(orders.map((name) => [name, name]))));
+    linesPlot(body, 'Time of shading orders over lights', orders.map((name) => ({
+      label: name, look: orderLook(name),
+      rows: lightCounts().map((n) => fastest(inCase().filter((r) => r.shading === name && lightsOf(r) === n))).filter(Boolean)
+    })), key, 'ms');
+  }
+  body.append(table('orders-fastest', [plural(state.lights, 'light'), '<fastest with', 'frame, ms', '± MAD', 'of the fastest', 'brute force takes'], ranked(rows, (r) =>
+    [r.shading, scheme(r), number(median(r, key)), number(r[key].mad), number(median(r, key) / median(rows[0], key)) + '×',
+      brute(r) && brute(r) !== r ? number(median(brute(r), key) / median(r, key)) + '×' : '–'])));
+});
+
+addPlot('time', 'Light lists', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work ' +
   'side by side; handing results to the CPU is left out.', (body) => {
   const key = state.metric, counts = countsOf(lines());
   body.append(
@@ -365,10 +458,10 @@ addPlot('evaluations', 'Lights per pixel', 'How many lights a pixel evaluates on
   const rows = shownAt().filter(counted).sort(fewest), least = rows.length ? rows[0].useful_per_pixel : 0;
   body.append(legend());
   if (many()) {
-    const points = countsOf(lines()).map((n) => lines().find((r) => lightsOf(r) === n)).filter((r) => lightsOf(r) > 0 && r.useful_per_pixel > 0);
+    const points = countsOf(lines()).map((n) => lines().find((r) => lightsOf(r) === n)).filter((r) => r && r.useful_per_pixel !== undefined);
     linePlot(body, 'Lights per pixel over lights', (r) => r.per_pixel, 'lights per pixel', [{
-      label: 'least possible', data: points.map((r) => ({x: lightsOf(r), y: r.useful_per_pixel})), borderColor: variable('--text'),
-      backgroundColor: variable('--text'), borderDash: [5, 4], borderWidth: 2, pointRadius: 0
+      label: 'least possible', rows: points, value: (r) => r.useful_per_pixel, look: {color: variable('--text'), dash: [5, 4], marker: 'line'},
+      dataset: {pointRadius: 0}
     }]);
   } else {
     barPlot(body, 'Lights per pixel', rows, 'lights per pixel',
@@ -381,25 +474,24 @@ addPlot('evaluations', 'Lights per pixel', 'How many lights a pixel evaluates on
       [scheme(r), number(r.per_pixel), number(r.useful_per_pixel), ratio(r), whole(r.max_per_pixel), whole(r.evaluations)])));
 });
 
-addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to build and save shading: the nearer to the lower left, the better. At ' +
-  'the left edge stands what builds no lists on the GPU in this frame.', (body) => {
+addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to build and save shading: the nearer to the lower left, the better. At 0 ' +
+  'stands what builds no lists on the GPU in this frame.', (body) => {
   const build = (r) => median(r, 'lists_ms'), shade = (r) => median(r, 'shading_ms'), both = (r) => build(r) + shade(r);
-  const rows = shownAt().filter((r) => shade(r) > 0);
-  const edge = Math.min(...rows.map(build).filter((t) => t > 0), 1) / 2, place = (r) => Math.max(build(r), edge);
+  const rows = shownAt(), across = logScale(rows.map(build)), up = logScale(rows.map(shade));
   body.append(legend());
   plot(body, 'List time against shading time', 340, {
     type: 'scatter',
     data: {datasets: rows.map((r) => {
       const look = style(scheme(r));
       return {
-        label: scheme(r), data: [{x: place(r), y: shade(r)}], real: build(r), borderColor: look.color, backgroundColor: look.color,
+        label: scheme(r), data: [{x: across.place(build(r)), y: up.place(shade(r))}], real: r, borderColor: look.color, backgroundColor: look.color,
         pointStyle: look.marker, pointRadius: 7, pointHoverRadius: 9, pointBorderWidth: 2
       };
     })},
     options: {
-      scales: {x: logAxis('building lists, ms', rows.map(place)), y: logAxis('shading, ms', rows.map(shade))},
+      scales: {x: logAxis('building lists, ms', across), y: logAxis('shading, ms', up)},
       plugins: {tooltip: {callbacks: {
-        label: (item) => item.dataset.label + ': lists ' + number(item.dataset.real) + ' ms, shading ' + number(item.parsed.y) + ' ms'
+        label: (item) => item.dataset.label + ': lists ' + number(build(item.dataset.real)) + ' ms, shading ' + number(shade(item.dataset.real)) + ' ms'
       }}}
     }
   });
@@ -411,12 +503,12 @@ addPlot('balance', 'Building lists against shading', 'Tighter lists cost more to
 addPlot('memory', 'Memory of the lists', 'Reserved, and the part of it that this frame fills.', (body) => {
   const used = (r) => r.list_used_bytes || 0, least = (a, b) => used(a) - used(b), p = palette();
   const names = {used: 'used by this frame', reserved: 'reserved'}, colors = {used: p[0], reserved: p[1]};
-  const kibibytes = (value) => (value > 0 ? value / 1024 : null);
+  const kibibytes = (value) => (value || 0) / 1024;
   body.append(roleLegend(['used', 'reserved'], (k) => colors[k], names));
   barPlot(body, 'Memory of the lists', shownAt().sort(least), 'KiB', [
     {label: names.used, color: colors.used, value: (r) => kibibytes(r.list_used_bytes)},
     {label: names.reserved, color: colors.reserved, value: (r) => kibibytes(r.list_bytes)}
-  ], {log: true, format: (value) => (value === null ? 'none' : number(value) + ' KiB')});
+  ], {log: true, format: (value) => number(value) + ' KiB'});
   body.append(table('memory', [plural(state.lights, 'light'), 'used', 'reserved', 'entries', 'cells', 'cells that overflowed'],
     atLights().sort(least).map((r) =>
       [scheme(r), bytes(r.list_used_bytes), bytes(r.list_bytes), whole(r.list_entries), whole(r.cells), whole(r.overflow_cells)])));
@@ -426,12 +518,12 @@ addPlot('traffic', 'Traffic of images', 'Bytes that the passes of a frame load, 
   'not measured; textures and buffers are left out.', (body) => {
   const all = (r) => (r.image_bytes_read || 0) + (r.image_bytes_written || 0), least = (a, b) => all(a) - all(b), p = palette();
   const names = {read: 'read', written: 'written'}, colors = {read: p[0], written: p[1]};
-  const mebibytes = (value) => (value > 0 ? value / 1048576 : null);
+  const mebibytes = (value) => (value || 0) / 1048576;
   body.append(roleLegend(['read', 'written'], (k) => colors[k], names));
   barPlot(body, 'Traffic of images', shownAt().sort(least), 'MiB', [
     {label: names.read, color: colors.read, value: (r) => mebibytes(r.image_bytes_read)},
     {label: names.written, color: colors.written, value: (r) => mebibytes(r.image_bytes_written)}
-  ], {format: (value) => (value === null ? 'none' : number(value) + ' MiB')});
+  ], {format: (value) => number(value) + ' MiB'});
   body.append(table('traffic', [plural(state.lights, 'light'), 'read', 'written', 'read a pixel', 'written a pixel'],
     atLights().sort(least).map((r) => [scheme(r), bytes(r.image_bytes_read), bytes(r.image_bytes_written),
       bytes(r.image_bytes_read / (r.width * r.height)), bytes(r.image_bytes_written / (r.width * r.height))])));
@@ -456,7 +548,7 @@ addPlot('pictures', 'Pictures', 'Every picture was compared with the reference o
   const of = (name, kind) => find(first(name), reference, first(name).ways || '', kind);
   const base = orders.find((name) => of(name, 'reference') && !of(name, 'shading')); /* what the others were compared with */
   for (const name of orders) {
-    add(of(name, 'reference'), name + ', ' + reference + ' lists: the reference', 'The scene, shaded ' + name);
+    add(of(name, 'reference'), name + ' with ' + (reference === 'all' ? 'brute force' : reference + ' lists') + ': the reference', 'The scene, shaded ' + name);
     add(of(name, 'shading'), name + ' against ' + base + ', difference × 16', 'Differences of two ways to shade');
   }
   for (const r of atLights()) {
@@ -499,16 +591,36 @@ function drawHead() {
   document.getElementById('head').append(...facts.map(([name, value]) =>
     element('div', null, element('dt', null, name), element('dd', null, value))));
 }
+/* Of each case the fastest way, the next, and brute force. */
+function drawCases() {
+  const key = 'frame_ms', groups = new Map();
+  for (const r of results) {
+    const name = caseName(r) + '|' + lightsOf(r);
+    groups.set(name, (groups.get(name) || []).concat(r));
+  }
+  const way = (r) => r.shading + ' with ' + (r.lists === 'all' ? 'brute force' : r.lists + ' lists') + (r.options ? ' (' + r.options.replace(/,/g, ', ') + ')' : '');
+  const clear = (a, b) => median(b, key) - median(a, key) > a[key].mad + b[key].mad;
+  return table('cases', ['<case', 'lights', '<fastest', 'ms', '± MAD', '<next', 'times as fast', 'than brute force'], [...groups.values()].map((rows) => {
+    const [first, next] = rows.sort(byTime(key)), brute = rows.find((r) => r.lists === 'all'), times = (r) => number(median(r, key) / median(first, key)) + '×';
+    return [caseName(first), whole(lightsOf(first)), way(first), number(median(first, key)), number(first[key].mad), next ? way(next) : '–',
+      next ? times(next) + (clear(first, next) ? '' : ', within the spread') : '–', brute && brute !== first ? times(brute) : '–'];
+  }));
+}
 function drawConclusions() {
   const line = (text) => element('li', text.startsWith('WRONG') ? {class: 'bad'} : null, text);
   /* Wrong pictures first, then the cases with most lights, which come last in the plan. */
   const all = data.conclusions.slice().reverse().sort((a, b) => b.startsWith('WRONG') - a.startsWith('WRONG'));
   const equal = results.filter((r) => r.equal === true).length, compared = results.filter((r) => r.equal !== null).length;
   const said = compared ? equal + ' of ' + plural(compared, 'picture') + ' equal the reference to the last bit.' : 'No picture was compared.';
+  const cut = results.filter((r) => !r.complete).length, notes = [];
+  if (data.device.type === 'cpu') notes.push('The device is a CPU: read ratios, not milliseconds.');
+  if (data.likely) notes.push('Only the likely pairs were measured; fanal bench --all measures every one.');
+  if (cut) notes.push(plural(cut, 'result') + ' of fewer frames than asked for: --resume goes on.');
   const rest = all.slice(3);
   return element('section', {id: 'conclusions'},
     element('ul', {class: 'lead'}, ...all.slice(0, 3).map(line), element('li', {class: equal === compared ? 'good' : 'bad'}, said)),
-    rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(line))) : null);
+    rest.length ? element('details', null, element('summary', null, rest.length + ' more'), element('ul', {class: 'lead'}, ...rest.map(line))) : null,
+    notes.length ? element('p', {class: 'note'}, notes.join(' ')) : null, drawCases());
 }
 function wrap(text, width) {
   const out = [''];
@@ -521,19 +633,23 @@ function wrap(text, width) {
 }
 function drawSuite() {
   const suite = data.suite, p = palette(), colors = {source: p[4], ours: p[0]};
-  const body = element('section', {id: 'suite'}, element('h2', null, suite.title),
-    element('p', {class: 'note'}, 'Ratios of the source beside ours, measured in one run on this device.'));
-  const looks = {reached: 'good', missed: 'bad', 'wrong picture': 'bad'};
+  const body = element('section', {id: 'suite'}, element('h2', null, suite.title), element('p', {class: 'headline'}, suite.headline),
+    suite.warning ? element('p', {class: 'warning'}, suite.warning) : null,
+    element('p', {class: 'note'}, 'Ratios of the source beside ours, measured in one run on this device. One that is nearer to the source\u2019s than its spread (±) is undecided.'));
+  const looks = {reached: 'good', missed: 'bad', 'wrong picture': 'bad', undecided: 'undecided'};
   const verdict = (row) => element('span', {class: looks[row.verdict] || ''}, row.verdict);
   const wanted = (row) => (row.source === null ? '–' : (row.comparison === '>=' ? '≥ ' : '≤ ') + number(row.source));
   const known = suite.rows.filter((row) => row.source !== null && row.ours !== null);
   if (known.length) {
     body.append(roleLegend(['source', 'ours'], (k) => colors[k], {source: 'source', ours: 'ours'}));
-    barPlot(body, 'Ratios', known, 'ratio', ['source', 'ours'].map((k) => ({label: k, color: colors[k], value: (row) => row[k]})),
-      {label: (row) => wrap(row.quantity, 20)});
+    barPlot(body, 'Ratios', known, 'ratio', ['source', 'ours'].map((k) => ({
+      label: k, color: colors[k], value: (row) => row[k],
+      spread: (row) => (k === 'ours' && row.spread < row.ours ? [row.ours - row.spread, row.ours + row.spread] : [row[k], row[k]])
+    })),
+      {label: (row) => wrap(row.quantity, 20), log: true});
   }
-  body.append(table('suite', ['<quantity', '<scene', 'source', 'ours', '±', '<verdict'], suite.rows.map((row) =>
-    [row.quantity, row.scene, wanted(row), number(row.ours), number(row.spread), verdict(row)])));
+  body.append(table('suite', ['<quantity', 'source', 'ours', '±', '<verdict', '<scene'], suite.rows.map((row) =>
+    [row.quantity, wanted(row), number(row.ours), number(row.spread), verdict(row), row.scene])));
   return body;
 }
 function drawNumbers() {
@@ -596,15 +712,15 @@ function start() {
   if (hasChart) {
     Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
     Chart.defaults.font.size = 12;
-  } else {
-    main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
   }
-  main.append(drawConclusions());
-  if (data.tables) main.append(drawTables());
   if (data.suite) {
     suiteSection = element('section');
     main.append(suiteSection);
   }
+  main.append(drawConclusions());
+  if (data.tables) main.append(drawTables());
+  if (!hasChart) main.append(element('section', null, element('p', {class: 'note'}, 'This page was made without the charting library: tables only.')));
+  main.append(document.getElementById('head'));
   main.append(controls);
   for (const p of plots) main.append(p.section);
   main.append(drawNumbers());
@@ -631,25 +747,42 @@ function selftest() {
   const page = document.documentElement, width = page.clientWidth;
   const report = {errors, width, scroll: page.scrollWidth, tables: {}, wide: [], legend: null, states: 0};
   for (const details of document.querySelectorAll('details')) details.open = true;
+  /* A table that does not fit says so, one that fits does not. */
+  report.scrolled = report.mute = 0;
+  for (const box of boxes.filter((b) => b.scroll.isConnected && b.scroll.clientWidth)) {
+    box.update();
+    const more = box.scroll.scrollWidth > box.scroll.clientWidth + 1;
+    report.scrolled += more;
+    report.mute += more !== (box.hint.offsetHeight > 0);
+  }
   for (const e of document.querySelectorAll('body *')) {
     const inside = e.closest('.scroll');
     if ((!inside || inside === e) && e.getBoundingClientRect().right > width + 0.5) report.wide.push(e.tagName + '.' + e.className);
   }
   report.scroll = Math.max(report.scroll, page.scrollWidth);
   report.canvases = [...document.querySelectorAll('canvas')].map(drawn);
+  /* Axes that show a 0: how far it is from the least value, and the points that stand there. */
+  report.zeros = charts.flatMap((chart) => Object.values(chart.scales).filter((scale) => scale.options.log && scale.options.log.zero).map((scale) => {
+    const at = scale.getPixelForValue(scale.options.log.nil), tick = scale.ticks.find((t) => t.label === '0');
+    const points = chart.data.datasets.flatMap((d, i) => chart.getDatasetMeta(i).data.map((p) => p[scale.axis])).filter((p) => Math.abs(p - at) < 0.5);
+    return {name: chart.canvas.getAttribute('aria-label'), axis: scale.axis, apart: Math.abs(at - scale.getPixelForValue(scale.options.log.low)),
+      labelled: !!tick && Math.abs(scale.getPixelForValue(tick.value) - at) < 0.5, points: points.length};
+  }));
+  report.text = document.body.innerText;
+  report.lead = main.querySelector('section').textContent;
   for (const t of document.querySelectorAll('table')) {
     const rows = [...t.tBodies[0].rows];
     report.tables[t.dataset.name] = {rows: rows.length, text: rows.map((row) => [...row.cells].map((c) => c.textContent))};
   }
   report.images = [...document.images].map((image) => image.complete && image.naturalWidth > 0);
   report.requests = performance.getEntriesByType('resource').filter((e) => !e.name.startsWith('data:')).map((e) => e.name);
-  const button = document.querySelector('.legend button'), time = () => charts[data.suite ? 1 : 0].data;
+  const button = document.querySelector('#time .legend button'), time = () => charts.find((c) => /^(Time over lights|Time);/.test(c.canvas.getAttribute('aria-label'))).data;
   if (button && charts.length) {
     const count = () => time().datasets.length + time().labels.length;
     report.legend = [count()];
     button.click();
     report.legend.push(count());
-    document.querySelector('.legend button').click();
+    document.querySelector('#time .legend button').click();
   }
   /* Every choice that the selectors offer can be drawn. */
   const draw = () => { redraw(); report.states++; };

@@ -16,7 +16,7 @@ failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
 
 # The page knows its width only in a frame: a window has a least width of its own.
-look() { # FOLDER WIDTH [-DPLOTS=0]
+look() { # FOLDER WIDTH [-DPLOTS=0…]
     cat >"$work/frame.html" <<HTML
 <!doctype html><body style="margin:0"><iframe style="border:0" width="$2" height="844" src="file://$1/report.html?selftest"></iframe>
 <script>addEventListener('message', (event) => { const out = document.createElement('pre'); out.id = 'out'; out.textContent = event.data; document.body.append(out); });</script>
@@ -25,7 +25,7 @@ HTML
         --user-data-dir="$work/profile" --window-size=1200,1000 --dump-dom "file://$work/frame.html" >"$work/dom.html" 2>"$work/browser.log"
     sed -n 's/.*<pre id="out">\(.*\)<\/pre>.*/\1/p' "$work/dom.html" | sed 's/&lt;/</g; s/&gt;/>/g; s/&amp;/\&/g' >"$work/found.json"
     [ -s "$work/found.json" ] || { fail "$1 at $2 pixels: the page said nothing: $(tail -n 3 "$work/browser.log")"; return 1; }
-    cmake -DFOUND="$work/found.json" -DRESULTS="$1/results.json" -DWIDTH="$2" -DNUMBERS="$work/numbers" ${3:-} -P "$here/check_page.cmake" ||
+    cmake -DFOUND="$work/found.json" -DRESULTS="$1/results.json" -DWIDTH="$2" -DNUMBERS="$work/numbers" "${@:3}" -P "$here/check_page.cmake" ||
         { fail "$1 at $2 pixels"; return 1; }
     # The table of all numbers against the CSV: as many rows, three digits of every median of a whole frame.
     tr -d '\r' <"$1/results.csv" | awk -F, 'FNR == 1 { for (i = 1; i <= NF; i++) if ($i == "frame_ms_median") column = i; next }
@@ -46,7 +46,8 @@ run() { # FOLDER STATUS ARGUMENTS…
 run many 0 builtin:spheres --sizes 48x27,32x18 --lights 0,4,16,64 --shading deferred,forward --lists brute,tiled,clustered --frames 2 \
     --list-option cluster-size=32,slices=16
 run one 0 "builtin:sky?seed=3" --sizes 64x36 --msaa 1,4 --shading all --lists brute,clustered,clustered-cpu --frames 2
-for width in 390 1100; do look "$work/many" $width; done
+# Axes that show a 0: lights in each plot of lines; lists of brute force in the balance and in memory, its lights per pixel.
+for width in 390 1100; do look "$work/many" $width -DZEROS=5; done
 look "$work/one" 390
 run tables 0 --suite visibility "builtin:hall?overdraw=1" --sizes 32x18 --msaa 1 --lights 4 --shading deferred,visibility --frames 2
 look "$work/tables" 390
@@ -56,6 +57,11 @@ grep -q 'report.html' <<<"$(ls "$work/many")" && ! grep -qE '(src|href)="?(https
 sed -i '0,/"equal": true/s//"equal": false/' "$work/one/results.json"
 run one 1 "builtin:sky?seed=3" --sizes 64x36 --msaa 1,4 --shading all --lists brute,clustered,clustered-cpu --frames 2 --resume
 look "$work/one" 390
+# A suite begins with what it reached, and warns of a CPU.
+run suite 0 --suite fine-pruned --sizes 32x18 --frames 2
+look "$work/suite" 390 -DPLOTS=7
+grep -qE '"lead":"Mikkelsen 2016: fine pruned tiles[0-9]+ of 9 ratios reached' "$work/found.json" || fail 'the page of a suite does not begin with its headline'
+grep -q 'This device is a CPU' "$work/found.json" || fail 'the page does not warn of a CPU'
 # Without the charting library the page has tables alone.
 mkdir "$work/plain"
 cp "$work/many/results.json" "$work/many/results.csv" "$work/plain"
@@ -73,5 +79,16 @@ cat >"$evil" <<'GLTF'
 GLTF
 run evil 0 "$evil" --sizes 32x18 --lights 3 --shading deferred --lists brute,tiled --frames 2
 look "$work/evil" 390
+# Pages are handed around: files go by their names. Pictures are found again all the same.
+printf '0 0 2 10  0 1 0\n' >"$work/path.txt"
+for folder in one two; do mkdir "$work/$folder-scene" && cp "$evil" "$work/$folder-scene/scene.gltf"; done
+run named 0 "$work/one-scene/scene.gltf" "$work/two-scene/scene.gltf" --sizes 32x18 --lights 3 --shading deferred --lists brute,tiled --frames 2 --camera-path "$work/path.txt"
+look "$work/named" 390
+grep -q "$work" "$work/named/report.html" "$work/evil/report.html" && fail 'the page tells of folders'
+grep -q 'one-scene/scene.gltf' "$work/named/report.html" || fail 'scenes with one name are not told apart'
+cp "$work/named/report.html" "$work/before.html"
+run named 0 "$work/one-scene/scene.gltf" "$work/two-scene/scene.gltf" --sizes 32x18 --lights 3 --shading deferred --lists brute,tiled --frames 2 --camera-path "$work/path.txt" --resume
+cmp -s <(grep -o 'scene.gltf|3[^"]*":"data:[^"]*' "$work/before.html") <(grep -o 'scene.gltf|3[^"]*":"data:[^"]*' "$work/named/report.html") ||
+    fail 'resuming lost pictures of the page'
 [ $failures = 0 ] && echo 'all checks of the page passed'
 exit $((failures > 0))
