@@ -23,14 +23,14 @@ static void assert_color(const fnl_image *image, uint32_t x, uint32_t y, double 
     assert_int_equal(p[3], 255);
 }
 
-/* The scale of counts: dark blue, blue, cyan, green, yellow, red; 1, 2, 4 … 256 in equal steps. */
+/* The scale of counts: viridis, whose lightness only grows; 1, 2, 4 … 256 in equal steps. */
 static vec3 heat(double count) {
-    static const vec3 stops[6] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f},
-                                  {0.55f, 0.95f, 0.2f},  {1, 0.7f, 0.1f},      {0.85f, 0.05f, 0.05f}};
+    static const vec3 stops[9] = {{68, 1, 84}, {71, 45, 123}, {59, 82, 139}, {44, 114, 142}, {33, 144, 140},
+                                  {39, 173, 129}, {93, 200, 99}, {170, 220, 50}, {253, 231, 37}};
     if (count == 0) return (vec3){0, 0, 0};
-    float x = (float)fmin((log2(count) + 1) / 9, 1) * 5;
-    int i = MIN((int)x, 4);
-    return vec3_lerp(stops[i], stops[i + 1], x - (float)i);
+    float x = (float)fmin((log2(count) + 1) / 9, 1) * 8;
+    int i = MIN((int)x, 7);
+    return vec3_scale(vec3_lerp(stops[i], stops[i + 1], x - (float)i), 1 / 255.0f);
 }
 
 /* ---- surfaces ---- */
@@ -84,6 +84,19 @@ static const char *const digit_rows[10][5] = {{"###", "#.#", "#.#", "#.#", "###"
                                               {"#.#", "#.#", "###", "..#", "..#"}, {"###", "#..", "###", "..#", "###"},
                                               {"###", "#..", "###", "#.#", "###"}, {"###", "..#", "..#", "..#", "..#"},
                                               {"###", "#.#", "###", "#.#", "###"}, {"###", "#.#", "###", "..#", "###"}};
+
+/* More is brighter, by a step that is seen, so that the map is read without telling hues apart. */
+static void check_lightness(const fnl_image *image) {
+    double before = 0;
+    for (uint32_t box = 0; box < 10; box++) {
+        const uint8_t *p = test_pixel8(image, box * BOX + 14, image->height - LEGEND_HEIGHT + 1);
+        double luminance = 0, weights[3] = {0.2126, 0.7152, 0.0722};
+        for (int c = 0; c < 3; c++) luminance += weights[c] * pow((p[c] / 255.0 + 0.055) / 1.055, 2.4);
+        double light = cbrt(luminance); /* as CIE lightness, but for its scale */
+        assert_true(box == 0 || light > before + 0.04);
+        before = light;
+    }
+}
 
 /* Ten boxes in the lower left corner: 0 and the powers of two, each with its number in ink that stands out. */
 static void check_legend(const fnl_image *image) {
@@ -150,6 +163,7 @@ static void test_light_counts(void **state) {
             /* Not at the height of the lights: cells at the border of a grid in the world reach on. */
             assert_color(&image, 180, 10, grey * 0.2 + there.x * 0.8, grey * 0.2 + there.y * 0.8,
                          grey * 0.2 + there.z * 0.8);
+            check_lightness(&image);
             check_legend(&image);
             /* The map shows what the shading visits. */
             fnl_frame_stats stats;

@@ -13,13 +13,14 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_debug_push push; };
 
-// Turbo-like ramp over 0..1: dark blue, cyan, green, yellow, red, by linear pieces.
+// Viridis over 0..1, by linear pieces between nine of its colours: brighter is more, for all kinds of colour vision and in grey.
+// S. van der Walt and N. Smith, matplotlib 1.5, 2015 (CC0).
 vec3 heat(float t) {
-    const vec3 stops[6] = vec3[](vec3(0.05, 0.05, 0.25), vec3(0.1, 0.35, 0.95), vec3(0.1, 0.85, 0.75), vec3(0.55, 0.95, 0.2),
-                                 vec3(1.0, 0.7, 0.1), vec3(0.85, 0.05, 0.05));
-    float x = clamp(t, 0.0, 1.0) * 5.0;
-    int i = min(int(x), 4);
-    return mix(stops[i], stops[i + 1], x - float(i));
+    const vec3 stops[9] = vec3[](vec3(68, 1, 84), vec3(71, 45, 123), vec3(59, 82, 139), vec3(44, 114, 142), vec3(33, 144, 140),
+                                 vec3(39, 173, 129), vec3(93, 200, 99), vec3(170, 220, 50), vec3(253, 231, 37));
+    float x = clamp(t, 0.0, 1.0) * 8.0;
+    int i = min(int(x), 7);
+    return mix(stops[i], stops[i + 1], x - float(i)) / 255.0;
 }
 
 // Counts on a logarithmic scale: 1, 2, 4 … 256 and more.
