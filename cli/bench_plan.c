@@ -73,16 +73,18 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
  * one; of orders that are named, with each.
  */
 enum { BRUTE_LIGHTS = 4096 };
-static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_light_lists lists, uint32_t lights, uint32_t msaa) {
-    if (lists == FNL_LISTS_ALL && lights <= BRUTE_LIGHTS && (m->shading_count || m->every_shading || shading == fnl_frame_default().shading))
+static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_light_lists lists, uint32_t lights,
+                         uint32_t msaa) {
+    if (lists == FNL_LISTS_ALL && lights <= BRUTE_LIGHTS &&
+        (m->shading_count || m->every_shading || shading == fnl_frame_default().shading))
         return true;
     return fnl_lists_likely(shading, lists, lights, msaa);
 }
 
 /* Times and pictures of these are the same with all lists but for transparent surfaces: one stands for all. */
 static bool lists_matter(fnl_shading shading) {
-    return shading != FNL_SHADING_DEFERRED_VOLUMES && shading != FNL_SHADING_PRE_LIGHTING && shading != FNL_SHADING_LIGHT_INDEXED &&
-           shading != FNL_SHADING_ZIOMA;
+    return shading != FNL_SHADING_DEFERRED_VOLUMES && shading != FNL_SHADING_PRE_LIGHTING &&
+           shading != FNL_SHADING_LIGHT_INDEXED && shading != FNL_SHADING_ZIOMA;
 }
 
 /* Every combination of the ways that were asked for; those that an order does not heed add nothing. */
@@ -107,7 +109,8 @@ static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, str
 }
 
 /* All but the choosers, which are none of their own, or those that were named. */
-static uint32_t values_of(uint32_t count, const uint32_t *named, const char *(*name_of)(int), uint32_t out[BENCH_VALUES_MAX]) {
+static uint32_t values_of(uint32_t count, const uint32_t *named, const char *(*name_of)(int),
+                          uint32_t out[BENCH_VALUES_MAX]) {
     if (count) {
         memcpy(out, named, count * sizeof *out);
         return count;
@@ -120,9 +123,11 @@ static uint32_t values_of(uint32_t count, const uint32_t *named, const char *(*n
 static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
 static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
 
-static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, const struct bench_case *wanted, uint32_t lights) {
-    uint32_t orders[BENCH_VALUES_MAX], lists[BENCH_VALUES_MAX], order_count = values_of(m->shading_count, m->shading, shading_name, orders),
-             lists_count = values_of(m->lists_count, m->lists, lists_name, lists);
+static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, const struct bench_case *wanted,
+                      uint32_t lights) {
+    uint32_t orders[BENCH_VALUES_MAX], lists[BENCH_VALUES_MAX],
+        order_count = values_of(m->shading_count, m->shading, shading_name, orders),
+        lists_count = values_of(m->lists_count, m->lists, lists_name, lists);
     struct bench_case *to = bench_plan_case(plan, wanted);
     for (uint32_t s = 0; to && s < order_count; s++) {
         fnl_shading shading = (fnl_shading)orders[s];
@@ -139,8 +144,8 @@ static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, con
     return to != NULL;
 }
 
-bool bench_plan_matrix(const struct bench_matrix *m, const char *const *scenes, const uint32_t *scene_lights, int scene_count,
-                       struct bench_plan *plan) {
+bool bench_plan_matrix(const struct bench_matrix *m, const char *const *scenes, const uint32_t *scene_lights,
+                       int scene_count, struct bench_plan *plan) {
     plan->likely = !(m->shading_count || m->every_shading) || !(m->lists_count || m->every_lists);
     for (int scene = 0; scene < scene_count; scene++)
         for (uint32_t lights = 0; lights < m->light_count + !m->light_count; lights++)
@@ -152,7 +157,8 @@ bool bench_plan_matrix(const struct bench_matrix *m, const char *const *scenes, 
                                                 .width = m->sizes[size][0],
                                                 .height = m->sizes[size][1],
                                                 .msaa = m->msaa[i]};
-                    if (!plan_case(m, plan, &wanted, bench_scene_lights(wanted.scene, scene_lights[scene], wanted.lights))) return false;
+                    if (!plan_case(m, plan, &wanted, bench_scene_lights(wanted.scene, scene_lights[scene], wanted.lights)))
+                        return false;
                 }
     return true;
 }
@@ -165,4 +171,3 @@ void bench_plan_free(struct bench_plan *plan) {
     free(plan->cases);
     json_decref(plan->skipped);
 }
-

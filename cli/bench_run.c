@@ -439,7 +439,9 @@ static void run_lanes(struct bench_run *run) {
     }
     uint32_t points = run->path.count < s->frames ? run->path.count : s->frames;
     uint32_t checks = s->checks < points ? s->checks : points, before = UINT32_MAX;
-    for (uint32_t i = 0; i < run->lane_count; i++) lane_restore(&run->lanes[i], bench_find(run->data, &run->plan->cases[run->case_index], run->lanes[i].candidate), checks);
+    const struct bench_case *c = &run->plan->cases[run->case_index];
+    for (uint32_t i = 0; i < run->lane_count; i++)
+        lane_restore(&run->lanes[i], bench_find(run->data, c, run->lanes[i].candidate), checks);
     for (uint32_t i = 0; i < (checks ? checks : 1) && !stopped(run); i++) {
         uint32_t point = checks > 1 ? (uint32_t)((uint64_t)i * (points - 1) / (checks - 1)) : 0;
         if (point != before) check_point(run, point, checks > 0, i == 0);
