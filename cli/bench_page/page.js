@@ -251,10 +251,13 @@ function logAxis(title, log, at, format) {
       const marks = at ? at.filter((v) => v > 0) : [];
       for (let power = Math.floor(log.low); !at && power <= Math.ceil(log.max); power++)
         for (const digit of keep) marks.push(Number((digit * Math.pow(10, power)).toPrecision(3)));
-      for (const mark of marks) {
-        const value = Math.log10(mark);
-        if (value >= (log.zero ? log.low : log.min) - 1e-9 && value <= log.max + 1e-9) ticks.push({value});
+      const least = log.zero ? log.low : log.min, inside = (mark) => Math.log10(mark) >= least - 1e-9 && Math.log10(mark) <= log.max + 1e-9;
+      if (!at && marks.filter(inside).length < 2) { /* a narrow range: even steps of two digits that count */
+        const from = Math.pow(10, least), to = Math.pow(10, log.max), power = Math.pow(10, Math.floor(Math.log10((to - from) / 3)));
+        const step = power * [1, 2, 5, 10].find((digit) => digit * power >= (to - from) / 4);
+        for (let mark = Math.ceil(from / step) * step; mark <= to; mark += step) marks.push(Number(mark.toPrecision(6)));
       }
+      for (const mark of unique(marks).filter(inside)) ticks.push({value: Math.log10(mark)});
       scale.ticks = ticks;
     },
     ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: !!at, callback: (value) => (log.zero && value === log.nil ? '0' : shown(Number(Math.pow(10, value).toPrecision(6))))}
@@ -768,6 +771,7 @@ function selftest() {
     return {name: chart.canvas.getAttribute('aria-label'), axis: scale.axis, apart: Math.abs(at - scale.getPixelForValue(scale.options.log.low)),
       labelled: !!tick && Math.abs(scale.getPixelForValue(tick.value) - at) < 0.5, points: points.length};
   }));
+  report.bare = charts.flatMap((chart) => Object.values(chart.scales)).filter((scale) => scale.options.log && scale.ticks.length < 2).length;
   report.text = document.body.innerText;
   report.lead = main.querySelector('section').textContent;
   for (const t of document.querySelectorAll('table')) {
