@@ -519,6 +519,43 @@ static void test_none_cost_nothing(void **state) {
     }
 }
 
+/*
+ * Over the G-buffer a decal is noted at the tiles of 8 x 8 pixels where its box meets a surface in depth, and at no others: a wall in the
+ * middle of the sky, one decal on it whose tiles are known, and others before it, behind it and beside it.
+ */
+static void test_tiles_note_what_meets_them_ES_30(void **state) {
+    (void)state;
+    fnl_scene *scene = wall_scene();
+    fnl_frame frame = frame_with(FNL_SHADING_DEFERRED, FNL_DECALS_GBUFFER, FNL_OUTPUT_COLOR);
+    frame.camera.vertical_extent = 4; /* 16 pixels a metre: the wall is in tiles 2 to 5 either way */
+    fnl_renderer *r = test_renderer(scene);
+    static const struct {
+        const char *name;
+        vec3 at, size;
+        uint32_t tiles;
+    } cases[] = {
+        {"on the wall", {0, 0, 0}, {1.5f, 1.5f, 0.4f}, 16},        /* pixels 20 to 43 */
+        {"in a corner of it", {-0.75f, 0.75f, 0}, {0.1f, 0.1f, 0.4f}, 1}, /* the middle of a tile */
+        {"before it", {0, 0, 3}, {1.5f, 1.5f, 0.1f}, 0}, /* by more than half the sum of its sides */
+        {"behind it", {0, 0, -3}, {1.5f, 1.5f, 0.1f}, 0},
+        {"in the sky", {1.5f, 1.5f, 0}, {0.5f, 0.5f, 0.4f}, 0},
+    };
+    uint32_t expected = 0;
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_decal_params p = plain(1, 0, 0, 0.5f, box_at(cases[i].at, quat_identity(), cases[i].size));
+        add(scene, &p);
+        expected += cases[i].tiles;
+        test_render_frame(r, &frame);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
+        print_message("%s: %llu entries\n", cases[i].name, (unsigned long long)stats.decal_entries);
+        assert_int_equal(stats.decals_in_view, i + 1);
+        assert_int_equal(stats.decal_entries, expected);
+    }
+    fnl_renderer_destroy(&r);
+    fnl_scene_destroy(&scene);
+}
+
 /* A hundred thousand, most of them in view. */
 static void test_a_hundred_thousand_decals(void **state) {
     (void)state;
@@ -556,6 +593,7 @@ static void test_a_hundred_thousand_decals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_tiles_note_what_meets_them_ES_30),
         cmocka_unit_test(test_boxes_hold_what_the_CPU_says_ES_30),
         cmocka_unit_test(test_volume_decals_show_the_slice_ES_31),
         cmocka_unit_test(test_characters_stay_clean_ES_32),
