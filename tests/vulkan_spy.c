@@ -218,6 +218,10 @@ const struct gpu_compute_params *spy_compute_params(const struct gpu_pipeline *p
     return pipeline && pipeline->point == VK_PIPELINE_BIND_POINT_COMPUTE ? &pipeline->key.compute : NULL;
 }
 
+const struct gpu_graphics_params *spy_graphics_params(const struct gpu_pipeline *pipeline) {
+    return pipeline && pipeline->point == VK_PIPELINE_BIND_POINT_GRAPHICS ? &pipeline->key.graphics : NULL;
+}
+
 void spy_capture(const struct graph *graph, const char *pass, const char *buffer, const struct gpu_buffer *out) {
     capture.graph = graph;
     capture.pass = pass;

@@ -56,8 +56,9 @@ int spy_tear_down(void **state);
 /** Forgets what was recorded; `replace` stays. */
 void spy_clear(void);
 
-/** What a pipeline was made of; NULL for one of graphics. */
+/** What a pipeline was made of; NULL for one of the other kind. */
 const struct gpu_compute_params *spy_compute_params(const struct gpu_pipeline *pipeline);
+const struct gpu_graphics_params *spy_graphics_params(const struct gpu_pipeline *pipeline);
 /** From now on copies what the graph's buffer of a name holds after a pass to `out`, mapped for reading; NULL: no more. */
 void spy_capture(const struct graph *graph, const char *pass, const char *buffer, const struct gpu_buffer *out);
 

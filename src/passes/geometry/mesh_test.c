@@ -8,6 +8,7 @@
 #include "render/device_clusters.h"
 #include "render/render_test.h"
 #include "render/shading.h"
+#include "tests/vulkan_spy.h"
 
 static uint32_t add_shape(fnl_scene *scene, struct scene_primitive primitive) {
     assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
@@ -437,9 +438,75 @@ static void test_words(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- what reaches the rasteriser ---- */
+
+/* The depth prepass without the rasteriser's own culling of back faces. */
+static const struct gpu_pipeline *both_sides(gpu_device *device, const struct gpu_pipeline *bound) {
+    const struct gpu_graphics_params *params = spy_graphics_params(bound);
+    if (!params || params->fragment || !params->depth_write || params->cull == VK_CULL_MODE_NONE) return bound;
+    struct gpu_graphics_params open;
+    memcpy(&open, params, sizeof open);
+    open.cull = VK_CULL_MODE_NONE;
+    return gpu_graphics_pipeline(device, &open);
+}
+
+/*
+ * Counts say what culling decides, not what is drawn after it. Here the rasteriser no longer drops what faces away: whatever of that still
+ * reaches it leaves depths before the wall, which then has holes. Each way of drawing draws what culling has left and nothing else.
+ */
+static void test_what_faces_away_is_not_drawn(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material bright = test_unlit(1, 1, 1), dark = test_unlit(0.2f, 0.2f, 0.2f);
+    test_place(scene, test_quad_mesh(scene, scene_add_material(scene, &bright)), (vec3){0, 0, -1.2f}, (vec3){4, 4, 1});
+    /* The right half is turned away: one cluster, of which culling by triangles leaves the left half. */
+    static const vec3 positions[6] = {{-1, -1, 0}, {0, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {0, 1, 0}, {1, 1, 0}};
+    static const uint32_t indices[12] = {0, 1, 4, 0, 4, 3, 1, 4, 5, 1, 5, 2};
+    uint32_t mesh = add_shape(scene, (struct scene_primitive){.material = scene_add_material(scene, &dark),
+                                                              .vertex_count = 6,
+                                                              .index_count = 12,
+                                                              .indices = indices,
+                                                              .positions = positions});
+    for (int i = 0; i < 4; i++)
+        test_place(scene, mesh, (vec3){(float)(i % 2) - 0.5f, (float)(i / 2) - 0.5f, 0.5f}, (vec3){0.3f, 0.3f, 1});
+    static const struct {
+        fnl_culling culling;
+        fnl_geometry geometry;
+        uint32_t least, most; /* pixels with holes */
+    } cases[] = {
+        {FNL_CULLING_INSTANCES, FNL_GEOMETRY_VERTEX, 500, 64 * 64}, /* the rasteriser would have dropped them */
+        {FNL_CULLING_TRIANGLES, FNL_GEOMETRY_VERTEX, 0, 0},
+        {FNL_CULLING_TRIANGLES, FNL_GEOMETRY_MESH, 0, 0},
+    };
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    fnl_frame_stats stats;
+    spy_begin(test_device);
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_image plain = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &stats);
+    spy.replace = both_sides;
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        frame.culling = cases[i].culling;
+        fnl_image image = shoot(renderer, frame, cases[i].geometry, &stats);
+        if (stats.geometry == cases[i].geometry) {
+            uint64_t holes = count_differing(&plain, &image);
+            print_message("%s, %s: %llu pixels\n", fnl_culling_name(cases[i].culling),
+                          stats.geometry == FNL_GEOMETRY_MESH ? "mesh" : "vertex", (unsigned long long)holes);
+            assert_in_range(holes, cases[i].least, cases[i].most);
+        }
+        free_picture(&image);
+    }
+    free_picture(&plain);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+    spy_end();
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         {"the words of clusters", test_words, NULL, NULL, NULL},
+        {"ES-77: what culling leaves out does not reach the rasteriser", test_what_faces_away_is_not_drawn, NULL, spy_tear_down,
+         NULL},
         {"ES-77, ES-79: mesh shaders in every view, with occlusion", test_views, NULL, NULL, NULL},
         {"ES-77: mesh shaders draw skinned figures", test_skinned, NULL, NULL, NULL},
         {"ES-77: mesh shaders at odd sizes", test_odd_sizes, NULL, NULL, NULL},
