@@ -525,9 +525,10 @@ static void test_none_cost_nothing(void **state) {
  */
 static void test_tiles_note_what_meets_them_ES_30(void **state) {
     (void)state;
-    fnl_scene *scene = wall_scene();
+    fnl_scene *scene = test_scene();
+    test_place(scene, test_quad_mesh(scene, add_grey(scene)), (vec3){0, 0, 0}, (vec3){0.9f, 0.9f, 1});
     fnl_frame frame = frame_with(FNL_SHADING_DEFERRED, FNL_DECALS_GBUFFER, FNL_OUTPUT_COLOR);
-    frame.camera.vertical_extent = 4; /* 16 pixels a metre: the wall is in tiles 2 to 5 either way */
+    frame.camera.vertical_extent = 4; /* 16 pixels a metre: the wall is in tiles 2 to 5 either way, the outer ones with some sky */
     fnl_renderer *r = test_renderer(scene);
     static const struct {
         const char *name;
