@@ -361,6 +361,23 @@ static void test_smaa_lines_equal_reference(void **state) {
     }
 }
 
+/* Gentle slopes: both ends of runs of up to 60 pixels are found, lying and upright, and SMAA's search is 64 pixels each way. */
+static void test_long_lines_equal_reference(void **state) {
+    UNUSED(state);
+    static const uint32_t runs[] = {24, 40, 60};
+    for (uint32_t i = 0; i < 2 * COUNT_OF(runs); i++) {
+        bool upright = i & 1;
+        uint32_t run = runs[i / 2], length = 4 * run + 7, across = 12;
+        struct picture in = upright ? picture_create(across, length) : picture_create(length, across);
+        for (uint32_t at = 0; at < length; at++)
+            for (uint32_t side = 0; side < across; side++)
+                set_grey(&in, upright ? side : at, upright ? at : side, side < 3 + (at + 5) / run ? 230 : 20);
+        compare_with_reference(&in, MLAA);
+        compare_with_reference(&in, SMAA);
+        free(in.pixels);
+    }
+}
+
 /* ---- how near it comes to coverage ---- */
 
 static double inside(double x, double y, double angle, double offset, int shape) {
@@ -441,7 +458,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_edge_no_change_MP_25),    cmocka_unit_test(test_step_of_eight_ramps_by_the_formula_MP_25),
         cmocka_unit_test(test_shapes_Z_U_L_MP_25),         cmocka_unit_test(test_mlaa_equals_reference_MP_25),
-        cmocka_unit_test(test_smaa_lines_equal_reference), cmocka_unit_test(test_quality_of_edges_MP_25),
+        cmocka_unit_test(test_smaa_lines_equal_reference), cmocka_unit_test(test_long_lines_equal_reference),
+        cmocka_unit_test(test_quality_of_edges_MP_25),
         cmocka_unit_test(test_corners_and_channels),
     };
     return cmocka_run_group_tests_name("morphological", tests, test_group_begin, test_group_end);
