@@ -422,6 +422,12 @@ static void test_quality_of_edges_MP_25(void **state) {
     for (int i = 0; i < 8; i++) add_errors(PI / 4 + 0.02 + 0.015 * i, 0.3 * i, 0, errors);
     print_message("near 45 degrees: none %.2f, mlaa %.2f, smaa %.2f\n", sqrt(errors[0]), sqrt(errors[1]), sqrt(errors[2]));
     assert_true(sqrt(errors[2]) < 0.6 * sqrt(errors[1]));
+    /* A longer step after 20 to 30 single ones: both ends of such a diagonal are found. */
+    double long_errors[3] = {0};
+    for (int i = 0; i < 8; i++) add_errors(PI / 4 + 0.018 + 0.001 * i, 0.3 * i, 0, long_errors);
+    print_message("long diagonals: none %.2f, mlaa %.2f, smaa %.2f\n", sqrt(long_errors[0]), sqrt(long_errors[1]),
+                  sqrt(long_errors[2]));
+    assert_true(sqrt(long_errors[2]) < 0.2 * sqrt(long_errors[0]));
 }
 
 /* A square keeps its corners but for a trace; blue steps, too dark for luma, are seen by their colour; BGRA makes no difference. */
