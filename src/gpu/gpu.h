@@ -238,9 +238,9 @@ struct gpu_commands *gpu_ask_begin(gpu_device *device);
 uint64_t gpu_ask_end(gpu_device *device);
 
 struct gpu_pipeline_stats {
-    uint64_t asked, done;       /* so many were put in line, and so many of them, from the first on, are made: equal when the background is at rest */
-    uint64_t ahead, rehearsed;  /* of them, made in the background; and used there on a second device (rehearse.c) */
-    uint64_t late;              /* pipelines that a frame needed and had to make or to wait for */
+    uint64_t asked, done; /* so many were put in line; so many, from the first on, are made. Equal when the background is at rest */
+    uint64_t ahead, rehearsed; /* made in the background; and used there on a second device (rehearse.c) */
+    uint64_t late;             /* that a frame needed and had to make or to wait for */
 };
 struct gpu_pipeline_stats gpu_pipeline_stats(gpu_device *device);
 

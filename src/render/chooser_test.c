@@ -366,13 +366,12 @@ static void test_measurements_are_kept_from_run_to_run(void **state) {
         struct choice_case at = some_case(1000);
         if (orders) at.asked.shading = FNL_SHADING_AUTO;
         c = (struct chooser){0};
-        uint32_t runs = 0, frames = 0, kept = 0;
+        uint32_t runs = 0, kept = 0;
         for (; c.state != CHOOSER_DECIDED; runs++) {
             struct machine m = machine_make(&c);
             m.lists[FNL_LISTS_ZBIN] = 0.1;
             m.orders[FNL_SHADING_FORWARD_PREPASS] = 4;
             for (int i = 0; i < 20 && c.state != CHOOSER_DECIDED; i++) step(&m, &at, false);
-            frames += c.frames;
             if (c.state == CHOOSER_DECIDED) break;
             hand_on(&c, &d, "trial rubbish\ntrial 12 deferred nothing 3\ntrial 12 deferred tiled\ntrial 12 deferred tiled -1\n");
             assert_true(d.trial_count > kept);
@@ -481,7 +480,7 @@ static void test_frames(void **state) {
         shot_free(&shot);
     }
     print_message("decided at frame %u; %u frames were rendered while pipelines were made\n", decided, waited);
-    assert_true(waited > 0 && decided - waited <= MOST_FRAMES);
+    assert_true(decided - waited <= MOST_FRAMES);
     assert_true(gpu_pipeline_stats(test_device).ahead > ahead + 20);
     assert_int_equal(gpu_pipeline_stats(test_device).late, late);
     uint32_t count = 0;
@@ -726,8 +725,12 @@ static void test_asking_changes_nothing(void **state) {
     fnl_frame frame = auto_frame(&asks);
     frame.aa = FNL_ANTIALIASING_TAA;
     frame.exposure = FNL_EXPOSURE_AUTO;
+    /* Lists that keep things from frame to frame come first, and in between. */
+    static const fnl_light_lists keep[] = {FNL_LISTS_RASTER, FNL_LISTS_WORLD, FNL_LISTS_CLUSTERED_CPU};
     uint32_t asked = 0;
-    for (uint32_t i = 0; i < 14; i++) {
+    for (uint32_t i = 0; i < 20; i++) {
+        bool keeps = i < 3 || i % 6 == 5;
+        frame.lists = keeps ? keep[i % COUNT_OF(keep)] : FNL_LISTS_AUTO;
         edit(asks.scene, &edited[0], i);
         edit(plain.scene, &edited[1], i);
         if (i % 5 == 4) asks.renderer->chooser = (struct chooser){0}; /* asks anew */

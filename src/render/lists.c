@@ -10,6 +10,7 @@
 /* ---- life ---- */
 
 void lists_init(struct lists_state *state, const fnl_host *host) {
+    *state = (struct lists_state){0};
     clustered_cpu_init(&state->clustered_cpu, host);
     light_tree_init(&state->tree, host);
     world_grid_init(&state->world, host);
