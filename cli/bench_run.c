@@ -159,26 +159,21 @@ static bool make_first_renderer(struct bench_run *run) {
     return true;
 }
 
-enum { AUTO_FRAMES = 64 }; /* a chooser has decided by then */
-static bool is_auto(const struct lane *lane) {
-    return strcmp(fnl_shading_name(lane->candidate->shading), "auto") == 0 ||
-           strcmp(fnl_light_lists_name(lane->candidate->lists), "auto") == 0;
-}
-
-/* Until the pools of lists and of culling have grown to what they need, and at least the frames asked for. */
+/* Until the pools of lists and of culling have grown to what they need, auto has decided, and at least the frames asked for. */
 static void warm_up(struct bench_run *run, struct lane *lane, uint32_t frames) {
     fnl_frame_stats stats = {.overflow_cells = 1};
     fnl_frame frame = frame_at(run, lane, 0);
-    for (uint32_t i = 0; i < frames || (stats.overflow_cells + stats.items_whole > 0 && i < frames + 4); i++) {
+    for (uint32_t i = 0; i < frames || stats.choosing || (stats.overflow_cells + stats.items_whole > 0 && i < frames + 4); i++) {
         if (stopped(run) || lane->failed || !render(run, lane, &frame, &stats)) return;
         show_progress(run, lane, "warming up");
+        if (stats.pipelines_pending) nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL); /* rather than hold that up */
     }
 }
 
 static void open_lane(struct bench_run *run, struct lane *lane) {
     if (!lane->renderer && !run->shared && fnl_renderer_create(run->device, run->scene, &lane->own) != FNL_OK) run->shared = true;
     if (!lane->renderer) lane->renderer = lane->own ? lane->own : run->lanes[0].own;
-    warm_up(run, lane, is_auto(lane) ? AUTO_FRAMES : 1);
+    warm_up(run, lane, 1);
     run->opened++;
 }
 

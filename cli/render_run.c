@@ -255,14 +255,16 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
         progress_show("choosing", count, 60);
         if (fnl_renderer_render(renderer, &trial) != FNL_OK || fnl_renderer_query_stats(renderer, &stats) != FNL_OK)
             return false;
+        /* Frames would only take time from the making of pipelines. */
+        if (stats.pipelines_pending) nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
     }
     frame->pin_choice = true;
     if (o->frame_count > 1 && stats.choosing && !o->quiet)
         fprintf(
             stderr,
-            "fanal: warning: auto has not decided within %g s (%u frames, as long as their pipelines were made): it takes "
-            "the best that it knows. Run it again, now that there are pipelines, raise --choose-seconds, or name %s\n",
-            o->choose_seconds, count, frame->lists == FNL_LISTS_AUTO ? "--lists" : "--shading");
+            "fanal: warning: auto has not decided within %g s (%u frames, pipelines to be made yet: %u): it takes "
+            "the best that it knows. Run it again to go on from there, raise --choose-seconds, or name %s\n",
+            o->choose_seconds, count, stats.pipelines_pending, frame->lists == FNL_LISTS_AUTO ? "--lists" : "--shading");
     return true;
 }
 

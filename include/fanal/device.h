@@ -24,7 +24,7 @@ FNL_API fnl_device_params fnl_device_params_default(void);
 
 /** Creates a device; `params` may be NULL. FNL_ERROR_DEVICE when none fits, with the reason for each in the log. */
 FNL_API fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out);
-/** Waits for its work. Renderers of the device must be destroyed first. */
+/** Waits for its work, and for a pipeline that is being made in the background. Renderers of the device must be destroyed first. */
 FNL_API void fnl_device_destroy(fnl_device **device);
 
 typedef enum fnl_device_type {

@@ -637,8 +637,10 @@ typedef struct fnl_frame {
         light-prepass, pre-lighting, low-res, coarse), texturing, virtual-texturing and mobile; others take no notice. Default false. */
     bool gbuffer_prepass;
     /**
-     * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: measures nothing; the choice made so far stays, or else the one remembered from an earlier
-     * run, or the likely one. For single frames, and where every frame must cost the same. Default false.
+     * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: this frame is not for measuring. It tries no candidate, has no pipelines made for one and adds
+     * no timers; it takes the choice made so far, or else the one remembered from an earlier run, the best of what was measured, or the
+     * likely one. On in all frames, a renderer never measures, and a choice changes only with the scene, the size or what is asked for.
+     * For single frames, and where every frame must cost the same. Default false.
      */
     bool pin_choice;
     uint32_t record_threads; /**< threads that record commands; 0 (default): as many as the job system has */
@@ -763,7 +765,9 @@ typedef struct fnl_frame_stats {
     fnl_shading shading; /**< what the frame was rendered with: the choice of auto, or what was asked for */
     fnl_light_lists
         lists; /**< likewise; mesh where that stood in for batches or multipass, which have no MSAA and only so many passes */
-    bool choosing;      /**< auto is still measuring candidates */
+    bool choosing;      /**< auto has not decided yet; false with pin_choice */
+    /** Pipelines for candidates of auto that are still to be made in the background; as long as there are any it does not measure. */
+    uint32_t pipelines_pending;
     const char *choice; /**< what auto chose by, or ""; owned by the renderer, valid until its next call */
     uint32_t pass_count;
     const fnl_pass_time *passes; /**< in order, owned by the renderer, valid until the next call on it */

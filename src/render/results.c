@@ -139,6 +139,8 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     bool is_auto = r->asked.shading == FNL_SHADING_AUTO || r->asked.lists == FNL_LISTS_AUTO;
     out->shading = r->frame.shading;
     out->choosing = is_auto && !r->frame.pin_choice && r->chooser.state == CHOOSER_MEASURING;
+    struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
+    out->pipelines_pending = (uint32_t)(pipelines.asked - pipelines.done);
     out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;
     out->pass_count = r->pass_times.count;
