@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "arguments.h"
 
+#include "output.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>
@@ -212,7 +214,7 @@ json_t *argument_list_options_json(const fnl_list_options *options) {
 bool argument_list_options(const char *option, const char *text, fnl_list_options *out) {
     if (strcmp(text, "help") == 0) {
         argument_list_options_help();
-        exit(0);
+        exit(output_flush() ? 0 : 2);
     }
     char copy[512];
     if (strlen(text) >= sizeof copy) return argument_bad(option, text, "shorter than 512 characters");

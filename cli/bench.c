@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LIGHTS_MAX = 1 << 20 };
 
@@ -493,9 +494,10 @@ int command_bench(int argc, char **argv) {
     uint32_t width = o.matrix.size_count ? o.matrix.sizes[0][0] : 0, height = o.matrix.size_count ? o.matrix.sizes[0][1] : 0;
     uint32_t *lights = calloc((size_t)scene_count + 1, sizeof *lights);
     int status = 2;
+    bool made = false;
     /* Everything that can be wrong is found before the folder is touched. */
     if (lights && bench_check_folder(&o.settings) && complete_options(&o) && check_scenes(&o, scenes, scene_count, lights) &&
-        (!o.settings.resume || bench_load(o.settings.output, &data)) && bench_prepare_folder(o.settings.output)) {
+        (!o.settings.resume || bench_load(o.settings.output, &data)) && bench_prepare_folder(o.settings.output, &made)) {
         if (!data.root) data.root = json_object();
         if (!data.pictures) data.pictures = json_object();
         if (matrix ? bench_plan_matrix(&o.matrix, scenes, lights, scene_count, &plan) : bench_suite_plan(o.suite, width, height, &plan))
@@ -504,6 +506,7 @@ int command_bench(int argc, char **argv) {
             fputs("fanal: error: memory ran out\n", stderr);
     }
     free(lights);
+    if (status == 2 && made) rmdir(o.settings.output); /* unless something was measured, it is empty */
     json_decref(data.root);
     json_decref(data.pictures);
     bench_plan_free(&plan);

@@ -244,9 +244,12 @@ double bench_median(const json_t *result, const char *key);
 
 /** False with a message when the folder of the settings holds results that nobody said to replace or to go on with. */
 bool bench_check_folder(const struct bench_settings *settings);
-/** Checks that a folder can be written to, making it if it is not there. False with a message. */
-bool bench_prepare_folder(const char *folder);
-/** Reads DIR/results.json, and the pictures out of DIR/report.html. A missing file leaves `data` empty; false with a message if it is broken. */
+/** Checks that a folder can be written to, making it if it is not there (`*made`). False with a message. */
+bool bench_prepare_folder(const char *folder, bool *made);
+/**
+ * Reads DIR/results.json, and the pictures out of DIR/report.html. A missing file leaves `data` empty; false with a message if it cannot be read or
+ * is broken.
+ */
 bool bench_load(const char *folder, struct bench_data *data);
 /** Writes results.json, results.csv, and with `page` report.html; each is complete or not there. False with a message. */
 bool bench_save(const char *folder, const struct bench_data *data, bool page);

@@ -2,7 +2,10 @@
 /* results.json and results.csv, and reading them again. */
 #include "bench.h"
 
+#include "output.h"
+
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -131,13 +134,14 @@ bool bench_check_folder(const struct bench_settings *settings) {
     return true;
 }
 
-bool bench_prepare_folder(const char *folder) {
+bool bench_prepare_folder(const char *folder, bool *made) {
     char path[4096];
     if (snprintf(path, sizeof path, "%s/writable.part", folder) >= (int)sizeof path) {
         fputs("fanal: error: --output: the name of the folder is too long\n", stderr);
         return false;
     }
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) return complain(folder);
+    *made = mkdir(folder, 0777) == 0;
+    if (!*made && errno != EEXIST) return complain(folder);
     FILE *file = fopen(path, "w"); /* hours of measuring must not end at a folder that cannot be written to */
     if (!file) return complain(folder);
     fclose(file);
@@ -146,16 +150,8 @@ bool bench_prepare_folder(const char *folder) {
 }
 
 bool bench_save_file(const char *folder, const char *name, const char *text, size_t size) {
-    char path[4096], temporary[4112];
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return false;
-    snprintf(temporary, sizeof temporary, "%s.part", path);
-    FILE *file = fopen(temporary, "wb");
-    bool good = file && fwrite(text, 1, size, file) == size;
-    if (file) good = fclose(file) == 0 && good;
-    if (good && rename(temporary, path) == 0) return true;
-    complain(path);
-    unlink(temporary);
-    return false;
+    char path[4096];
+    return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && output_save(path, text, size);
 }
 
 /* ---- CSV, after RFC 4180 ---- */
@@ -275,18 +271,24 @@ void bench_drop_page(const char *folder) {
 
 /* ---- reading again ---- */
 
+/* NULL with errno 0 when there is no such file, else with a reason. */
 static char *read_file(const char *folder, const char *name) {
     char path[4096];
+    struct stat status = {0};
+    errno = ENAMETOOLONG;
     if (snprintf(path, sizeof path, "%s/%s", folder, name) >= (int)sizeof path) return NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
-    fseek(file, 0, SEEK_END);
-    long size = ftell(file);
-    rewind(file);
-    char *text = size >= 0 ? malloc((size_t)size + 1) : NULL;
-    size_t got = text ? fread(text, 1, (size_t)size, file) : 0;
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *file = descriptor >= 0 ? fdopen(descriptor, "rb") : NULL;
+    if (!file) {
+        if (errno == ENOENT) errno = 0;
+        return NULL;
+    }
+    bool regular = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+    char *text = regular ? malloc((size_t)status.st_size + 1) : NULL;
+    size_t got = text ? fread(text, 1, (size_t)status.st_size, file) : 0;
     if (text) text[got] = 0;
     fclose(file);
+    if (!text) errno = regular ? ENOMEM : EINVAL;
     return text;
 }
 
@@ -308,6 +310,10 @@ bool bench_load(const char *folder, struct bench_data *data) {
     char *text = read_file(folder, "results.json");
     json_error_t error = {0};
     *data = (struct bench_data){0};
+    if (!text && errno) {
+        fprintf(stderr, "fanal: error: %s/results.json: cannot be read: %s\n", folder, strerror(errno));
+        return false;
+    }
     if (!text) return true;
     data->root = json_loads(text, 0, &error);
     free(text);

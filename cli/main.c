@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "commands.h"
+#include "output.h"
 
 #include "fanal/base.h"
 
@@ -27,7 +28,7 @@ static void print_help(FILE *out) {
           out);
 }
 
-int main(int argc, char **argv) {
+static int run(int argc, char **argv) {
     if (argc < 2) {
         print_help(stderr);
         return 2;
@@ -44,4 +45,10 @@ int main(int argc, char **argv) {
         if (strcmp(argv[1], commands[i].name) == 0) return commands[i].run(argc - 1, argv + 1);
     fprintf(stderr, "fanal: error: there is no command '%s'; see 'fanal --help'\n", argv[1]);
     return 2;
+}
+
+int main(int argc, char **argv) {
+    output_guard_streams();
+    int status = run(argc, argv);
+    return output_flush() ? status : 2;
 }

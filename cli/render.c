@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "bench.h" /* camera paths */
 #include "commands.h"
+#include "output.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -593,6 +594,35 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"format", required_argument, NULL, O_FORMAT},
                                              {NULL, 0, NULL, 0}};
 
+/* Of two outputs that are one file the first would be lost. Patterns of sequences count without the widths of their numbers. */
+static bool is_same_file(const char *a, const char *b) {
+    char plain[2][4096];
+    for (int i = 0; i < 2; i++) {
+        const char *path = i ? b : a, *percent = strchr(path, '%');
+        int before = percent ? (int)(percent + 1 - path) : (int)strlen(path);
+        const char *after = path + before + strspn(path + before, percent ? "0123456789" : "");
+        snprintf(plain[i], sizeof plain[i], "%.*s%s", before, path, after);
+    }
+    return output_is_same(plain[0], plain[1]);
+}
+
+static bool check_files(const struct render_options *o) {
+    const char *files[RENDER_MAX_OUTPUTS + 2];
+    int count = 0;
+    for (; count < o->output_count; count++) files[count] = o->outputs[count];
+    if (o->stats) files[count++] = o->stats;
+    int written = count;
+    files[count++] = o->scene;
+    for (int i = 0; i < written; i++)
+        for (int k = i + 1; k < count; k++) {
+            if (!is_same_file(files[i], files[k])) continue;
+            fprintf(stderr, "fanal: error: %s and %s are one file%s\n", files[i], files[k],
+                    k < written ? ", which would be written twice" : ": the scene would be overwritten");
+            return false;
+        }
+    return true;
+}
+
 /* What only makes sense together. */
 static bool check_options(struct render_options *o) {
     const char *problem = NULL;
@@ -691,7 +721,7 @@ int command_render(int argc, char **argv) {
         return 2;
     }
     o.scene = argv[optind];
-    if (!check_options(&o)) return 2;
+    if (!check_options(&o) || !check_files(&o)) return 2;
     if (!o.has_shading && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
     warn_of_unused(&o, given);
     return render_run(&o);

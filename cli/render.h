@@ -84,8 +84,6 @@ void report_print(const struct render_report *report);
 void report_print_picture(const struct render_report *report, double seconds);
 /** The numbers as JSON, by docs/stats.schema.json, on a line of its own or indented; NULL when memory ran out. To be freed. */
 char *report_text(const struct render_report *report, bool line);
-/** Writes a whole file, or to a pipe or a device. False with a message. */
-bool report_write(const char *path, const char *text);
 
 /* ---- parts of a run ---- */
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "output.h"
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
@@ -349,7 +350,7 @@ static bool takes_stdout(const struct render_options *o) {
 static bool save_stats(const struct render_options *o, const struct render_report *report) {
     char *text = report_text(report, false);
     if (!text) fputs("fanal: error: --stats: memory ran out\n", stderr);
-    bool good = text && (render_is_stdout(o->stats) ? stream_write(text, strlen(text)) : report_write(o->stats, text));
+    bool good = text && (render_is_stdout(o->stats) ? stream_write(text, strlen(text)) : output_save(o->stats, text, strlen(text)));
     free(text);
     return good;
 }
@@ -384,9 +385,13 @@ int render_run(const struct render_options *o) {
                 (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
-    progress_show("writing", 0, 0);
     if (good && o->plan) print_text(renderer, fnl_renderer_print_plan);
     if (good && o->traffic) print_text(renderer, fnl_renderer_print_traffic);
+    progress_end();
+    bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
+    if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
+    if (table && o->frame_count > 0) report_print(&report);
+    good = good && output_flush(); /* before anything is written: all or nothing */
     if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean);
     supersample_free(&mean);
     if (good && o->stats && !sequence && !save_stats(o, &report)) {
@@ -394,10 +399,6 @@ int render_run(const struct render_options *o) {
             if (!render_is_stdout(o->outputs[i])) unlink(o->outputs[i]); /* all or nothing */
         good = false;
     }
-    progress_end();
-    bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
-    if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
-    if (table && o->frame_count > 0) report_print(&report);
     free((void *)report.names);
     free(report.pass_times);
     free(report.cpu_times);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The pictures of a sequence, in which the animation goes on and the camera follows a path. */
 #include "bench.h" /* camera paths */
+#include "output.h"
 #include "progress.h"
 #include "render.h"
 #include "stream.h"
@@ -144,7 +145,7 @@ bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_s
         fprintf(stderr, "fanal: error: --start-frame: the sequence has no picture %u; it ends after %u\n", o->start_frame, s.end - 1);
     good = good && run(&s, report, lines);
     if (lines && fclose(lines) != 0) good = false;
-    if (good && lines && !render_is_stdout(o->stats)) good = report_write(o->stats, text);
+    if (good && lines && !render_is_stdout(o->stats)) good = output_save(o->stats, text, length);
     free(text);
     bench_path_destroy(&s.path);
     return good;

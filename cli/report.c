@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static int compare_doubles(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -144,20 +142,4 @@ void report_print(const struct render_report *r) {
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
            (double)s->device_peak_bytes / (1 << 20));
-}
-
-bool report_write(const char *path, const char *text) {
-    char temporary[4096] = "";
-    struct stat status;
-    bool replaces = stat(path, &status) != 0 || S_ISREG(status.st_mode); /* no file may take the place of a device or a pipe */
-    bool fits = snprintf(temporary, sizeof temporary, "%s.part", path) < (int)sizeof temporary;
-    FILE *file = fits ? fopen(replaces ? temporary : path, "w") : NULL;
-    bool good = file && fputs(text, file) >= 0;
-    if (file) good = fclose(file) == 0 && good;
-    good = good && (!replaces || rename(temporary, path) == 0);
-    if (!good) {
-        fprintf(stderr, "fanal: error: %s: cannot be written\n", path);
-        if (replaces) unlink(temporary);
-    }
-    return good;
 }

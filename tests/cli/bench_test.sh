@@ -60,6 +60,13 @@ expect 2 "list-option: .*x" builtin:spheres --list-option x=1 -o "$out"
 expect 2 'unrecognized option|unknown option|invalid option' builtin:spheres --nonsense -o "$out"
 expect 2 'nowhere' builtin:spheres builtin:nowhere -o "$out"
 expect 2 'missing.gltf: cannot be opened' "$work/missing.gltf" -o "$out"
+expect 2 'nobody' builtin:spheres --camera nobody -o "$out"
+expect 2 'path.txt: cannot be opened' builtin:spheres --camera-path "$work/path.txt" -o "$out"
+printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2\n' >"$work/path.txt"
+expect 2 'path.txt:3: not .seconds eye.x' builtin:spheres --camera-path "$work/path.txt" -o "$out"
+mkfifo "$work/pipe"
+expect 2 'pipe: is not a regular file' builtin:spheres --camera-path "$work/pipe" -o "$out"
+expect 2 'device' builtin:spheres --device 99 -o "$out"
 [ ! -e "$out" ] || fail 'a folder was made for nothing'
 touch "$work/file"
 expect 2 'file/x: cannot be written' builtin:spheres -o "$work/file/x"
@@ -67,12 +74,6 @@ expect 2 'file: cannot be written' builtin:spheres -o "$work/file"
 tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
 # shellcheck disable=SC2086
 {
-    expect 2 'nobody' builtin:spheres $tiny --camera nobody -o "$work/a"
-    expect 2 'path.txt: cannot be opened' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
-    printf '# a path\n0 0 2 10  0 1 0\n0.5 1 2\n' >"$work/path.txt"
-    expect 2 'path.txt:3: not .seconds eye.x' builtin:spheres $tiny --camera-path "$work/path.txt" -o "$work/a"
-    [ ! -e "$work/a" ] || fail 'a camera or a path that cannot be had left a folder behind'
-
     # A matrix: zero lights and glass too, and a name with a comma for the CSV.
     expect 0 'On builtin:spheres with 16 lights at 33x17, .* was fastest: [0-9.]+ ms(,|[.] Its lead,) [0-9.]+ times as fast as ' builtin:spheres "builtin:glass?seed=2&lights=5" --sizes 33x17 --lights 0,16 \
         --shading deferred,forward --lists brute,tiled,clustered --list-option tile-size=8,slices=16 --frames 3 -o "$work/a"

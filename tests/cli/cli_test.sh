@@ -63,6 +63,62 @@ absent "$work/a.png" "$work"/*part*
 expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --stats "$work/none/s.json"
 absent "$work/a.png"
 
+# What was printed and did not arrive is an error, and then nothing is written; a stream that is closed lends its number to no file.
+for arguments in --help --version 'render --help' 'bench --help' 'render --list-option help' 'info builtin:spheres' 'info builtin:spheres --json' \
+    'info --gbuffers' devices 'devices --json' "render builtin:spheres $small --lists all -o $work/a.png --stats $work/a.json" \
+    "render builtin:spheres $small --lists all --plan"; do
+    # shellcheck disable=SC2086
+    "$fanal" $arguments >/dev/full 2>"$work/out"
+    [ $? = 2 ] && grep -q 'standard output cannot be written' "$work/out" || fail "fanal $arguments says nothing of a full disk"
+    # shellcheck disable=SC2086
+    "$fanal" $arguments >&- 2>"$work/out"
+    [ $? = 2 ] && grep -q 'standard output cannot be written' "$work/out" || fail "fanal $arguments says nothing of a closed output"
+done
+absent "$work"/a.* "$work"/*part*
+"$fanal" render builtin:spheres $small --lists all -q -o "$work/a.png" >&- 2>/dev/null || fail 'a quiet command needs no output'
+"$fanal" compare "$work/a.png" "$work/a.png" >/dev/full 2>&1
+[ $? = 2 ] || fail 'compare says nothing of a full disk'
+rm "$work/a.png"
+
+# No file is written twice, by whatever name, nor in place of the scene.
+mkdir "$work/folder"
+ln -s folder "$work/other"
+ln -s new.png "$work/folder/link.png"
+twice='are one file, which would be written twice'
+expect 2 "$twice" render builtin:spheres $small -o "$work/a.png" -o "$work/a.png"
+expect 2 "$twice" render builtin:spheres $small -o "$work/folder/a.png" -o "$work/other/../folder/./a.png"
+expect 2 "$twice" render builtin:spheres $small -o "$work/folder/new.png" -o "$work/other/link.png"
+expect 2 "$twice" render builtin:spheres $small -o "$work/a.png" -o "$work/b.exr" --stats "$work/b.exr"
+expect 2 "$twice" render builtin:spheres $small --frames 2 -o "$work/a-%d.png" -o "$work/a-%02d.png"
+cp "$work/cut.gltf" "$work/scene.gltf"
+expect 2 'the scene would be overwritten' render "$work/scene.gltf" $small --stats "$work/folder/../scene.gltf"
+cmp -s "$work/cut.gltf" "$work/scene.gltf" || fail 'the scene was overwritten'
+absent "$work"/a* "$work/b.exr" "$work"/folder/*.png
+
+# What is replaced keeps its mode, and a link stays one.
+touch "$work/folder/new.png" "$work/folder/numbers"
+chmod 640 "$work/folder/new.png" "$work/folder/numbers"
+ln -s folder/numbers "$work/numbers"
+expect 0 '' render builtin:spheres $small --lists all -q -o "$work/folder/link.png" --stats "$work/numbers"
+for file in new.png numbers; do [ "$(stat -c %a "$work/folder/$file")" = 640 ] && [ -s "$work/folder/$file" ] || fail "$file has another mode"; done
+[ -L "$work/numbers" ] && [ -L "$work/folder/link.png" ] || fail 'a link was replaced'
+
+# Pipes are no scenes and no pictures, and nobody waits for what they might hold.
+mkfifo "$work/pipe.glb" "$work/pipe.png" "$work/pipe.bin"
+ln -s /dev/null "$work/null.png"
+echo '{"asset":{"version":"2.0"},"buffers":[{"uri":"pipe.bin","byteLength":4}]}' >"$work/pipe.gltf"
+patient=$fanal fanal=$work/impatient
+printf '#!/bin/sh\nexec timeout 60 %s "$@"\n' "'$patient'" >"$fanal"
+chmod +x "$fanal"
+expect 2 'pipe.glb: is a pipe, not a regular file' info "$work/pipe.glb"
+expect 2 'pipe.png: is a pipe, not a regular file' compare "$work/pipe.png" "$work/pipe.png"
+expect 0 'buffers/0/uri: .*pipe.bin: is a pipe, not a regular file' info "$work/pipe.gltf"
+expect 2 'folder: is a folder, not a regular file' info "$work/folder"
+expect 2 'pipe.png: cannot be written: it is a pipe' render builtin:spheres $small --lists all -o "$work/pipe.png"
+expect 2 'null.png: cannot be written: it is a device' render builtin:spheres $small --lists all -o "$work/null.png"
+fanal=$patient
+[ -p "$work/pipe.png" ] && [ -c /dev/null ] || fail 'a picture took the place of a pipe'
+
 # Settings of another order are harmless, but not passed over in silence.
 expect 0 'coarse has no effect with --shading deferred' render builtin:spheres $small --lists all --coarse size=4 -o "$work/unused.png"
 expect 0 'occlusion has no effect with --shading low-res' render builtin:spheres $small --lists all --shading low-res --occlusion -o "$work/unused.png"

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+#include "output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- paths ---- */
+
+/** The file that a path leads to, without symbolic links; the file itself need not be there. */
+static bool follow_links(const char *path, char target[PATH_MAX]) {
+    enum { LINKS_MAX = 40 };
+    char link[PATH_MAX];
+    if (snprintf(target, PATH_MAX, "%s", path) >= PATH_MAX) return false;
+    for (int i = 0; i < LINKS_MAX; i++) {
+        ssize_t length = readlink(target, link, sizeof link - 1);
+        if (length < 0) return true;
+        link[length] = 0;
+        const char *slash = strrchr(target, '/');
+        size_t folder = slash && link[0] != '/' ? (size_t)(slash + 1 - target) : 0;
+        if (folder + (size_t)length >= PATH_MAX) return false;
+        memcpy(target + folder, link, (size_t)length + 1);
+    }
+    return false;
+}
+
+/** The same from the root on. */
+static bool resolve(const char *path, char out[PATH_MAX]) {
+    char target[PATH_MAX], folder[PATH_MAX];
+    if (!follow_links(path, target)) return false;
+    char *slash = strrchr(target, '/');
+    const char *name = slash ? slash + 1 : target;
+    if (slash) *slash = 0;
+    if (!realpath(!slash ? "." : *target ? target : "/", folder)) return false;
+    return snprintf(out, PATH_MAX, "%s/%s", strcmp(folder, "/") == 0 ? "" : folder, name) < PATH_MAX;
+}
+
+bool output_is_same(const char *a, const char *b) {
+    char first[PATH_MAX], second[PATH_MAX];
+    if (strcmp(a, b) == 0) return true;
+    return resolve(a, first) && resolve(b, second) && strcmp(first, second) == 0;
+}
+
+/* ---- files ---- */
+
+static bool complain(const char *path) {
+    fprintf(stderr, "fanal: error: %s: cannot be written: %s\n", path, strerror(errno));
+    return false;
+}
+
+static bool write_all(int descriptor, const char *bytes, size_t size) {
+    while (size > 0) {
+        ssize_t written = write(descriptor, bytes, size);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return false;
+        bytes += written;
+        size -= (size_t)written;
+    }
+    return true;
+}
+
+bool output_save(const char *path, const void *bytes, size_t size) {
+    char target[PATH_MAX], temporary[PATH_MAX];
+    struct stat before;
+    errno = ENAMETOOLONG;
+    if (!follow_links(path, target)) return complain(path);
+    bool exists = stat(target, &before) == 0, replaces = !exists || S_ISREG(before.st_mode);
+    const char *slash = strrchr(target, '/');
+    int folder = slash ? (int)(slash + 1 - target) : 0, descriptor;
+    if (snprintf(temporary, sizeof temporary, "%.*sfanal-%08x.part", folder, target, (unsigned)getpid()) >=
+        (int)sizeof temporary)
+        return complain(path);
+    if (replaces) {
+        unlink(temporary); /* of a process of this number that was killed */
+        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } else {
+        descriptor = open(target, O_WRONLY | O_CLOEXEC);
+    }
+    if (descriptor < 0) return complain(path);
+    if (exists && replaces) fchmod(descriptor, before.st_mode & 0777);
+    bool good = write_all(descriptor, bytes, size);
+    int reason = errno;
+    if (close(descriptor) != 0 && good) {
+        good = false;
+        reason = errno;
+    }
+    if (good && replaces && rename(temporary, target) != 0) {
+        good = false;
+        reason = errno;
+    }
+    if (good) return true;
+    if (replaces) unlink(temporary);
+    errno = reason;
+    return complain(path);
+}
+
+/* ---- what is printed ---- */
+
+void output_guard_streams(void) {
+    for (int i = 0; i <= 2; i++) /* writing to what is only for reading fails, as it should */
+        if (fcntl(i, F_GETFD) < 0 && open("/dev/null", i == STDOUT_FILENO ? O_RDONLY : O_RDWR) != i) exit(2);
+}
+
+bool output_flush(void) {
+    static bool told;
+    errno = 0;
+    bool good = fflush(stdout) == 0 && !ferror(stdout);
+    if (!good && !told)
+        fprintf(stderr, "fanal: error: the standard output cannot be written%s%s\n", errno ? ": " : "",
+                errno ? strerror(errno) : "");
+    told |= !good;
+    return good;
+}
