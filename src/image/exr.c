@@ -334,11 +334,24 @@ static exr_result_t write_header(exr_context_t exr, uint32_t width, uint32_t hei
     return error ? error : exr_write_header(exr);
 }
 
+/*
+ * A chunk as long as its data counts as not compressed, but OpenEXR 3.1 stores compressed bytes when they are exactly as many: then the data
+ * itself is to be stored.
+ */
+static exr_result_t compress_chunk(exr_encode_pipeline_t *pipeline) {
+    exr_result_t (*const *compress)(exr_encode_pipeline_t *) = pipeline->encoding_user_data;
+    exr_result_t error = (*compress)(pipeline);
+    if (!error && pipeline->compressed_bytes == pipeline->packed_bytes)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, (size_t)pipeline->packed_bytes);
+    return error;
+}
+
 static exr_result_t write_chunks(exr_context_t exr, uint32_t width, uint32_t height, const fnl_exr_channel *channels,
                                  uint32_t count) {
     int32_t step = 0;
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     exr_result_t error = exr_get_scanlines_per_chunk(exr, 0, &step);
+    exr_result_t (*compress)(exr_encode_pipeline_t *) = NULL;
     bool begun = false;
     for (uint32_t y = 0; !error && y < height; y += (uint32_t)step) {
         exr_chunk_info_t chunk;
@@ -355,6 +368,11 @@ static exr_result_t write_chunks(exr_context_t exr, uint32_t width, uint32_t hei
             target->user_data_type = EXR_PIXEL_FLOAT;
         }
         if (!error && !begun) error = exr_encoding_choose_default_routines(exr, 0, &pipeline);
+        if (!error && !begun && pipeline.compress_fn) {
+            compress = pipeline.compress_fn;
+            pipeline.encoding_user_data = &compress;
+            pipeline.compress_fn = compress_chunk;
+        }
         begun = true;
         if (!error) error = exr_encoding_run(exr, 0, &pipeline);
     }

@@ -422,6 +422,20 @@ static void test_exr_keeps_what_is_not_finite(void **state) {
     round_trip("a.exr", &(fnl_image){3, 1, FNL_PIXEL_FORMAT_RGBA32F, values}, 0);
 }
 
+/* Compressed to as many bytes as there are: a chunk of that length is one that is not compressed. */
+static void test_exr_that_does_not_shrink(void **state) {
+    UNUSED(state);
+    struct random_state random = {5};
+    round_trip("a.exr", &(fnl_image){1, 1, FNL_PIXEL_FORMAT_RGBA32F, (float[]){-1, 0, 0, 0}}, 0);
+    for (uint32_t i = 0; i < 200; i++) {
+        float values[4 * 6] = {0};
+        uint32_t width = 1 + i % 6;
+        for (uint32_t k = 0; k < 4 * width; k++)
+            if (random_bits(&random) % 3 == 0) values[k] = random_float(&random);
+        round_trip("a.exr", &(fnl_image){width, 1, FNL_PIXEL_FORMAT_RGBA32F, values}, 0);
+    }
+}
+
 static void test_hdr_clamps_what_it_cannot_hold(void **state) {
     UNUSED(state);
     fnl_host host = host_resolve(NULL);
@@ -637,6 +651,7 @@ int main(void) {
         cmocka_unit_test(test_what_is_saved_is_read_again),
         cmocka_unit_test(test_hdr_splits_long_runs),
         cmocka_unit_test(test_exr_keeps_what_is_not_finite),
+        cmocka_unit_test(test_exr_that_does_not_shrink),
         cmocka_unit_test(test_hdr_clamps_what_it_cannot_hold),
         cmocka_unit_test(test_png_says_srgb_and_drops_full_alpha),
         cmocka_unit_test(test_exr_planes),
