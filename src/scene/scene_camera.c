@@ -80,14 +80,20 @@ static struct box box_to_frame(const fnl_scene *scene) {
     return bounds;
 }
 
+/* Without the overflow of squares. */
+static float length_of(vec3 v) { return (float)sqrt((double)v.x * v.x + (double)v.y * v.y + (double)v.z * v.z); }
+
 fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));
     TRY(check_above(CALL(&scene->host), "aspect", (double)aspect, 0, (double)FLT_MAX, ""));
     struct box bounds = box_to_frame(scene);
+    const vec3 most = vec3_make(1e36f, 1e36f, 1e36f); /* so that what follows stays finite */
+    bounds.low = vec3_min(vec3_max(bounds.low, vec3_scale(most, -1)), most);
+    bounds.high = vec3_min(vec3_max(bounds.high, vec3_scale(most, -1)), most);
     vec3 center = vec3_scale(vec3_add(bounds.low, bounds.high), 0.5f);
     vec3 half = vec3_scale(vec3_sub(bounds.high, bounds.low), 0.5f);
-    float radius = fmaxf(vec3_length(half), 1e-4f + 1e-4f * vec3_length(center));
+    float radius = fmaxf(length_of(half), 1e-4f + 1e-4f * length_of(center));
 
     /* From the front, a little to the right and above: the usual three-quarter view. */
     fnl_camera camera = fnl_camera_default();

@@ -2,6 +2,7 @@
 /* The public calls of fanal/scene.h, their misuse, and what a renderer follows. */
 #include "scene/gltf_test_file.h"
 
+#include <float.h>
 #include <setjmp.h>
 
 #include <cmocka.h>
@@ -203,6 +204,26 @@ static void test_children_follow_their_parents(void **state) {
 }
 
 /** All corners of the bounds project into the picture, and some comes near its edge. */
+/* Squares of such lengths overflow. */
+static void test_framing_camera_of_the_largest_scene(void **state) {
+    UNUSED(state);
+    static const float sides[] = {1e20f, -1e30f, FLT_MAX};
+    for (uint32_t i = 0; i < COUNT_OF(sides); i++) {
+        fnl_scene *scene;
+        fnl_camera camera;
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        assert_int_equal(fnl_scene_create(NULL, &scene), FNL_OK);
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+        light.position = vec3_make(0, sides[i], sides[i]);
+        assert_int_equal(fnl_scene_add_light(scene, &light, &id), FNL_OK);
+        assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &camera), FNL_OK);
+        assert_true(vec3_finite(camera.position) && vec3_finite(camera.target) && isfinite(camera.far_distance));
+        assert_true(camera.near_distance > 0 && camera.near_distance < camera.far_distance);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 static void test_framing_camera_shows_everything(void **state) {
     UNUSED(state);
     static const float scales[] = {1e-3f, 1, 1e4f}, aspects[] = {0.3f, 1, 3};
@@ -277,6 +298,7 @@ int main(void) {
         cmocka_unit_test(test_moves_can_be_followed),
         cmocka_unit_test(test_children_follow_their_parents),
         cmocka_unit_test(test_framing_camera_shows_everything),
+        cmocka_unit_test(test_framing_camera_of_the_largest_scene),
         cmocka_unit_test(test_added_things_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
