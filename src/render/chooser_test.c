@@ -275,9 +275,10 @@ static void test_memory(void **state) {
     }
     assert_int_equal(c.memory_count, CHOOSER_MEMORY);
     size_t length = chooser_print(&c, NULL, 0);
-    char *text = calloc(length + 64, 1);
+    char *text = calloc(length + 256, 1);
     assert_int_equal(chooser_print(&c, text, length + 1), length);
-    strcat(text, "rubbish\n12 deferred nothing 3\n99 deferred all");
+    strcat(text, "rubbish\n12 deferred nothing 3\n13 deferred tiled nan\n14 deferred tiled inf\n15 deferred tiled -1\n"
+                 "16 deferred tiled 1e300\n99 deferred all");
     chooser_parse(&d, text, strlen(text));
     assert_int_equal(d.memory_count, CHOOSER_MEMORY);
     for (uint32_t i = 0; i < CHOOSER_MEMORY; i++) {
