@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LIGHTS_MAX = 1 << 20 };
+enum { LIGHTS_MAX = 1 << 20, COMBINATIONS_MAX = 1 << 20 };
 
 struct bench_options {
     struct bench_settings settings;
@@ -362,6 +362,14 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
 
 /* ---- running ---- */
 
+/* Of shading, lists and ways, for each case; 'all' of many options at once is more than anybody waits for. */
+static uint64_t combination_count(const struct bench_matrix *m) {
+    uint64_t count = m->shading_count && !m->every_shading ? m->shading_count : FNL_SHADING_COUNT;
+    count *= m->lists_count && !m->every_lists ? m->lists_count : FNL_LISTS_COUNT;
+    for (int w = 0; w < BENCH_WAY_COUNT && count <= COMBINATIONS_MAX; w++) count *= m->way_counts[w] ? m->way_counts[w] : 1;
+    return count;
+}
+
 /* What only makes sense together. */
 static bool check_options(const struct bench_options *o, int scene_count) {
     const char *problem = NULL;
@@ -375,6 +383,7 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
     if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
+    if (combination_count(&o->matrix) > COMBINATIONS_MAX) problem = "more than 1048576 combinations of ways, orders and lists";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal bench --help'\n", problem);
     return !problem;

@@ -47,6 +47,8 @@ expect 2 "msaa-method: 'x' is not one of all tiles" builtin:spheres --msaa-metho
 expect 2 "dais: 'x' is not one of target list" builtin:spheres --dais x -o "$out"
 expect 2 "dais-multirate: 'x' is not one of off on" builtin:spheres --dais-multirate x -o "$out"
 expect 2 'chooses G-buffers' --suite thesis --gbuffer all -o "$out"
+expect 2 'more than 1048576 combinations' builtin:spheres --gbuffer all --transparency all --decals all --msaa-method all --visibility-sort all \
+    --mobile-layout all --mobile-lights all --mobile-gamma all --dais all --cull all --geometry all --occlusion all -o "$out"
 expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
 expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
