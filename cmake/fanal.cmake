@@ -96,6 +96,7 @@ function(fanal_fuzz name)
     target_link_libraries(fuzz_${name} PRIVATE fanal_${layer})
   endforeach()
   target_link_libraries(fuzz_${name} PRIVATE fanal_options ${fuzz_LINKS} m)
+  target_include_directories(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/fuzz/fuzz.h"
   target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
   set_target_properties(fuzz_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz)
   add_dependencies(fuzzers fuzz_${name})

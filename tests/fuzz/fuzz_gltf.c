@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The glTF importer: whatever the bytes, a scene that keeps its own rules, or an error; and all memory given back. */
 #include "scene/scene.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void drop_line(void *user, fnl_log_level level, const char *line) {
-    UNUSED(user);
-    UNUSED(level);
-    UNUSED(line);
-}
+#include "tests/fuzz/fuzz.h"
 
 /** What a renderer relies on. */
 static void check_primitive(const fnl_scene *scene, const struct scene_primitive *p) {
@@ -34,7 +27,7 @@ static void check_node(const fnl_scene *scene, const struct scene_node *node) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
-    fnl_host host = host_resolve(&(fnl_host){.log = drop_line});
+    fnl_host host = fuzz_host();
     fnl_scene *scene;
     if (gltf_load_memory(&host, bytes, size, "input", NULL, &scene) != FNL_OK) {
         if (scene) abort();

@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The readers of image files: whatever the bytes, a picture or an error, and all memory given back. */
 #include "image/image.h"
+#include "tests/fuzz/fuzz.h"
 
 #define PIXELS_MAX (1u << 22) /* larger pictures are slow, not different */
 
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void drop_line(void *user, fnl_log_level level, const char *line) {
-    UNUSED(user);
-    UNUSED(level);
-    UNUSED(line);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
-    fnl_host host = host_resolve(&(fnl_host){.log = drop_line});
+    fnl_host host = fuzz_host();
     struct image_file_info info;
     if (image_peek(&host, bytes, size, "input", &info) != FNL_OK || (uint64_t)info.width * info.height > PIXELS_MAX)
         return 0;
