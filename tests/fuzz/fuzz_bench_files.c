@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         bench_coarse_print(&data);
         bench_tables_print(&data);
         bench_unequal_count(&data);
-        if (!bench_save(fuzz_folder(), &data, true)) abort();
+        if (!bench_save(fuzz_folder(), &data, middle != NULL)) abort(); /* the page is large */
     }
     json_decref(data.root);
     json_decref(data.pictures);
