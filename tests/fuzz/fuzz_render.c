@@ -91,6 +91,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     if ((file_size ? gltf_load_memory(&host, file, file_size, "input", NULL, &scene) : fnl_scene_create(&host, &scene)) !=
         FNL_OK)
         return 0;
+    fnl_scene_set_ambient(scene, (fnl_vec3){1, 2, 3}, (fnl_vec3){1, 1, 1}); /* so that there is something to see */
     if (is_small(scene) && fnl_renderer_create(find_device(), scene, &renderer) == FNL_OK) {
         for (int frame = 0; frame < FRAMES_MAX && (frame == 0 || in.size > 0); frame++) {
             for (uint8_t count = fuzz_byte(&in) % 16; count > 0 && in.size > 0; count--) calls_make(&in, scene, &calls);
