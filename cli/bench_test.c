@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -282,6 +283,12 @@ static void test_files_round_trip(void **state) {
     struct bench_data none;
     assert_true(bench_load("/nowhere", &none));
     assert_null(none.root);
+    char path[160]; /* there, but not to be read: what it holds must not be taken for nothing, and then be replaced */
+    snprintf(path, sizeof path, "%s/results.json", folder);
+    unlink(path);
+    assert_int_equal(mkdir(path, 0700), 0);
+    assert_false(bench_load(folder, &none));
+    rmdir(path);
 }
 
 /* ---- ways ---- */
