@@ -4,6 +4,7 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "loading.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -82,6 +83,8 @@ static void print_help(void) {
          "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
          "  --suite NAME               instead of scenes: the experiments of a publication, with its ratios beside ours;\n"
          "                             geometry and visibility bring scenes and options, which may be replaced, and tables\n"
+         "\n"
+         "Scenes\n" LOADING_HELP
          "\n"
          "View\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
@@ -254,6 +257,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"occlusion", required_argument, NULL, O_OCCLUSION},
                                              {"list-option", required_argument, NULL, O_LIST_OPTION},
                                              {"suite", required_argument, NULL, O_SUITE},
+                                             LOADING_OPTIONS,
                                              {"camera", required_argument, NULL, O_CAMERA},
                                              {"camera-path", required_argument, NULL, O_CAMERA_PATH},
                                              {"frames", required_argument, NULL, O_FRAMES},
@@ -464,13 +468,14 @@ static int read_arguments(struct bench_options *o, int argc, char **argv) {
             fputs("fanal: see 'fanal bench --help'\n", stderr);
             return 2;
         }
-        if (!parse_option(o, option, optarg)) return 2;
+        if (!(loading_has(option) ? loading_parse(option, optarg, &o->settings.loading) : parse_option(o, option, optarg)))
+            return 2;
     }
     return -1;
 }
 
 static struct bench_options default_options(void) {
-    return (struct bench_options){.settings = {.frames = UINT32_MAX, .warm_up = 2, .checks = UINT32_MAX}};
+    return (struct bench_options){.settings = {.frames = UINT32_MAX, .warm_up = 2, .checks = UINT32_MAX, .loading = fnl_load_params_default()}};
 }
 
 /* The options of a suite first, then those of the command once more, which replace them. */

@@ -138,7 +138,8 @@ static bool run_scene(fnl_device *device, const char *source, uint32_t width, ui
     struct supersample mean = {0};
     fnl_image reference = {0};
     fnl_frame frame;
-    bool good = fnl_scene_load(NULL, source, &scene) == FNL_OK && fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
+    bool good = fnl_scene_load(NULL, source, NULL, &scene) == FNL_OK &&
+                fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 bench_metered_frame(renderer, scene, width, height, &frame) &&
                 supersample_render(&mean, renderer, &frame, SAMPLES) &&
                 fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &reference) == FNL_OK;

@@ -117,7 +117,7 @@ static bool run_scene(fnl_device *device, const struct coarse_scene *from, uint3
     fnl_scene *scene = NULL;
     fnl_renderer *renderer = NULL;
     struct coarse_subject subjects[SUBJECT_COUNT] = {0};
-    bool good = fnl_scene_load(NULL, from->source, &scene) == FNL_OK &&
+    bool good = fnl_scene_load(NULL, from->source, NULL, &scene) == FNL_OK &&
                 fnl_scene_scatter_lights(scene, from->lights, 1) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK && prepare(renderer, scene, width, height, subjects);
     for (int i = 0; i < SUBJECT_COUNT && good; i++) {

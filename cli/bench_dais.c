@@ -143,7 +143,7 @@ static bool run_scene(fnl_device *device, int index, const uint32_t size[2], con
         snprintf(source, sizeof source, "%s%u", from->source, number < 4 ? 4 : number > 1024 ? 1024 : number);
     else
         snprintf(source, sizeof source, "%s", from->source);
-    bool good = fnl_device_query_info(device, &info) == FNL_OK && fnl_scene_load(NULL, source, &scene) == FNL_OK &&
+    bool good = fnl_device_query_info(device, &info) == FNL_OK && fnl_scene_load(NULL, source, NULL, &scene) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 bench_metered_frame(renderer, scene, size[0], size[1], &frame);
     for (int i = 0; i < SUBJECT_COUNT && good; i++) {

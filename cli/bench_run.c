@@ -96,7 +96,7 @@ static bool prepare_scene(struct bench_run *run, const struct bench_case *c) {
     fnl_scene_destroy(&run->scene);
     run->scene_name = c->scene;
     run->scene_lights = c->lights;
-    return bench_scene_load(&run->host, c->scene, c->lights, &run->scene);
+    return bench_scene_load(&run->host, &run->settings->loading, c->scene, c->lights, &run->scene);
 }
 
 static bool prepare_path(struct bench_run *run, const struct bench_case *c) {

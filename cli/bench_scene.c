@@ -41,10 +41,10 @@ static fnl_result add_default_light(const char *name, fnl_scene *scene) {
                             : fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
 }
 
-bool bench_scene_load(const fnl_host *host, const char *name, int64_t lights, fnl_scene **out) {
+bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, const char *name, int64_t lights, fnl_scene **out) {
     char source[2048];
     scene_source(name, lights, source, sizeof source);
-    fnl_result result = fnl_scene_load(host, source, out);
+    fnl_result result = fnl_scene_load(host, source, loading, out);
     if (result == FNL_OK && lights > 0 && !is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
     if (result == FNL_OK) result = add_default_light(name, *out);
     if (result != FNL_OK) fnl_scene_destroy(out);
@@ -75,7 +75,7 @@ bool bench_scene_check(const struct bench_settings *settings, const char *name, 
     fnl_scene_info info = {0};
     struct bench_path path = {0};
     fnl_host host = fnl_host_default();
-    bool good = bench_scene_load(&host, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
+    bool good = bench_scene_load(&host, &settings->loading, name, -1, &scene) && bench_scene_path(scene, settings, camera, 1, &path) &&
                 fnl_scene_query_info(scene, &info) == FNL_OK;
     *lights = info.light_count - info.directional_count;
     bench_path_destroy(&path);

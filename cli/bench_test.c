@@ -98,7 +98,7 @@ static void test_circles(void **state) {
     struct bench_path orbit, turntable;
     fnl_scene *scene;
     fnl_camera framing;
-    assert_int_equal(fnl_scene_load(NULL, "builtin:spheres", &scene), FNL_OK);
+    assert_int_equal(fnl_scene_load(NULL, "builtin:spheres", NULL, &scene), FNL_OK);
     assert_int_equal(fnl_scene_query_framing_camera(scene, 1.5f, &framing), FNL_OK);
     assert_true(bench_path_create(&orbit, "orbit", scene, &framing, 4, 1.5f));
     assert_true(bench_path_create(&turntable, "turntable:8", scene, &framing, 4, 1.5f));

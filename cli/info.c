@@ -4,6 +4,7 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "loading.h"
 
 #include "fanal/scene.h"
 
@@ -25,12 +26,12 @@ static void print_help(void) {
          "how\n"
          "each is treated, and what is wrong with it. SCENE is a .gltf or .glb file or builtin:NAME?key=value&...\n"
          "\n"
-         "  --json            prints JSON\n"
-         "  --gbuffers        prints the layouts of the G-buffer instead: fields, bits, bytes, bandwidth\n"
-         "  --size WxH        at this size (1920x1080)\n"
-         "  --samples N       with so many samples a pixel: 1 to 64 (1)\n"
-         "  --fps N           at so many frames a second (30)\n"
-         "  -h, --help        prints this text\n"
+         "  --json                     prints JSON\n" LOADING_HELP
+         "  --gbuffers                 prints the layouts of the G-buffer instead: fields, bits, bytes, bandwidth\n"
+         "  --size WxH                 at this size (1920x1080)\n"
+         "  --samples N                with so many samples a pixel: 1 to 64 (1)\n"
+         "  --fps N                    at so many frames a second (30)\n"
+         "  -h, --help                 prints this text\n"
          "\n"
          "Exit status: 0 when the scene was loaded (with or without warnings), 2 on an error.\n"
          "\n"
@@ -336,9 +337,11 @@ int command_info(int argc, char **argv) {
                                             {"samples", required_argument, NULL, 'n'},
                                             {"fps", required_argument, NULL, 'f'},
                                             {"help", no_argument, NULL, 'h'},
+                                            LOADING_OPTIONS,
                                             {NULL, 0, NULL, 0}};
     bool json = false, gbuffers = false;
     struct gbuffer_question question = {1920, 1080, 1, 30};
+    fnl_load_params loading = fnl_load_params_default();
     long long integer;
     optind = 0; /* a full restart: several commands may run in one process */
     for (int option; (option = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
@@ -366,6 +369,11 @@ int command_info(int argc, char **argv) {
         case 'h':
             print_help();
             return EXIT_GOOD;
+        case LOADING_LENIENT:
+        case LOADING_CONFINE:
+        case LOADING_MAX_MEMORY:
+            if (!loading_parse(option, optarg, &loading)) return EXIT_ERROR;
+            break;
         default:
             fputs("fanal: see 'fanal info --help'\n", stderr);
             return EXIT_ERROR;
@@ -389,7 +397,7 @@ int command_info(int argc, char **argv) {
     fnl_scene *scene = NULL;
     fnl_scene_info info;
     int status = EXIT_ERROR;
-    if (fnl_scene_load(&host, source, &scene) == FNL_OK && fnl_scene_query_info(scene, &info) == FNL_OK) {
+    if (fnl_scene_load(&host, source, &loading, &scene) == FNL_OK && fnl_scene_query_info(scene, &info) == FNL_OK) {
         status = EXIT_GOOD;
         if (json)
             status = print_json(scene, source, &info);

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "bench.h" /* camera paths */
 #include "commands.h"
+#include "loading.h"
 #include "output.h"
 
 #include <errno.h>
@@ -52,7 +53,7 @@ static void print_help(void) {
          "  --light-scale X            their radius times X (1)\n"
          "  --range-roughness R        lights without a range reach as far as highlights of roughness R do (1)\n"
          "  --time SECONDS             pose of the animation (0)\n"
-         "  --animation NAME|INDEX     which animation (0)\n");
+         "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP);
     puts(
         "Method\n"
         "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
@@ -592,6 +593,7 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"camera-path", required_argument, NULL, O_CAMERA_PATH},
                                              {"start-frame", required_argument, NULL, O_START_FRAME},
                                              {"format", required_argument, NULL, O_FORMAT},
+                                             LOADING_OPTIONS,
                                              {NULL, 0, NULL, 0}};
 
 /* Of two outputs that are one file the first would be lost. Patterns of sequences count without the widths of their numbers. */
@@ -699,6 +701,7 @@ static void warn_of_unused(const struct render_options *o, const bool *given) {
 int command_render(int argc, char **argv) {
     struct render_options o = {.frame = fnl_frame_default(),
                                .scatter = fnl_scatter_params_default(),
+                               .loading = fnl_load_params_default(),
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
@@ -714,7 +717,7 @@ int command_render(int argc, char **argv) {
             fputs("fanal: see 'fanal render --help'\n", stderr);
             return 2;
         }
-        if (!parse_option(&o, option, optarg)) return 2;
+        if (!(loading_has(option) ? loading_parse(option, optarg, &o.loading) : parse_option(&o, option, optarg))) return 2;
     }
     if (argc - optind != 1) {
         fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal render --help'\n", argc - optind);

@@ -32,6 +32,7 @@ struct render_options {
     uint32_t aovs;              /* bits 1 << enum render_aov */
     fnl_scatter_params scatter;
     uint32_t grow_metal; /* texels */
+    fnl_load_params loading;
     bool has_range_roughness;
     float range_roughness;
     double time;

@@ -79,7 +79,7 @@ static bool add_default_light(const struct render_options *o, fnl_scene *scene) 
 
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
-    if (fnl_scene_load(host, o->scene, scene) != FNL_OK) return false;
+    if (fnl_scene_load(host, o->scene, &o->loading, scene) != FNL_OK) return false;
     if (!render_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;

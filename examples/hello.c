@@ -33,7 +33,7 @@ int main(int argc, char **argv) {
     const char *source = argc > 1 ? argv[1] : "builtin:spheres?lights=0", *path = argc > 2 ? argv[2] : "hello.png";
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
-    fnl_result result = fnl_scene_load(NULL, source, &scene);
+    fnl_result result = fnl_scene_load(NULL, source, NULL, &scene);
     if (result == FNL_OK) result = light(scene);
     if (result == FNL_OK) result = fnl_device_create(NULL, &device);
     if (result == FNL_OK) result = render(device, scene, path);

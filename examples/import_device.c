@@ -230,7 +230,7 @@ static void render_frame(fnl_renderer *renderer, const struct program *p, const 
 int main(int argc, char **argv) {
     const char *source = argc > 1 ? argv[1] : "builtin:spheres", *path = argc > 2 ? argv[2] : "import_device.png";
     fnl_scene *scene; /* knows nothing of devices */
-    check_fanal(fnl_scene_load(NULL, source, &scene), source);
+    check_fanal(fnl_scene_load(NULL, source, NULL, &scene), source);
     fnl_camera camera;
     check_fanal(fnl_scene_count(scene, FNL_ENTITY_CAMERA) ? fnl_scene_query_camera(scene, 0, &camera)
                                               : fnl_scene_query_framing_camera(scene, (float)WIDTH / HEIGHT, &camera),

@@ -172,7 +172,7 @@ int main(int argc, char **argv) {
     fnl_device *device;
     fnl_renderer *renderer;
     fnl_camera camera;
-    check((int)fnl_scene_load(NULL, argc > 1 ? argv[1] : "builtin:spheres", &scene), "loading the scene");
+    check((int)fnl_scene_load(NULL, argc > 1 ? argv[1] : "builtin:spheres", NULL, &scene), "loading the scene");
     make_window();
     make_device();
     make_swapchain();

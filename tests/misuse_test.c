@@ -112,6 +112,7 @@ static fnl_device *made_device;
 static fnl_renderer *made_renderer;
 static fnl_mat4 matrix;
 static uint32_t number;
+static const char file[] = "{\"asset\":{\"version\":\"2.0\"}}";
 
 /* X(function, what is tried with each pointer of its declaration). Where a host is NULL it stands for the built-in one. */
 #define EXPORTS(X)                                                                                                          \
@@ -185,8 +186,15 @@ static uint32_t number;
       NULLED("name", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, NULL, &number));                                           \
       NULLED("out_index", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, "c", NULL)))                                          \
     X(fnl_scene_grow_metal, NULLED("scene", fnl_scene_grow_metal(NULL, 1)))                                                 \
-    X(fnl_scene_load, NULLED("source", fnl_scene_load(NULL, NULL, &made)); NULLED("source", fnl_scene_load(&host, NULL, &made)); \
-      NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL)))                                                        \
+    X(fnl_scene_load, NULLED("source", fnl_scene_load(NULL, NULL, NULL, &made));                                            \
+      NULLED("source", fnl_scene_load(&host, NULL, NULL, &made));                                                           \
+      SILENT((fnl_scene_load(&host, "builtin:spheres", NULL, &made), fnl_scene_destroy(&made)));                            \
+      NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL, NULL)))                                                  \
+    X(fnl_scene_load_memory, NULLED("data", fnl_scene_load_memory(NULL, NULL, 9, "x.gltf", NULL, &made));                   \
+      NULLED("data", fnl_scene_load_memory(&host, NULL, 9, "x.gltf", NULL, &made));                                         \
+      NULLED("name", fnl_scene_load_memory(&host, file, sizeof file - 1, NULL, NULL, &made));                               \
+      SILENT((fnl_scene_load_memory(&host, file, sizeof file - 1, "x.gltf", NULL, &made), fnl_scene_destroy(&made)));       \
+      NULLED("out", fnl_scene_load_memory(&host, file, sizeof file - 1, "x.gltf", NULL, NULL)))                             \
     X(fnl_scene_message, GIVES("scene", NULL, fnl_scene_message(NULL, 0)))                                                  \
     X(fnl_scene_query_animation, NULLED("scene", fnl_scene_query_animation(NULL, 0, &animation_info));                      \
       NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \

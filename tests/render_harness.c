@@ -108,7 +108,7 @@ fnl_scene *test_load(const char *name, bool shared) {
     }
     fnl_host host = test_host(&test_device_memory);
     fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(&host, path, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_load(&host, path, NULL, &scene), FNL_OK);
     return scene;
 }
 

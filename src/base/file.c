@@ -194,6 +194,17 @@ fnl_result file_save(const fnl_host *host, const char *path, const void *data, s
     return file_write_commit(&writer);
 }
 
+bool path_real(const char *path, char *out, size_t capacity) {
+    char *real = realpath(path, NULL);
+    bool fits = real && strlen(real) < capacity;
+    if (fits)
+        strcpy(out, real);
+    else if (real)
+        errno = ENAMETOOLONG;
+    free(real);
+    return fits;
+}
+
 bool path_folder(const char *path, char *out, size_t capacity) {
     const char *slash = strrchr(path, '/');
     size_t length = slash ? (size_t)(slash - path) + 1 : 0;

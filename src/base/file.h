@@ -45,6 +45,8 @@ void file_write_abandon(struct file_writer *writer);
 /** Writes one block of bytes as a whole file. */
 fnl_result file_save(const fnl_host *host, const char *path, const void *data, size_t size);
 
+/** The absolute path without symbolic links, "." and "..". False with errno: there is no such file, or it does not fit. */
+bool path_real(const char *path, char *out, size_t capacity);
 /** Copies the folder part of a path, the last '/' included ("" when there is none), into `out`. False if too long. */
 bool path_folder(const char *path, char *out, size_t capacity);
 /** The text after the last '.' of the last path element ("" when there is none). */

@@ -164,8 +164,11 @@ static void load_parts(struct gltf *g) {
 }
 
 /** Loads into an existing scene whose memory or files hold `bytes`. */
-static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t size, const char *folder) {
+static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t size, const char *folder,
+                            const fnl_load_params *params) {
     struct gltf g = {.scene = scene, .host = &scene->host, .name = scene->source, .folder = folder};
+    g.params = params ? *params : fnl_load_params_default();
+    g.memory_left = g.params.max_memory;
     arena_init(&g.scratch, g.host, (size_t)64 << 10);
     const char *json = (const char *)bytes;
     size_t json_size = size;
@@ -179,7 +182,7 @@ static fnl_result load_into(fnl_scene *scene, const unsigned char *bytes, size_t
     return g.result;
 }
 
-fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out) {
+fnl_result gltf_load(const fnl_host *host, const char *path, const fnl_load_params *params, fnl_scene **out) {
     fnl_scene *scene;
     *out = NULL;
     TRY(scene_create(host, path, &scene));
@@ -192,7 +195,7 @@ fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out) {
     }
     if (result == FNL_OK && !array_push(&scene->host, &scene->files, file)) result = FNL_ERROR_MEMORY;
     if (result != FNL_OK) file_free(&scene->host, &file);
-    if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder);
+    if (result == FNL_OK) result = load_into(scene, file.data, file.size, folder, params);
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);
         return result;
@@ -201,14 +204,14 @@ fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out) {
     return FNL_OK;
 }
 
-fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder,
-                            fnl_scene **out) {
+fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name,
+                            const fnl_load_params *params, fnl_scene **out) {
     fnl_scene *scene;
     *out = NULL;
     TRY(scene_create(host, name, &scene));
     /* Images point into the bytes for as long as the scene lives, so it keeps a copy. */
     const unsigned char *copy = arena_copy(&scene->arena, bytes, size);
-    fnl_result result = copy ? load_into(scene, copy, size, folder) : FNL_ERROR_MEMORY;
+    fnl_result result = copy ? load_into(scene, copy, size, NULL, params) : FNL_ERROR_MEMORY;
     if (result != FNL_OK) {
         fnl_scene_destroy(&scene);
         return result;

@@ -112,12 +112,14 @@ struct gltf {
     fnl_scene *scene;
     const fnl_host *host;
     const char *name;   /* of the file, for messages */
-    const char *folder; /* NULL: relative URIs are not allowed */
+    const char *folder; /* NULL: the file is read from memory */
+    fnl_load_params params;
     json_t *root;
     struct at top;
     struct arena scratch; /* freed when the load ends */
     fnl_result result;    /* what the load came to so far */
-    uint64_t budget;      /* bytes that may still be decoded */
+    uint64_t budget;      /* bytes that may still be decoded in proportion to the size of the file */
+    uint64_t memory_left; /* of params.max_memory */
 
     bool is_glb;
     const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
@@ -151,8 +153,15 @@ void gltf_fail(struct gltf *g, fnl_result result, const struct at *at, const cha
     __attribute__((format(printf, 4, 5)));
 /** Out of memory (already logged by the allocator). */
 void gltf_fail_memory(struct gltf *g);
-/** Takes `bytes` from what the file may decode to; warns and returns false when that is used up. */
+/** An error where the load is not lenient, else a warning that what stands there is ignored. */
+void gltf_refuse(struct gltf *g, fnl_result result, const struct at *at, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+/** Takes `bytes` from params.max_memory; an error when that is used up. Before the memory is allocated. */
+bool gltf_take_memory(struct gltf *g, const struct at *at, uint64_t bytes);
+/** The same, and from what is in proportion to the file; warns when that alone is used up. False: leave the part out. */
 bool gltf_spend(struct gltf *g, const struct at *at, uint64_t bytes);
+/** Gives back what was only needed for a while. */
+void gltf_refund(struct gltf *g, uint64_t bytes);
 /** Zeroed memory that lives until the load ends / as long as the scene. NULL sets the result. Size 0 gives a block. */
 void *gltf_scratch(struct gltf *g, uint64_t count, size_t size);
 void *gltf_keep(struct gltf *g, uint64_t count, size_t size);
@@ -208,8 +217,12 @@ bool gltf_uses(const struct gltf *g, const char *extension);
 void gltf_load_extensions(struct gltf *g);
 
 void gltf_load_buffers(struct gltf *g); /* buffers and bufferViews (gltf_buffer.c) */
-/** The bytes behind a URI: decoded data, or a mapped file. False (warned) when there are none. */
-bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, const unsigned char **data, uint64_t *size);
+/**
+ * The bytes behind a URI: decoded data, a mapped file, or what the resolver hands over (gltf_uri.c). False when there are none: it is
+ * refused (gltf_refuse) when it may not be read or `needed` is set, else a warning.
+ */
+bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
+                   uint64_t *size);
 /** Decodes EXT_meshopt_compression of a bufferView (gltf_meshopt.c). False (warned) when it is broken. */
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view);
 
@@ -218,7 +231,14 @@ uint32_t gltf_component_size(enum gltf_component component);
 uint32_t gltf_type_components(enum gltf_type type);
 /** "VEC3 of UNSIGNED_SHORT", for messages. */
 const char *gltf_format_name(const struct gltf_accessor *accessor, char *out, size_t capacity);
-/** Whether the accessor's bytes are there; else warns at `at`. */
+/** Element `index` of a sparse accessor's indices. */
+uint32_t gltf_sparse_index(const struct gltf *g, const struct gltf_accessor *accessor, uint32_t index);
+/** Bytes from one element to the next, of the view and of tightly packed ones. */
+uint32_t gltf_accessor_stride(const struct gltf *g, const struct gltf_accessor *accessor);
+uint32_t gltf_packed_stride(const struct gltf_accessor *accessor);
+/** Where a component lies in its element. */
+uint32_t gltf_component_offset(const struct gltf_accessor *accessor, uint32_t component);
+/** Whether the accessor's bytes are there; warns at `at` when it is broken, and refuses the file when they are missing. */
 bool gltf_accessor_readable(struct gltf *g, uint32_t accessor, const struct at *at);
 /** All elements as floats, integers normalised where the accessor says so. `out` holds count * components. */
 bool gltf_read_floats(struct gltf *g, uint32_t accessor, const struct at *at, float *out);
@@ -226,6 +246,8 @@ bool gltf_read_floats(struct gltf *g, uint32_t accessor, const struct at *at, fl
 bool gltf_read_uints(struct gltf *g, uint32_t accessor, const struct at *at, uint32_t *out);
 
 void gltf_load_images(struct gltf *g);    /* images, samplers, textures (gltf_image.c) */
+/** gltf_take_memory for a picture as it will be decoded. */
+bool gltf_take_image(struct gltf *g, const struct at *at, uint32_t width, uint32_t height);
 void gltf_load_materials(struct gltf *g); /* gltf_material.c */
 void gltf_load_meshes(struct gltf *g);    /* gltf_mesh.c */
 /** The vertices that a primitive's indices name; `source` NULL means all, in order. */

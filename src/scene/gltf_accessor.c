@@ -38,8 +38,8 @@ static uint32_t matrix_rows(enum gltf_type type) {
     return type == GLTF_MAT2 ? 2 : type == GLTF_MAT3 ? 3 : type == GLTF_MAT4 ? 4 : 0;
 }
 
-/** Where a component lies in its element: matrix columns start at multiples of 4 bytes (3.6.2.4). */
-static uint32_t component_offset(const struct gltf_accessor *accessor, uint32_t component) {
+/* Matrix columns start at multiples of 4 bytes (3.6.2.4). */
+uint32_t gltf_component_offset(const struct gltf_accessor *accessor, uint32_t component) {
     uint32_t size = gltf_component_size(accessor->component), rows = matrix_rows(accessor->type);
     if (rows == 0) return component * size;
     return component / rows * (uint32_t)align_up(rows * size, 4) + component % rows * size;
@@ -47,11 +47,16 @@ static uint32_t component_offset(const struct gltf_accessor *accessor, uint32_t 
 
 /** Bytes up to the end of the last component, and from one tightly packed element to the next. */
 static uint32_t element_size(const struct gltf_accessor *accessor) {
-    return component_offset(accessor, gltf_type_components(accessor->type) - 1) + gltf_component_size(accessor->component);
+    return gltf_component_offset(accessor, gltf_type_components(accessor->type) - 1) + gltf_component_size(accessor->component);
 }
-static uint32_t packed_stride(const struct gltf_accessor *accessor) {
+uint32_t gltf_packed_stride(const struct gltf_accessor *accessor) {
     uint32_t size = element_size(accessor);
     return matrix_rows(accessor->type) ? (uint32_t)align_up(size, 4) : size;
+}
+
+uint32_t gltf_accessor_stride(const struct gltf *g, const struct gltf_accessor *accessor) {
+    uint32_t stride = accessor->view == SCENE_NONE ? 0 : g->views[accessor->view].stride;
+    return stride ? stride : gltf_packed_stride(accessor);
 }
 
 static bool read_component(struct gltf *g, json_t *object, const struct at *at, enum gltf_component *out) {
@@ -98,7 +103,7 @@ static bool load_sparse(struct gltf *g, json_t *object, const struct at *at, str
                   (unsigned long long)count);
         return false;
     }
-    if (!fits(value_view, accessor->sparse.value_offset, count, packed_stride(accessor), element_size(accessor))) {
+    if (!fits(value_view, accessor->sparse.value_offset, count, gltf_packed_stride(accessor), element_size(accessor))) {
         gltf_warn(g, value_at, "%llu values do not fit their buffer view; the accessor is ignored",
                   (unsigned long long)count);
         return false;
@@ -125,7 +130,7 @@ static bool check_view(struct gltf *g, json_t *object, const struct at *at, cons
         gltf_warn(g, at, "uses buffer view %u, which is broken; it is ignored", accessor->view);
         return false;
     }
-    uint64_t stride = view->stride ? view->stride : packed_stride(accessor);
+    uint64_t stride = gltf_accessor_stride(g, accessor);
     if (stride < element_size(accessor)) {
         gltf_warn(g, AT_KEY(at, "bufferView"),
                   "its byteStride of %u is less than the element's %u bytes; the accessor is ignored", view->stride,
@@ -243,7 +248,7 @@ static void decode_element(const struct gltf_accessor *accessor, const unsigned 
                            uint32_t *uints) {
     uint32_t count = gltf_type_components(accessor->type);
     for (uint32_t i = 0; i < count; i++) {
-        const unsigned char *component = bytes + component_offset(accessor, i);
+        const unsigned char *component = bytes + gltf_component_offset(accessor, i);
         if (uints)
             uints[i] = decode_uint(component, accessor->component);
         else
@@ -260,19 +265,23 @@ bool gltf_accessor_readable(struct gltf *g, uint32_t index, const struct at *at)
     bool missing = accessor->view != SCENE_NONE && !g->views[accessor->view].data;
     if (accessor->sparse.count > 0)
         missing |= !g->views[accessor->sparse.index_view].data || !g->views[accessor->sparse.value_view].data;
-    if (missing) gltf_warn(g, at, "the data of accessor %u is missing", index);
+    if (missing) gltf_refuse(g, FNL_ERROR_FILE, at, "the data of accessor %u is missing", index);
     return !missing;
+}
+
+uint32_t gltf_sparse_index(const struct gltf *g, const struct gltf_accessor *accessor, uint32_t index) {
+    const unsigned char *indices = g->views[accessor->sparse.index_view].data + accessor->sparse.index_offset;
+    return decode_uint(indices + (size_t)index * gltf_component_size(accessor->sparse.index_component),
+                       accessor->sparse.index_component);
 }
 
 static bool apply_sparse(struct gltf *g, const struct gltf_accessor *accessor, const struct at *at, float *floats,
                          uint32_t *uints) {
-    uint32_t components = gltf_type_components(accessor->type),
-             index_size = gltf_component_size(accessor->sparse.index_component);
-    const unsigned char *indices = g->views[accessor->sparse.index_view].data + accessor->sparse.index_offset;
+    uint32_t components = gltf_type_components(accessor->type);
     const unsigned char *values = g->views[accessor->sparse.value_view].data + accessor->sparse.value_offset;
     uint64_t next = 0;
     for (uint32_t i = 0; i < accessor->sparse.count; i++) {
-        uint32_t index = decode_uint(indices + (size_t)i * index_size, accessor->sparse.index_component);
+        uint32_t index = gltf_sparse_index(g, accessor, i);
         if (index < next || index >= accessor->count) {
             gltf_warn(g, at, "accessor %u: sparse index %u is %u, %s", (uint32_t)(accessor - g->accessors), i, index,
                       index >= accessor->count ? "beyond the accessor's count" : "not greater than the one before");
@@ -280,7 +289,7 @@ static bool apply_sparse(struct gltf *g, const struct gltf_accessor *accessor, c
         }
         next = (uint64_t)index + 1;
         size_t to = (size_t)index * components;
-        decode_element(accessor, values + (size_t)i * packed_stride(accessor), floats ? floats + to : NULL,
+        decode_element(accessor, values + (size_t)i * gltf_packed_stride(accessor), floats ? floats + to : NULL,
                        uints ? uints + to : NULL);
     }
     return true;
@@ -297,7 +306,7 @@ static bool read_all(struct gltf *g, uint32_t index, const struct at *at, float 
     } else {
         const struct gltf_view *view = &g->views[accessor->view];
         const unsigned char *bytes = view->data + accessor->offset;
-        size_t stride = view->stride ? view->stride : packed_stride(accessor);
+        size_t stride = gltf_accessor_stride(g, accessor);
         if (floats && accessor->component == GLTF_FLOAT && stride == sizeof *floats * components) {
             memcpy(floats, bytes, total * sizeof *floats);
         } else {

@@ -51,7 +51,7 @@ static void test_broken_files_are_refused(void **state) {
     }
     fnl_scene *scene;
     fnl_host host = test_host(&file_log);
-    assert_int_equal(fnl_scene_load(&host, "/nonexistent/file.glb", &scene), FNL_ERROR_FILE);
+    assert_int_equal(fnl_scene_load(&host, "/nonexistent/file.glb", NULL, &scene), FNL_ERROR_FILE);
     assert_non_null(strstr(file_log.text, "/nonexistent/file.glb: cannot be opened"));
     assert_null(scene);
 }
@@ -189,7 +189,7 @@ static void test_broken_images(void **state) {
                                         0,    0,   0,   0,   0,    0,    0,    0,    0, 0, 0};
     fnl_scene *scene =
         load_with_message("{" ASSET ",\"buffers\":[{\"byteLength\":37}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":37}],"
-                          "\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"uri\":\"nowhere.png\"}],"
+                          "\"images\":[{\"bufferView\":0,\"mimeType\":\"image/png\"},{\"uri\":\"http://nowhere/a.png\"}],"
                           "\"textures\":[{\"source\":0},{\"source\":1}],"
                           "\"materials\":[{\"normalTexture\":{\"index\":0}}]}",
                           png, sizeof png, "test.glb: /images/0: ");
@@ -220,7 +220,7 @@ static void test_files_beside_the_scene(void **state) {
              (int)getpid(), (int)getpid());
     assert_int_equal(file_save(&host, gltf, json, strlen(json)), FNL_OK);
     fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(&host, gltf, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_load(&host, gltf, NULL, &scene), FNL_OK);
     assert_int_equal(scene->primitives.count, 1);
     assert_int_equal(scene->files.count, 2); /* the same file by another name is not read again */
     assert_int_equal(file_log.count, 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Loads the files of ../shared/scenes/gltf-conformance (skipped without that folder) and compares with the verdicts of the
- * reference validator that stand beside them: every error about something that is read must come as an error or a warning
+ * reference validator that stand beside them: every error about something that is used must come as an error or a warning
  * with the same JSON pointer, and what has no such error must load.
  */
 #include "scene/scene.h"
@@ -31,6 +31,20 @@ static const struct {
     /* The only file with this code needs the tangents for a clearcoat normal map; clearcoat is ignored. */
     {"MESH_PRIMITIVE_NO_TANGENT_SPACE", "/meshes/", "tangents are generated"},
 };
+
+/** Valid files whose data nobody can have: to load them would show nothing at all. */
+static const struct {
+    const char *path, *reason;
+} without_data[] = {
+    {"/base/data/buffer/non_relative_uri.gltf", "http:"},
+    {"/base/data/root/unused_objects.gltf", "a primitive reads from a placeholder"},
+};
+
+static bool has_no_data(const char *path) {
+    bool found = false;
+    for (uint32_t i = 0; i < COUNT_OF(without_data); i++) found |= strstr(path, without_data[i].path) != NULL;
+    return found;
+}
 
 struct log {
     char text[64][2400];
@@ -71,7 +85,7 @@ static void check_file(const char *report_path) {
     host.user = &log;
     host.log = keep_line;
     fnl_scene *scene = NULL;
-    fnl_result result = fnl_scene_load(&host, path, &scene);
+    fnl_result result = fnl_scene_load(&host, path, NULL, &scene);
     assert_int_equal(result == FNL_OK, scene != NULL);
     file_count++;
 
@@ -90,7 +104,8 @@ static void check_file(const char *report_path) {
         fault_count++;
         print_error("%s: %s at '%s' was not reported\n", path, code, pointer);
     }
-    if (!any_error && result != FNL_OK) {
+    if (has_no_data(path)) assert_int_equal(result, FNL_ERROR_FILE);
+    if (!any_error && result != FNL_OK && !has_no_data(path)) {
         fault_count++;
         print_error("%s: is valid but was not loaded: %s\n", path, log.count ? log.text[log.count - 1] : "");
     }
@@ -115,7 +130,7 @@ static void test_conformance(void **state) {
     assert_int_equal(nftw(FOLDER, visit, 16, FTW_PHYS), 0);
     print_message("%u files, %u errors that concern us, %u faults\n", file_count, error_count, fault_count);
     assert_true(file_count >= 177);
-    assert_true(error_count > 100);
+    assert_true(error_count >= 177);
     assert_int_equal(fault_count, 0);
 }
 

@@ -6,7 +6,7 @@
 #define TEXTURE_PLACE "texture"
 struct known_extension {
     const char *name, *treatment;
-    bool may_be_required; /* what is required can be shown: fully, or by core glTF well enough to be useful */
+    bool may_be_required; /* core glTF alone shows enough to be useful: lenient loading takes it, required or not */
     const char *places[3];
 };
 
@@ -76,6 +76,10 @@ static void check_required(struct gltf *g, json_t *required) {
         if (!known || !known->may_be_required)
             gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i),
                       "the file requires the extension %s, which is not supported", name);
+        else if (strcmp(known->treatment, FULL) != 0 && !g->params.lenient)
+            gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_INDEX(at, i),
+                      "the file requires the extension %s, which is not supported; only lenient loading shows it without",
+                      name);
     }
 }
 
@@ -151,8 +155,11 @@ static void walk(struct gltf *g, json_t *value, const struct at *at, const char 
 void gltf_load_extensions(struct gltf *g) {
     json_t *used = gltf_array(g, g->root, &g->top, "extensionsUsed", false);
     json_t *required = gltf_array(g, g->root, &g->top, "extensionsRequired", false);
-    if (gltf_count(used) > EXTENSION_MAX || gltf_count(required) > EXTENSION_MAX)
+    if (gltf_count(used) > EXTENSION_MAX)
         gltf_warn(g, &g->top, "lists more than %u extensions; the others are ignored", EXTENSION_MAX);
+    if (gltf_count(required) > EXTENSION_MAX)
+        gltf_fail(g, FNL_ERROR_UNSUPPORTED, AT_KEY(&g->top, "extensionsRequired"), "lists more than %u extensions",
+                  EXTENSION_MAX);
     check_required(g, required);
     const struct at *at = AT_KEY(&g->top, "extensionsUsed");
     for (uint32_t i = 0; i < MIN(gltf_count(used), EXTENSION_MAX) && g->result == FNL_OK; i++) {

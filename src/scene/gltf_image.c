@@ -5,6 +5,10 @@
 
 /* ---- images ---- */
 
+bool gltf_take_image(struct gltf *g, const struct at *at, uint32_t width, uint32_t height) {
+    return gltf_take_memory(g, at, (uint64_t)width * height * 4);
+}
+
 static const char *kind_name(enum image_file_kind kind) {
     switch (kind) {
     case IMAGE_FILE_PNG:
@@ -30,7 +34,7 @@ static bool find_bytes(struct gltf *g, json_t *object, const struct at *at, cons
     }
     if (uri) {
         const char *text = gltf_string(g, object, at, "uri", true);
-        return text && gltf_read_uri(g, AT_KEY(at, "uri"), text, data, size);
+        return text && gltf_read_uri(g, AT_KEY(at, "uri"), text, false, data, size);
     }
     uint32_t index = gltf_index(g, object, at, "bufferView", true, g->view_count);
     if (index == SCENE_NONE) return false;
@@ -63,6 +67,7 @@ static void load_image(struct gltf *g, json_t *object, const struct at *at, stru
     } else {
         if (info.kind == IMAGE_FILE_WEBP && !gltf_uses(g, "EXT_texture_webp"))
             gltf_warn(g, at, "is WebP, but EXT_texture_webp is not in extensionsUsed; it is used all the same");
+        if (!gltf_take_image(g, at, info.width, info.height)) return;
         image->encoded = data;
         image->encoded_size = (size_t)size;
         image->file_kind = kind;

@@ -88,10 +88,11 @@ static void expand(enum mode mode, const uint32_t *in, uint32_t count, uint32_t 
 }
 
 /** Renumbers the indices so that only the vertices they name remain. Costs time by indices, not by vertices. */
-static bool select_used(struct gltf *g, uint32_t vertex_count, uint32_t *indices, uint32_t index_count,
+static bool select_used(struct gltf *g, const struct at *at, uint32_t vertex_count, uint32_t *indices, uint32_t index_count,
                         struct gltf_selection *selection) {
     uint32_t known = g->vertex_map.count;
     if (vertex_count > known) {
+        if (!gltf_take_memory(g, at, (uint64_t)(vertex_count - known) * sizeof *g->vertex_map.data)) return false;
         if (!array_reserve(g->host, &g->vertex_map, vertex_count)) {
             gltf_fail_memory(g);
             return false;
@@ -149,7 +150,7 @@ bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, u
         out->indices = given;
         return true;
     }
-    if (!gltf_spend(g, at, expanded * 8)) return false;
+    if (!gltf_spend(g, at, expanded * 8 + (given ? 0 : (uint64_t)count * 4))) return false;
     uint32_t *indices = gltf_keep(g, expanded, sizeof *indices);
     uint32_t *order = NULL;
     if (!given && indices) {
@@ -161,5 +162,5 @@ bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, u
     host_free(g->host, order, sizeof *order * (size_t)count);
     if (g->result != FNL_OK) return false;
     out->indices = indices;
-    return !selects || select_used(g, vertex_count, indices, (uint32_t)expanded, selection);
+    return !selects || select_used(g, at, vertex_count, indices, (uint32_t)expanded, selection);
 }

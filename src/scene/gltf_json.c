@@ -72,14 +72,44 @@ void gltf_fail_memory(struct gltf *g) {
     if (g->result == FNL_OK) g->result = FNL_ERROR_MEMORY;
 }
 
+void gltf_refuse(struct gltf *g, fnl_result result, const struct at *at, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (g->params.lenient)
+        gltf_warn(g, at, "%s; it is ignored", text);
+    else
+        gltf_fail(g, result, at, "%s", text);
+}
+
+bool gltf_take_memory(struct gltf *g, const struct at *at, uint64_t bytes) {
+    if (g->result != FNL_OK) return false;
+    if (bytes <= g->memory_left) {
+        g->memory_left -= bytes;
+        return true;
+    }
+    gltf_fail(g, FNL_ERROR_MEMORY, at, "needs %llu bytes of memory; of the limit of %llu there are %llu left",
+              (unsigned long long)bytes, (unsigned long long)g->params.max_memory, (unsigned long long)g->memory_left);
+    return false;
+}
+
 bool gltf_spend(struct gltf *g, const struct at *at, uint64_t bytes) {
+    if (!gltf_take_memory(g, at, bytes)) return false;
     if (bytes <= g->budget) {
         g->budget -= bytes;
         return true;
     }
+    g->memory_left += bytes;
     gltf_warn(g, at, "needs %llu bytes of memory, which is out of all proportion to the size of the file; left out",
               (unsigned long long)bytes);
     return false;
+}
+
+void gltf_refund(struct gltf *g, uint64_t bytes) {
+    g->memory_left += bytes;
+    g->budget += bytes;
 }
 
 static void *take(struct gltf *g, struct arena *arena, uint64_t count, size_t size) {

@@ -7,7 +7,7 @@ static bool slot_is_color(enum scene_texture_slot slot) {
 }
 
 /** The image for colour or for data: one that is used for both gets a twin that shares its bytes. */
-static uint32_t image_for(struct gltf *g, uint32_t index, bool color) {
+static uint32_t image_for(struct gltf *g, const struct at *at, uint32_t index, bool color) {
     struct scene_image *image = &g->scene->images.data[index];
     if (!g->image_used[index]) {
         g->image_used[index] = true;
@@ -15,6 +15,7 @@ static uint32_t image_for(struct gltf *g, uint32_t index, bool color) {
     }
     if (image->color == color) return index;
     if (g->image_twin[index] == SCENE_NONE) {
+        if (!gltf_take_image(g, at, image->width, image->height)) return SCENE_NONE;
         struct scene_image twin = *image;
         twin.color = color;
         g->image_twin[index] = scene_add_image(g->scene, &twin);
@@ -63,7 +64,7 @@ static json_t *load_texture(struct gltf *g, json_t *object, const struct at *at,
     }
     texture->uv_set = (uint32_t)uv_set;
     texture->sampler = g->textures[index].sampler;
-    texture->image = image_for(g, g->textures[index].image, slot_is_color(slot));
+    texture->image = image_for(g, here, g->textures[index].image, slot_is_color(slot));
     return reference;
 }
 

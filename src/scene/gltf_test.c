@@ -366,7 +366,7 @@ static fnl_scene *load_sample(const char *path) {
     }
     fnl_scene *scene;
     fnl_host host = test_host(&file_log);
-    assert_int_equal(fnl_scene_load(&host, path, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_load(&host, path, NULL, &scene), FNL_OK);
     return scene;
 }
 

@@ -46,14 +46,28 @@ static inline unsigned char *test_glb(const char *json, const void *binary, size
 }
 
 /** Loads such a GLB under the name "test.glb". */
-static inline fnl_result test_load(struct test_log *log, const char *json, const void *binary, size_t binary_size,
-                                   fnl_scene **out) {
+static inline fnl_result test_load_with(struct test_log *log, const fnl_load_params *params, const char *json,
+                                        const void *binary, size_t binary_size, fnl_scene **out) {
     size_t size;
     unsigned char *glb = test_glb(json, binary, binary_size, &size);
     fnl_host host = test_host(log);
-    fnl_result result = gltf_load_memory(&host, glb, size, "test.glb", NULL, out);
+    fnl_result result = gltf_load_memory(&host, glb, size, "test.glb", params, out);
     free(glb);
     return result;
 }
+
+static inline fnl_result test_load(struct test_log *log, const char *json, const void *binary, size_t binary_size,
+                                   fnl_scene **out) {
+    return test_load_with(log, NULL, json, binary, binary_size, out);
+}
+
+/** A PNG of one grey pixel. */
+#define TEST_PNG_BASE64                                                                                                     \
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAAC0lEQVR4nGP4DwQACfsD/fteaysAAAAASUVORK5CYII="
+static const unsigned char test_png[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+    0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0x1f, 0x15, 0xc4, 0x89, 0x00, 0x00, 0x00,
+    0x0b, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8, 0x0f, 0x04, 0x00, 0x09, 0xfb, 0x03, 0xfd, 0xfb, 0x5e,
+    0x6b, 0x2b, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
 #endif

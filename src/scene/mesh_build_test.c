@@ -242,7 +242,7 @@ static void test_fox_runs(void **state) {
     const char *path = "../shared/scenes/Fox.glb";
     if (access(path, R_OK) != 0) skip();
     fnl_scene *scene;
-    assert_int_equal(gltf_load(NULL, path, &scene), FNL_OK);
+    assert_int_equal(gltf_load(NULL, path, NULL, &scene), FNL_OK);
     assert_true(scene->skins.count == 1 && scene->animations.count == 3);
     uint32_t count = scene->skins.data[0].joint_count;
     mat4 *first = calloc(count, sizeof(mat4)), *second = calloc(count, sizeof(mat4));

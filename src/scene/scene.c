@@ -41,6 +41,11 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     fnl_host host = scene->host;
     for (uint32_t i = 0; i < scene->files.count; i++) file_free(&host, &scene->files.data[i]);
     array_free(&host, &scene->files);
+    for (uint32_t i = 0; i < scene->resources.count; i++) {
+        const fnl_resource *resource = &scene->resources.data[i];
+        if (resource->release) resource->release(resource->user, resource->data, resource->size);
+    }
+    array_free(&host, &scene->resources);
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);

@@ -202,6 +202,7 @@ struct fnl_scene {
     struct arena arena;
     char *source;                  /* path or builtin:… for messages */
     ARRAY(struct file_view) files; /* kept while images point into them */
+    ARRAY(fnl_resource) resources; /* from a resolver; so too */
 
     ARRAY(struct scene_image) images;
     ARRAY(struct scene_sampler) samplers;
@@ -318,11 +319,11 @@ fnl_result decal_prototypes(fnl_scene *scene, uint64_t seed, fnl_decal_params ou
 
 /* ---- the parts ---- */
 
-/** Loads a .gltf or .glb file (gltf.c). */
-fnl_result gltf_load(const fnl_host *host, const char *path, fnl_scene **out);
-/** Loads from memory; `folder` resolves relative URIs (NULL: none are allowed). For the fuzzer and embedded files. */
-fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name, const char *folder,
-                            fnl_scene **out);
+/** Loads a .gltf or .glb file (gltf.c). `params` NULL: defaults. */
+fnl_result gltf_load(const fnl_host *host, const char *path, const fnl_load_params *params, fnl_scene **out);
+/** Loads from memory, which is copied. */
+fnl_result gltf_load_memory(const fnl_host *host, const void *bytes, size_t size, const char *name,
+                            const fnl_load_params *params, fnl_scene **out);
 /** Makes "builtin:NAME?…" (builtin.c); the text after the colon is given. */
 fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out);
 

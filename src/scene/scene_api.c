@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The public calls of fanal/scene.h that fill and ask a scene, but for cameras (scene_camera.c) and time (animation.c). */
+/* The public calls of fanal/scene.h that fill and ask a scene, but for loading (scene_load.c), cameras (scene_camera.c) and time
+   (animation.c). */
 #include "base/check.h"
 #include "image/image.h"
 #include "scene/scene.h"
@@ -8,16 +9,6 @@ fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out) {
     fnl_host resolved = host_resolve(host);
     TRY(check_pointer(CALL(&resolved), "out", out));
     return scene_create(host, "scene", out);
-}
-
-fnl_result fnl_scene_load(const fnl_host *host, const char *source, fnl_scene **out) {
-    static const char prefix[] = "builtin:";
-    fnl_host resolved = host_resolve(host);
-    TRY(check_pointer(CALL(&resolved), "out", out));
-    *out = NULL;
-    TRY(check_pointer(CALL(&resolved), "source", source));
-    if (strncmp(source, prefix, sizeof prefix - 1) == 0) return builtin_load(&resolved, source + sizeof prefix - 1, out);
-    return gltf_load(&resolved, source, out);
 }
 
 /* ---- images and materials: never removed, so one generation marks them all ---- */

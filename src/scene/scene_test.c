@@ -92,8 +92,8 @@ static void test_misuse_is_named(void **state) {
     expect_misuse(fnl_scene_query_framing_camera(scene, 0, &camera), "aspect is 0, must be above 0 and finite");
     expect_misuse(fnl_scene_query_image(scene, 0, &(fnl_image_info){0}), "index is 0, but there are no images");
     fnl_scene *loaded;
-    expect_misuse(fnl_scene_load(&host, NULL, &loaded), "source is NULL");
-    expect_misuse(fnl_scene_load(&host, "x.glb", NULL), "out is NULL");
+    expect_misuse(fnl_scene_load(&host, NULL, NULL, &loaded), "source is NULL");
+    expect_misuse(fnl_scene_load(&host, "x.glb", NULL, NULL), "out is NULL");
     assert_int_equal(fnl_scene_add_light(NULL, &lamp, &light), FNL_ERROR_INVALID);
     assert_null(fnl_scene_message(NULL, 0));
     assert_null(loaded);

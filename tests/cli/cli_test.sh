@@ -57,6 +57,29 @@ expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shadin
 expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
 
+# Files from strangers: what they require, which files they read, and how much memory, in every command that loads.
+mkdir "$work/place"
+asset='"asset": {"version": "2.0"}'
+echo "{$asset, \"extensionsUsed\": [\"KHR_materials_variants\"], \"extensionsRequired\": [\"KHR_materials_variants\"]}" >"$work/place/requires.gltf"
+echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"nowhere.bin\"}]}" >"$work/place/missing.gltf"
+echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"../cut.gltf\"}]}" >"$work/place/outside.gltf"
+echo "{$asset, \"buffers\": [{\"byteLength\": 4, \"uri\": \"data:application/octet-stream;base64,AAAAAAAA\"}]}" >"$work/place/inside.gltf"
+for command in "render $small --lists all -o $work/a.png" "bench --sizes 64x36 --shading forward --lists brute --frames 1 --warm-up 0 -o $work/strangers" info; do
+    # shellcheck disable=SC2086
+    {
+        expect 2 'requires.gltf: /extensionsRequired/0: .*KHR_materials_variants' $command "$work/place/requires.gltf"
+        expect 2 'missing.gltf: /buffers/0/uri: .*nowhere.bin: cannot be opened' $command "$work/place/missing.gltf"
+        expect 2 "outside.gltf: /buffers/0/uri: '../cut.gltf' is outside" $command "$work/place/outside.gltf" --confine
+        expect 2 'inside.gltf: /buffers/0/uri: needs 9 bytes of memory; of the limit of 8' $command "$work/place/inside.gltf" --max-memory 8
+        expect 2 "max-memory: '1T' is not a number of bytes" $command "$work/place/inside.gltf" --max-memory 1T
+        absent "$work/a.png" "$work/strangers"
+        expect 0 '' $command "$work/place/requires.gltf" --lenient
+        rm -rf "$work/a.png" "$work/strangers"
+    }
+done
+expect 0 "is outside of the file's folder; it is read all the same" info "$work/place/outside.gltf"
+expect 0 '' info "$work/place/inside.gltf" --max-memory 1K --confine
+
 # An output that cannot be written leaves none of its siblings behind.
 expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" -o "$work/none/b.exr"
 absent "$work/a.png" "$work"/*part*

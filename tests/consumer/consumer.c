@@ -11,7 +11,7 @@ int main(void) {
     char version[32];
     snprintf(version, sizeof(version), "%d.%d.%d", FNL_VERSION_MAJOR, FNL_VERSION_MINOR, FNL_VERSION_PATCH);
     if (strcmp(version, fnl_version()) != 0) return 1;
-    if (fnl_scene_load(NULL, "builtin:spheres", &scene) != FNL_OK) return 1;
+    if (fnl_scene_load(NULL, "builtin:spheres", NULL, &scene) != FNL_OK) return 1;
     fnl_result result = fnl_scene_query_info(scene, &info);
     fnl_scene_destroy(&scene);
     if (result != FNL_OK || info.triangle_count == 0) return 1;

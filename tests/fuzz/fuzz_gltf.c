@@ -26,11 +26,38 @@ static void check_node(const fnl_scene *scene, const struct scene_node *node) {
     }
 }
 
+/** What a file refers to is the file itself, from its middle on. */
+struct input {
+    const uint8_t *bytes;
+    size_t size;
+    uint64_t given, released;
+};
+
+static void release(void *user, const void *data, size_t size) {
+    struct input *input = user;
+    if (data != input->bytes + input->size / 2 || size != input->size - input->size / 2) abort();
+    input->released++;
+}
+
+static fnl_result resolve(void *user, const char *uri, fnl_resource *out) {
+    struct input *input = user;
+    if (!*uri) return FNL_ERROR_FILE;
+    *out = (fnl_resource){input->bytes + input->size / 2, input->size - input->size / 2, release, input};
+    input->given++;
+    return FNL_OK;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     fnl_host host = fuzz_host();
+    struct input input = {.bytes = bytes, .size = size};
+    fnl_load_params params = fnl_load_params_default();
+    params.lenient = size % 2; /* goes on where others end */
+    params.max_memory = (uint64_t)256 << 20;
+    params.resolve = resolve;
+    params.user = &input;
     fnl_scene *scene;
-    if (gltf_load_memory(&host, bytes, size, "input", NULL, &scene) != FNL_OK) {
-        if (scene) abort();
+    if (fnl_scene_load_memory(&host, bytes, size, "input", &params, &scene) != FNL_OK) {
+        if (scene || input.released != input.given) abort();
         return 0;
     }
     for (uint32_t i = 0; i < scene->primitives.count; i++) check_primitive(scene, &scene->primitives.data[i]);
@@ -41,5 +68,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     fnl_scene_query_framing_camera(scene, 1.5f, &camera);
     for (uint32_t i = 0; i < scene->animations.count; i++) fnl_scene_set_time(scene, i, 0.3);
     fnl_scene_destroy(&scene);
+    if (input.released != input.given) abort();
     return 0;
 }

@@ -50,7 +50,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
                           uris[0], uris[1], uris[2], uris[0]);
     fnl_host host = fuzz_host();
     fnl_scene *scene;
-    fnl_result result = gltf_load_memory(&host, json, (size_t)length, "input", make_folder(), &scene);
+    make_folder();
+    fnl_load_params params = fnl_load_params_default();
+    params.lenient = size % 2;
+    params.confine = size % 3 == 0;
+    fnl_result result = fnl_scene_load(&host, fuzz_file("input.gltf", json, (size_t)length), &params, &scene);
     if (result != FNL_OK) {
         if (scene) abort();
         return 0;

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/** The options of loading, which render, bench and info share. */
+#ifndef FNL_CLI_LOADING_H
+#define FNL_CLI_LOADING_H
+
+#include "fanal/fanal.h"
+
+/* Below all others, which are characters or begin at 256. */
+enum { LOADING_LENIENT = 1, LOADING_CONFINE, LOADING_MAX_MEMORY, LOADING_END };
+
+/** Rows for a table of getopt_long. */
+#define LOADING_OPTIONS                                                                                                     \
+    {"lenient", no_argument, NULL, LOADING_LENIENT}, {"confine", no_argument, NULL, LOADING_CONFINE},                       \
+        {"max-memory", required_argument, NULL, LOADING_MAX_MEMORY}
+
+/** Lines for a help text. */
+#define LOADING_HELP                                                                                                        \
+    "  --lenient                  shows what can be shown of a file that is refused otherwise: one that requires what\n"   \
+    "                             cannot be shown, or whose data is missing\n"                                              \
+    "  --confine                  refuses what lies outside of the file's folder\n"                                         \
+    "  --max-memory SIZE          bytes, or with K, M or G, that the file may decode to (half of the machine's)\n"
+
+/** Whether an option that getopt_long gave is one of them. */
+bool loading_has(int option);
+/** Takes its value; false (printed) when that is bad. */
+bool loading_parse(int option, const char *value, fnl_load_params *out);
+
+#endif

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/* What URIs stand for (glTF 2.0, 2.8; RFC 2397, RFC 3986), and which of it may be read. */
+#include "scene/gltf.h"
+
+#include <errno.h>
+#include <strings.h>
+
+#define PATH_SIZE 4096
+
+/** What cannot be had: an error where the file is of no use without it, else a warning. */
+static void complain(struct gltf *g, const struct at *at, bool needed, fnl_result result, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+static void complain(struct gltf *g, const struct at *at, bool needed, fnl_result result, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (needed)
+        gltf_refuse(g, result, at, "%s", text);
+    else
+        gltf_warn(g, at, "%s; its data is ignored", text);
+}
+
+/* ---- data URIs ---- */
+
+static int base64_digit(unsigned char c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    if (c == '+' || c == '-') return 62;
+    if (c == '/' || c == '_') return 63;
+    return -1;
+}
+
+static bool read_base64(struct gltf *g, const struct at *at, const char *text, bool needed, const unsigned char **data,
+                        uint64_t *size) {
+    size_t length = strlen(text);
+    while (length > 0 && text[length - 1] == '=') length--;
+    if (!gltf_take_memory(g, at, length / 4 * 3 + 3)) return false;
+    unsigned char *bytes = arena_allocate(&g->scene->arena, length / 4 * 3 + 3);
+    if (!bytes) {
+        gltf_fail_memory(g);
+        return false;
+    }
+    uint32_t bits = 0, bit_count = 0;
+    size_t used = 0;
+    for (size_t i = 0; i < length; i++) {
+        int digit = base64_digit((unsigned char)text[i]);
+        if (digit < 0) {
+            complain(g, at, needed, FNL_ERROR_FORMAT, "is not base64 at character %zu of its data", i);
+            return false;
+        }
+        bits = bits << 6 | (uint32_t)digit;
+        bit_count += 6;
+        if (bit_count >= 8) {
+            bit_count -= 8;
+            bytes[used++] = (unsigned char)(bits >> bit_count);
+        }
+    }
+    *data = bytes;
+    *size = used;
+    return true;
+}
+
+/* ---- files ---- */
+
+static int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+/** Decodes %XX. False: the result does not fit, or has a zero byte. */
+static bool decode_percent(const char *uri, char *out, size_t capacity) {
+    size_t length = 0;
+    for (const char *c = uri; *c; c++) {
+        int high = *c == '%' ? hex_digit(c[1]) : -1, low = high >= 0 ? hex_digit(c[2]) : -1;
+        char decoded = low >= 0 ? (char)(high * 16 + low) : *c;
+        if (length + 1 >= capacity || !decoded) return false;
+        out[length++] = decoded;
+        if (low >= 0) c += 2;
+    }
+    out[length] = 0;
+    return length > 0;
+}
+
+/** Whether a URI begins with a scheme such as "http:". */
+static bool has_scheme(const char *uri) {
+    size_t i = 0;
+    while ((uri[i] >= 'a' && uri[i] <= 'z') || (uri[i] >= 'A' && uri[i] <= 'Z') ||
+           (i > 0 && uri[i] && strchr("0123456789+-.", uri[i])))
+        i++;
+    return i > 1 && uri[i] == ':';
+}
+
+/** Whether a real path is in or below a real folder. */
+static bool is_inside(const char *path, const char *folder) {
+    size_t length = strlen(folder);
+    if (length > 0 && folder[length - 1] == '/') length--; /* the root */
+    return strncmp(path, folder, length) == 0 && path[length] == '/';
+}
+
+/** Finds the file that a relative path means, and decides whether it may be read; `real` is then what is to be opened. */
+static bool find_file(struct gltf *g, const struct at *at, const char *relative, bool needed, char real[PATH_SIZE]) {
+    char path[PATH_SIZE], folder[PATH_SIZE];
+    if (snprintf(path, sizeof path, "%s%s", g->folder, relative) >= PATH_SIZE) {
+        complain(g, at, needed, FNL_ERROR_FILE, "is too long a path");
+        return false;
+    }
+    if (!path_real(path, real, PATH_SIZE) || !path_real(*g->folder ? g->folder : ".", folder, sizeof folder)) {
+        complain(g, at, needed, FNL_ERROR_FILE, "%s: cannot be opened: %s", path, strerror(errno));
+        return false;
+    }
+    if (is_inside(real, folder)) return true;
+    if (g->params.confine) {
+        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is outside of the file's folder, to which loading is confined", relative);
+        return false;
+    }
+    gltf_warn(g, at, "'%.100s' is outside of the file's folder; it is read all the same", relative);
+    return true;
+}
+
+/** A file is read once, however often a small document names it. */
+static bool find_loaded(const fnl_scene *scene, const char *path, struct file_view *out) {
+    struct file_identity wanted;
+    if (!file_identify(path, &wanted)) return false;
+    for (uint32_t i = 0; i < scene->files.count; i++) {
+        *out = scene->files.data[i];
+        if (out->identity.device == wanted.device && out->identity.node == wanted.node) return true;
+    }
+    return false;
+}
+
+static bool read_file(struct gltf *g, const struct at *at, const char *relative, bool needed, const unsigned char **data,
+                      uint64_t *size) {
+    char real[PATH_SIZE];
+    if (!find_file(g, at, relative, needed, real)) return false;
+    struct gltf_quiet_host quiet;
+    gltf_quiet_host_init(&quiet, g->host);
+    struct file_view file;
+    fnl_result result = FNL_OK;
+    bool known = find_loaded(g->scene, real, &file);
+    if (!known) result = file_load(&quiet.host, real, &file);
+    if (result == FNL_ERROR_MEMORY) {
+        log_error(g->host, "%s: %s", real, quiet.line);
+        gltf_fail_memory(g);
+        return false;
+    }
+    if (result != FNL_OK) {
+        complain(g, at, needed, FNL_ERROR_FILE, "%s", quiet.line);
+        return false;
+    }
+    if (!known && !array_push(g->host, &g->scene->files, file)) {
+        file_free(g->host, &file);
+        gltf_fail_memory(g);
+        return false;
+    }
+    *data = file.data;
+    *size = file.size;
+    return true;
+}
+
+/* ---- the caller's resolver ---- */
+
+static bool resolve(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
+                    uint64_t *size) {
+    /* Room first: what was handed over must not get lost. */
+    if (!array_reserve(g->host, &g->scene->resources, (uint64_t)g->scene->resources.count + 1)) {
+        gltf_fail_memory(g);
+        return false;
+    }
+    fnl_resource resource = {0};
+    fnl_result result = g->params.resolve(g->params.user, uri, &resource);
+    if (result == FNL_OK) {
+        g->scene->resources.data[g->scene->resources.count++] = resource;
+        *data = resource.data;
+        *size = resource.data ? resource.size : 0;
+        return true;
+    }
+    if (result == FNL_ERROR_MEMORY)
+        gltf_fail(g, result, at, "the resolver has no memory for '%.100s'", uri);
+    else
+        complain(g, at, needed, FNL_ERROR_FILE, "the resolver does not give '%.100s': %s", uri, fnl_result_name(result));
+    return false;
+}
+
+bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
+                   uint64_t *size) {
+    if (strncmp(uri, "data:", 5) == 0) {
+        const char *comma = strchr(uri, ',');
+        if (comma && comma - uri >= 7 && strncmp(comma - 7, ";base64", 7) == 0)
+            return read_base64(g, at, comma + 1, needed, data, size);
+        complain(g, at, needed, FNL_ERROR_FORMAT, "is not a base64 data URI");
+        return false;
+    }
+    if (g->params.resolve) return resolve(g, at, uri, needed, data, size);
+    char path[PATH_SIZE];
+    if (!decode_percent(uri, path, sizeof path)) {
+        complain(g, at, needed, FNL_ERROR_FILE, "is no path of a file");
+        return false;
+    }
+    if (path[0] == '/' || strncasecmp(path, "file:", 5) == 0) {
+        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is an absolute path, which glTF files may not refer to", path);
+        return false;
+    }
+    if (has_scheme(uri)) {
+        complain(g, at, needed, FNL_ERROR_FILE, "'%.100s' is neither a file nor a data URI", uri);
+        return false;
+    }
+    if (!g->folder) {
+        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is another file, but this glTF is loaded from memory without a resolver",
+                    uri);
+        return false;
+    }
+    return read_file(g, at, path, needed, data, size);
+}
