@@ -120,6 +120,7 @@ struct gltf {
     fnl_result result;    /* what the load came to so far */
     uint64_t budget;      /* bytes that may still be decoded in proportion to the size of the file */
     uint64_t memory_left; /* of params.max_memory */
+    uint64_t check_left;  /* bytes that may still be compared with declared bounds */
 
     bool is_glb;
     const unsigned char *binary; /* the GLB's BIN chunk, or NULL */
@@ -223,6 +224,8 @@ void gltf_load_buffers(struct gltf *g); /* buffers and bufferViews (gltf_buffer.
  */
 bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool needed, const unsigned char **data,
                    uint64_t *size);
+/** The media type of a data URI, such as "image/png"; false when there is none, or it is longer than `capacity` - 1. */
+bool gltf_uri_media_type(const char *uri, char *out, size_t capacity);
 /** Decodes EXT_meshopt_compression of a bufferView (gltf_meshopt.c). False (warned) when it is broken. */
 bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at, struct gltf_view *view);
 
@@ -238,6 +241,8 @@ uint32_t gltf_accessor_stride(const struct gltf *g, const struct gltf_accessor *
 uint32_t gltf_packed_stride(const struct gltf_accessor *accessor);
 /** Where a component lies in its element. */
 uint32_t gltf_component_offset(const struct gltf_accessor *accessor, uint32_t component);
+/** Compares the elements of a valid accessor with its 'min' and 'max' and warns where they differ (gltf_bounds.c). */
+void gltf_check_bounds(struct gltf *g, json_t *object, const struct at *at, const struct gltf_accessor *accessor);
 /** Whether the accessor's bytes are there; warns at `at` when it is broken, and refuses the file when they are missing. */
 bool gltf_accessor_readable(struct gltf *g, uint32_t accessor, const struct at *at);
 /** All elements as floats, integers normalised where the accessor says so. `out` holds count * components. */

@@ -189,7 +189,9 @@ void gltf_load_accessors(struct gltf *g) {
     g->accessors = gltf_scratch(g, g->accessor_count, sizeof *g->accessors);
     for (uint32_t i = 0; i < g->accessor_count && g->result == FNL_OK; i++) {
         json_t *object = gltf_element(g, array, at, i);
-        if (object) g->accessors[i].valid = load_accessor(g, object, AT_INDEX(at, i), &g->accessors[i]);
+        if (!object) continue;
+        g->accessors[i].valid = load_accessor(g, object, AT_INDEX(at, i), &g->accessors[i]);
+        if (g->accessors[i].valid) gltf_check_bounds(g, object, AT_INDEX(at, i), &g->accessors[i]);
     }
 }
 

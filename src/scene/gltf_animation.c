@@ -2,6 +2,8 @@
 /* Animations (glTF 2.0, 3.11). */
 #include "scene/gltf.h"
 
+enum { PATH_COUNT = SCENE_PATH_WEIGHTS + 1 };
+
 struct sampler {
     bool valid;
     uint32_t output;
@@ -70,8 +72,24 @@ static bool output_format_good(const struct gltf_accessor *accessor, enum scene_
     return accessor->type == types[path] && (accessor->component == GLTF_FLOAT || (may_be_integer && accessor->normalized));
 }
 
+/** 3.11: keys of rotations are of unit length; tangents of splines are not. */
+static void make_unit(struct gltf *g, const struct at *at, const struct scene_channel *channel, float *values) {
+    bool cubic = channel->interpolation == SCENE_INTERPOLATION_CUBIC;
+    uint32_t wrong = 0, first = 0;
+    for (uint32_t i = 0; i < channel->key_count; i++) {
+        float *q = values + ((size_t)i * (cubic ? 3 : 1) + cubic) * 4;
+        float length = sqrtf(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        if (fabsf(length - 1) < 0.01f) continue; /* as far as 8-bit rotations are off */
+        if (wrong++ == 0) first = i;
+        quat unit = quat_normalize((quat){q[0], q[1], q[2], q[3]});
+        memcpy(q, &unit, sizeof unit);
+    }
+    if (wrong)
+        gltf_warn(g, at, "%u rotations are not of unit length, the first at key %u; they are normalised", wrong, first);
+}
+
 static const float *load_values(struct gltf *g, const struct sampler *sampler, const struct scene_channel *channel,
-                                const struct at *at) {
+                                const struct at *at, const struct at *output_at) {
     const struct gltf_accessor *accessor = &g->accessors[sampler->output];
     char format[64];
     if (!gltf_accessor_readable(g, sampler->output, at)) return NULL;
@@ -96,6 +114,7 @@ static const float *load_values(struct gltf *g, const struct sampler *sampler, c
             gltf_warn(g, at, "value %llu of the output is NaN or infinite; the channel is left out", (unsigned long long)i);
             return NULL;
         }
+    if (channel->path == SCENE_PATH_ROTATION) make_unit(g, output_at, channel, values);
     return values;
 }
 
@@ -109,6 +128,21 @@ static void warn_pointer(struct gltf *g, json_t *target, const struct at *at) {
         gltf_warn(g, AT_KEY(&place.extension, "pointer"), "'%.100s' is no JSON pointer; the channel is left out", pointer);
     else if (pointer)
         gltf_warn(g, &place.extension, "is not supported; the animation of '%.100s' is left out", pointer);
+}
+
+/** The channel of the present animation that last moved a property of a node. */
+struct last_channel {
+    uint32_t animation, channel; /* numbers from 1 on; 0: none */
+};
+
+/** 3.11: no two channels of an animation have the same target. They are played in order, so the later one wins. */
+static void check_duplicate(struct gltf *g, const struct at *at, struct last_channel *last, uint32_t animation,
+                            uint32_t index) {
+    if (last->animation == animation + 1) {
+        const struct at *channels_at = at->parent, *first_at = AT_INDEX(channels_at, last->channel - 1);
+        gltf_warn(g, AT_KEY(first_at, "target"), "channel %u has the same target, and is played instead", index);
+    }
+    *last = (struct last_channel){animation + 1, index + 1};
 }
 
 static bool load_target(struct gltf *g, json_t *object, const struct at *at, struct scene_channel *channel) {
@@ -139,18 +173,25 @@ static bool load_target(struct gltf *g, json_t *object, const struct at *at, str
 }
 
 static bool load_channel(struct gltf *g, json_t *object, const struct at *at, const struct sampler *samplers,
-                         uint32_t sampler_count, struct scene_channel *channel) {
+                         uint32_t sampler_count, struct last_channel *last, uint32_t animation,
+                         struct scene_channel *channel) {
     uint32_t index = gltf_index(g, object, at, "sampler", true, sampler_count);
     bool good = load_target(g, object, at, channel);
+    if (good)
+        check_duplicate(g, at, &last[(size_t)channel->node * PATH_COUNT + channel->path], animation,
+                        (uint32_t)at->index);
     if (!good || index == SCENE_NONE || !samplers[index].valid) return false;
     channel->interpolation = samplers[index].interpolation;
     channel->key_count = samplers[index].key_count;
     channel->times = samplers[index].times;
-    channel->values = load_values(g, &samplers[index], channel, AT_KEY(at, "sampler"));
+    const struct at *samplers_at = AT_KEY(at->parent->parent, "samplers"), *sampler_at = AT_INDEX(samplers_at, index);
+    channel->values =
+        load_values(g, &samplers[index], channel, AT_KEY(at, "sampler"), AT_KEY(sampler_at, "output"));
     return channel->values != NULL;
 }
 
-static void load_animation(struct gltf *g, json_t *object, const struct at *at, struct scene_animation *animation) {
+static void load_animation(struct gltf *g, json_t *object, const struct at *at, struct last_channel *last,
+                           struct scene_animation *animation) {
     animation->name = gltf_name(g, object, at);
     animation->extras = gltf_extras(g, object);
     json_t *samplers = gltf_array(g, object, at, "samplers", true), *channels = gltf_array(g, object, at, "channels", true);
@@ -167,7 +208,8 @@ static void load_animation(struct gltf *g, json_t *object, const struct at *at, 
     for (uint32_t i = 0; i < channel_count && g->result == FNL_OK; i++) {
         struct scene_channel channel = {0};
         json_t *channel_object = gltf_element(g, channels, channels_at, i);
-        if (!channel_object || !load_channel(g, channel_object, AT_INDEX(channels_at, i), loaded, sampler_count, &channel))
+        if (!channel_object || !load_channel(g, channel_object, AT_INDEX(channels_at, i), loaded, sampler_count, last,
+                                             (uint32_t)at->index, &channel))
             continue;
         kept[animation->channel_count++] = channel;
         animation->duration = fmaxf(animation->duration, channel.times[channel.key_count - 1]);
@@ -177,10 +219,12 @@ static void load_animation(struct gltf *g, json_t *object, const struct at *at, 
 void gltf_load_animations(struct gltf *g) {
     json_t *array = gltf_array(g, g->root, &g->top, "animations", false);
     const struct at *at = AT_KEY(&g->top, "animations");
+    struct last_channel *last =
+        gltf_count(array) ? gltf_scratch(g, (uint64_t)g->node_count * PATH_COUNT, sizeof *last) : NULL;
     for (uint32_t i = 0; i < gltf_count(array) && g->result == FNL_OK; i++) {
         struct scene_animation animation = {.name = ""};
         json_t *object = gltf_element(g, array, at, i);
-        if (object) load_animation(g, object, AT_INDEX(at, i), &animation);
+        if (object) load_animation(g, object, AT_INDEX(at, i), last, &animation);
         if (!array_push(g->host, &g->scene->animations, animation)) gltf_fail_memory(g);
     }
 }

@@ -317,6 +317,205 @@ static void test_memory_runs_out_anywhere(void **state) {
     free(glb);
 }
 
+/* ---- faults that show in no picture, or only in another file's ---- */
+
+/** Every pointer must be in the log, `count` lines in all. */
+static void expect_lines(const char *json, const void *binary, size_t size, uint32_t count, const char *const *lines) {
+    fnl_scene *scene = NULL;
+    if (test_load(&file_log, json, binary, size, &scene) != FNL_OK) fail_msg("not loaded: %s", file_log.text);
+    for (uint32_t i = 0; lines[i]; i++)
+        if (!strstr(file_log.text, lines[i])) fail_msg("no '%s' in:\n%s", lines[i], file_log.text);
+    if (file_log.count != count) fail_msg("%u lines, not %u:\n%s", file_log.count, count, file_log.text);
+    fnl_scene_destroy(&scene);
+}
+
+/** Elements beyond 'min' and 'max': every component type, normalised, strided, sparse over bytes and over zeros. */
+static void test_declared_bounds_are_compared(void **state) {
+    UNUSED(state);
+    struct {
+        int8_t i8[4];
+        uint8_t u8[4];
+        int16_t i16[4];
+        uint16_t u16[4];
+        uint32_t u32[4];
+        float f32[4];
+        uint8_t sparse_index[4];
+        int16_t sparse_value[2];
+    } binary = {{-3, 7, 0, 0}, {3, 250, 0, 0}, {-300, 7, 0, 0}, {3, 60000, 0, 0}, {3, 4000000000u, 0, 0}, {-0.3f, 2, 0, 0},
+                {1, 3, 0, 0},  {-9, 11}};
+    static const struct {
+        const char *accessor; /* in view 0, 2 elements; what follows "count" */
+        const char *good, *bad;
+        uint32_t count; /* of warnings of the bad one */
+        const char *lines[3];
+    } cases[] = {
+        {"\"componentType\":5120,\"byteOffset\":0", "\"min\":[-3],\"max\":[7]", "\"min\":[0],\"max\":[6]", 2,
+         {"test.glb: /accessors/0/min/0: is 0, but the elements' is -3", "test.glb: /accessors/0/max/0: is 6, but"}},
+        {"\"componentType\":5120,\"byteOffset\":0,\"normalized\":true", "\"min\":[-3],\"max\":[7]", "\"min\":[-3],\"max\":[1]",
+         1, {"test.glb: /accessors/0/max/0: is 1, but the elements' is 7"}},
+        {"\"componentType\":5121,\"byteOffset\":4", "\"min\":[3],\"max\":[250]", "\"min\":[4],\"max\":[250]", 1,
+         {"test.glb: /accessors/0/min/0: is 4, but the elements' is 3"}},
+        {"\"componentType\":5122,\"byteOffset\":8", "\"min\":[-300],\"max\":[7]", "\"min\":[-299],\"max\":[7.5]", 2,
+         {"test.glb: /accessors/0/min/0", "test.glb: /accessors/0/max/0"}},
+        {"\"componentType\":5123,\"byteOffset\":16,\"normalized\":true", "\"min\":[3],\"max\":[60000]",
+         "\"min\":[3],\"max\":[0.9]", 1, {"test.glb: /accessors/0/max/0"}},
+        {"\"componentType\":5125,\"byteOffset\":24", "\"min\":[3],\"max\":[4000000000]", "\"min\":[3],\"max\":[3999999999]", 1,
+         {"test.glb: /accessors/0/max/0: is 3999999999, but the elements' is 4000000000"}},
+        {"\"componentType\":5126,\"byteOffset\":40", "\"min\":[-0.3],\"max\":[2.000001]", "\"min\":[-0.2],\"max\":[2.001]", 2,
+         {"test.glb: /accessors/0/min/0", "test.glb: /accessors/0/max/0"}},
+        {"\"componentType\":5126,\"byteOffset\":40", "\"min\":[-0.3],\"max\":[2]", "\"min\":[-0.3,1],\"max\":[\"2\"]", 2,
+         {"test.glb: /accessors/0/min: has 2 numbers for 1 components", "test.glb: /accessors/0/max/0: is not a finite"}},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        for (int bad = 0; bad < 2; bad++) {
+            char json[1024];
+            snprintf(json, sizeof json,
+                     "{" ASSET ",\"buffers\":[{\"byteLength\":64}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64}],"
+                     "\"accessors\":[{\"bufferView\":0,\"type\":\"SCALAR\",\"count\":2,%s,%s}]}",
+                     cases[i].accessor, bad ? cases[i].bad : cases[i].good);
+            expect_lines(json, &binary, sizeof binary, bad ? cases[i].count : 0,
+                         bad ? cases[i].lines : (const char *const[]){NULL});
+        }
+    /* Elements 1 and 3 of 4 are -9 and 11; the others are those of the view, or 0. */
+    static const struct {
+        const char *base, *bounds;
+        uint32_t count;
+        const char *lines[3];
+    } sparse[] = {
+        {"", "\"min\":[-9],\"max\":[11]", 0, {NULL}},
+        {"", "\"min\":[0],\"max\":[12]", 2, {"test.glb: /accessors/0/min/0: is 0, but the elements' is -9", "/accessors/0/max/0"}},
+        {"\"bufferView\":0,\"byteOffset\":8,", "\"min\":[-300],\"max\":[11]", 0, {NULL}},
+        {"\"bufferView\":0,\"byteOffset\":8,", "\"min\":[-9],\"max\":[11]", 1, {"is -9, but the elements' is -300"}},
+        {"\"bufferView\":0,\"byteOffset\":10,\"normalized\":true,", "\"min\":[-9],\"max\":[11]", 0, {NULL}},
+        {"\"bufferView\":0,\"byteOffset\":10,\"normalized\":true,", "\"min\":[-8],\"max\":[11]", 1, {"is -8, but the elements' is -9"}},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(sparse); i++) {
+        char json[1024];
+        snprintf(json, sizeof json,
+                 "{" ASSET ",\"buffers\":[{\"byteLength\":64}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64}],"
+                 "\"accessors\":[{%s\"componentType\":5122,\"type\":\"SCALAR\",\"count\":4,%s,\"sparse\":{\"count\":2,"
+                 "\"indices\":{\"bufferView\":0,\"byteOffset\":56,\"componentType\":5121},"
+                 "\"values\":{\"bufferView\":0,\"byteOffset\":60}}}]}",
+                 sparse[i].base, sparse[i].bounds);
+        expect_lines(json, &binary, sizeof binary, sparse[i].count, sparse[i].lines);
+    }
+}
+
+/** Ten thousand accessors over one megabyte are not all read: a count of bytes bounds it. */
+static void test_comparing_bounds_takes_time_by_file(void **state) {
+    UNUSED(state);
+    enum { SIZE = 4 << 20, ACCESSORS = 20000 };
+    unsigned char *binary = calloc(1, SIZE);
+    char *json = malloc(1024 + ACCESSORS * 128), *end = json;
+    end += sprintf(end, "{" ASSET ",\"buffers\":[{\"byteLength\":%d}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d}],"
+                        "\"accessors\":[", SIZE, SIZE);
+    for (uint32_t i = 0; i < ACCESSORS; i++)
+        end += sprintf(end, "%s{\"bufferView\":0,\"componentType\":5121,\"type\":\"SCALAR\",\"count\":%d,\"max\":[1]}",
+                       i ? "," : "", SIZE);
+    sprintf(end, "]}");
+    fnl_scene *scene = NULL;
+    double start = time_now();
+    assert_int_equal(test_load(&file_log, json, binary, SIZE, &scene), FNL_OK);
+    assert_int_equal(scene->messages.count, (64 + 4 * 4) / 4); /* each read one is wrong: 64 MiB and 4 times the file */
+    assert_true(time_now() - start < 20);                      /* 80 GB would take minutes */
+    fnl_scene_destroy(&scene);
+    free(json);
+    free(binary);
+}
+
+static void test_primitive_restart_is_reported(void **state) {
+    UNUSED(state);
+    static struct {
+        float positions[256 * 3];
+        uint8_t indices[4];
+    } binary = {.indices = {0, 1, 255, 0}};
+    for (int i = 0; i < 768; i++) binary.positions[i] = (float)(i * i % 7);
+    for (int bad = 0; bad < 2; bad++) {
+        binary.indices[2] = bad ? 255 : 254;
+        expect_lines("{" ASSET ",\"buffers\":[{\"byteLength\":3076}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":3072},"
+                     "{\"buffer\":0,\"byteOffset\":3072,\"byteLength\":3}],\"accessors\":["
+                     "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":256},"
+                     "{\"bufferView\":1,\"componentType\":5121,\"type\":\"SCALAR\",\"count\":3}],"
+                     "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]}",
+                     &binary, sizeof binary, (uint32_t)bad,
+                     (const char *const[]){
+                         bad ? "/meshes/0/primitives/0/indices: 1 indices are 255, the primitive restart value" : NULL, NULL});
+    }
+}
+
+static void test_inverse_bind_matrices_are_affine(void **state) {
+    UNUSED(state);
+    for (int bad = 0; bad < 2; bad++) {
+        mat4 matrices[2] = {mat4_identity(), mat4_identity()};
+        matrices[1].m[12] = 5;
+        matrices[1].m[7] = bad ? 0.5f : 0;
+        const char *json =
+            "{" ASSET ",\"buffers\":[{\"byteLength\":128}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":128}],\"accessors\":["
+            "{\"bufferView\":0,\"componentType\":5126,\"type\":\"MAT4\",\"count\":2}],\"nodes\":[{},{}],"
+            "\"skins\":[{\"joints\":[0,1],\"inverseBindMatrices\":0}]}";
+        fnl_scene *scene = NULL;
+        assert_int_equal(test_load(&file_log, json, matrices, sizeof matrices, &scene), FNL_OK);
+        assert_int_equal(file_log.count, bad);
+        if (bad) assert_non_null(strstr(file_log.text, "/skins/0/inverseBindMatrices: 1 matrices have a fourth row"));
+        assert_true(scene->skins.data[0].inverse_bind[1].m[12] == 5 && scene->skins.data[0].inverse_bind[1].m[7] == 0);
+        fnl_scene_destroy(&scene);
+    }
+}
+
+static void test_duplicate_channel_targets(void **state) {
+    UNUSED(state);
+    /* One key at time 0; translations (1 0 0) and (2 0 0), rotations of length 1 and 2. */
+    float binary[16] = {0, 1, 0, 0, 2, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0};
+    static const char format[] =
+        "{" ASSET ",\"buffers\":[{\"byteLength\":64}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":1},"
+        "{\"bufferView\":0,\"byteOffset\":4,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1},"
+        "{\"bufferView\":0,\"byteOffset\":16,\"componentType\":5126,\"type\":\"VEC3\",\"count\":1},"
+        "{\"bufferView\":0,\"byteOffset\":28,\"componentType\":5126,\"type\":\"VEC4\",\"count\":1},"
+        "{\"bufferView\":0,\"byteOffset\":44,\"componentType\":5126,\"type\":\"VEC4\",\"count\":1}],\"nodes\":[{},{}],"
+        "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":1},{\"input\":0,\"output\":2},{\"input\":0,\"output\":%d}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
+        "{\"sampler\":2,\"target\":{\"node\":0,\"path\":\"rotation\"}},"
+        "{\"sampler\":1,\"target\":{\"node\":%d,\"path\":\"translation\"}}]},{\"samplers\":[{\"input\":0,\"output\":1}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}]}";
+    char json[2048];
+    snprintf(json, sizeof json, format, 3, 1);
+    expect_lines(json, binary, sizeof binary, 0, (const char *const[]){NULL});
+    snprintf(json, sizeof json, format, 4, 0);
+    expect_lines(json, binary, sizeof binary, 2,
+                 (const char *const[]){"test.glb: /animations/0/channels/0/target: channel 2 has the same target",
+                                       "test.glb: /animations/0/samplers/2/output: 1 rotations are not of unit length", NULL});
+    fnl_scene *scene = NULL; /* what the message says: the later one is played */
+    assert_int_equal(test_load(&file_log, json, binary, sizeof binary, &scene), FNL_OK);
+    assert_int_equal(fnl_scene_set_time(scene, 0, 0), FNL_OK);
+    assert_true(scene->nodes.data[0].translation.x == 2);
+    fnl_scene_destroy(&scene);
+}
+
+static void test_media_types_are_compared(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *json;
+        uint32_t count;
+        const char *line;
+    } cases[] = {
+        {"\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}]", 0, NULL},
+        {"\"images\":[{\"uri\":\"data:image/jpeg;base64," TEST_PNG_BASE64 "\"}]", 1,
+         "test.glb: /images/0: its data URI says image/jpeg, but the bytes are image/png"},
+        {"\"images\":[{\"mimeType\":\"image/jpeg\",\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}]", 1,
+         "test.glb: /images/0: its mimeType is 'image/jpeg', but the bytes are image/png"},
+        {"\"buffers\":[{\"byteLength\":1,\"uri\":\"data:application/octet-stream;base64,AAAA\"}]", 0, NULL},
+        {"\"buffers\":[{\"byteLength\":1,\"uri\":\"data:application/gltf-buffer;base64,AAAA\"}]", 0, NULL},
+        {"\"buffers\":[{\"byteLength\":1,\"uri\":\"data:image/png;base64,AAAA\"}]", 1,
+         "test.glb: /buffers/0/uri: has not the media type"},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        char json[1024];
+        snprintf(json, sizeof json, "{" ASSET ",%s}", cases[i].json);
+        expect_lines(json, NULL, 0, cases[i].count, (const char *const[]){cases[i].line, NULL});
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_broken_files_are_refused),
@@ -329,6 +528,12 @@ int main(void) {
         cmocka_unit_test(test_files_beside_the_scene),
         cmocka_unit_test(test_broken_animation_times),
         cmocka_unit_test(test_memory_runs_out_anywhere),
+        cmocka_unit_test(test_declared_bounds_are_compared),
+        cmocka_unit_test(test_comparing_bounds_takes_time_by_file),
+        cmocka_unit_test(test_primitive_restart_is_reported),
+        cmocka_unit_test(test_inverse_bind_matrices_are_affine),
+        cmocka_unit_test(test_duplicate_channel_targets),
+        cmocka_unit_test(test_media_types_are_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,6 +9,23 @@ static bool buffer_is_fallback(json_t *object) {
     return json_is_true(json_object_get(extension, "fallback"));
 }
 
+/** 3.6.1.1: a data URI of a buffer has one of two media types. */
+static void check_media_type(struct gltf *g, const struct at *at, const char *uri) {
+    char type[64];
+    if (strncmp(uri, "data:", 5) != 0) return;
+    bool good = gltf_uri_media_type(uri, type, sizeof type) &&
+                (strcmp(type, "application/octet-stream") == 0 || strcmp(type, "application/gltf-buffer") == 0);
+    if (!good)
+        gltf_warn(g, at, "has not the media type application/octet-stream or application/gltf-buffer; it is read all the same");
+}
+
+/** Whether an earlier buffer has the same bytes: a file that is named again raises no budget again. */
+static bool is_read_already(const struct gltf *g, uint32_t index) {
+    for (uint32_t i = 0; i < index; i++)
+        if (g->buffers[i].data == g->buffers[index].data) return true;
+    return false;
+}
+
 static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uint32_t index) {
     struct gltf_buffer *buffer = &g->buffers[index];
     uint64_t available = 0;
@@ -16,12 +33,12 @@ static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uin
     if (buffer_is_fallback(object)) return; /* for those who cannot decompress: its data is not read, and may be missing */
     const char *uri = gltf_string(g, object, at, "uri", false);
     if (uri) {
+        check_media_type(g, AT_KEY(at, "uri"), uri);
         if (!gltf_read_uri(g, AT_KEY(at, "uri"), uri, true, &buffer->data, &available)) buffer->data = NULL;
         if (!buffer->data) return;
     } else if (g->is_glb && index == 0) {
         buffer->data = g->binary;
         available = g->binary_size;
-        add_budget(g, available);
         if (!buffer->data) {
             gltf_refuse(g, FNL_ERROR_FORMAT, at, "has no 'uri', and the GLB has no BIN chunk");
             return;
@@ -29,6 +46,10 @@ static void load_buffer(struct gltf *g, json_t *object, const struct at *at, uin
     } else {
         gltf_warn(g, at, "has no 'uri', so there is nothing to read");
         return;
+    }
+    if (!is_read_already(g, index)) {
+        g->budget += 64 * available;
+        g->check_left += 4 * available;
     }
     if (buffer->valid && available < buffer->size) {
         gltf_fail(g, FNL_ERROR_FORMAT, at, "says byteLength %llu, but there are only %llu bytes: the data is truncated",
@@ -74,6 +95,7 @@ static void load_view(struct gltf *g, json_t *object, const struct at *at, struc
 void gltf_load_buffers(struct gltf *g) {
     /* What a file may decode to: generous for honest files, and no invitation to fill the memory from a small one. */
     g->budget = (uint64_t)256 << 20;
+    g->check_left = (uint64_t)64 << 20;
     json_t *buffers = gltf_array(g, g->root, &g->top, "buffers", false);
     g->buffer_count = gltf_count(buffers);
     g->buffers = gltf_scratch(g, g->buffer_count, sizeof *g->buffers);

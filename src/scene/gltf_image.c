@@ -51,6 +51,18 @@ static bool find_bytes(struct gltf *g, json_t *object, const struct at *at, cons
     return true;
 }
 
+/** Whether the declared type is that of the bytes, which decide. */
+static void check_mime_type(struct gltf *g, json_t *object, const struct at *at, const char *kind) {
+    char expected[32], type[64];
+    snprintf(expected, sizeof expected, "image/%s", kind);
+    const char *uri = json_string_value(json_object_get(object, "uri"));
+    if (uri && gltf_uri_media_type(uri, type, sizeof type) && strcmp(type, expected) != 0)
+        gltf_warn(g, at, "its data URI says %s, but the bytes are %s, as which they are read", type, expected);
+    const char *declared = gltf_string(g, object, at, "mimeType", false);
+    if (declared && strcmp(declared, expected) != 0)
+        gltf_warn(g, at, "its mimeType is '%.100s', but the bytes are %s, as which they are read", declared, expected);
+}
+
 static void load_image(struct gltf *g, json_t *object, const struct at *at, struct scene_image *image) {
     const unsigned char *data;
     uint64_t size;
@@ -67,6 +79,7 @@ static void load_image(struct gltf *g, json_t *object, const struct at *at, stru
     } else {
         if (info.kind == IMAGE_FILE_WEBP && !gltf_uses(g, "EXT_texture_webp"))
             gltf_warn(g, at, "is WebP, but EXT_texture_webp is not in extensionsUsed; it is used all the same");
+        check_mime_type(g, object, at, kind);
         if (!gltf_take_image(g, at, info.width, info.height)) return;
         image->encoded = data;
         image->encoded_size = (size_t)size;

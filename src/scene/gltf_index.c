@@ -27,12 +27,20 @@ static const uint32_t *read_indices(struct gltf *g, uint32_t index, const struct
         if (!indices || !gltf_read_uints(g, index, at, indices)) return NULL;
         accessor->decoded[GLTF_USE_INDEX] = indices;
     }
+    uint32_t restart = accessor->component == GLTF_UNSIGNED_BYTE    ? UINT8_MAX
+                       : accessor->component == GLTF_UNSIGNED_SHORT ? UINT16_MAX
+                                                                    : UINT32_MAX;
+    uint32_t restart_count = 0;
     for (uint32_t i = 0; i < accessor->count; i++) {
+        restart_count += indices[i] == restart;
         if (indices[i] < vertex_count) continue;
         gltf_warn(g, at, "index %u is %u, but there are %u vertices; the primitive is left out", i, indices[i],
                   vertex_count);
         return NULL;
     }
+    if (restart_count)
+        gltf_warn(g, at, "%u indices are %u, the primitive restart value, which glTF forbids; they are taken as vertices",
+                  restart_count, restart);
     return indices;
 }
 

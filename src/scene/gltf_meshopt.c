@@ -114,5 +114,6 @@ bool gltf_decode_meshopt(struct gltf *g, json_t *extension, const struct at *at,
     view->data = data;
     view->size = decoded_size;
     g->budget += 64 * decoded_size;
+    g->check_left += 4 * decoded_size;
     return true;
 }

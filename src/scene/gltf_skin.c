@@ -123,15 +123,22 @@ static void load_inverse_bind(struct gltf *g, json_t *object, const struct at *a
     if (!gltf_spend(g, here, (uint64_t)accessor->count * sizeof(mat4))) return;
     mat4 *values = gltf_scratch(g, accessor->count, sizeof *values);
     if (!values || !gltf_read_floats(g, index, here, values->m)) return;
-    uint32_t broken = 0;
+    uint32_t broken = 0, projective = 0;
     for (uint32_t i = 0; i < count; i++) {
         bool finite = true;
         for (int k = 0; k < 16; k++) finite &= isfinite(values[i].m[k]) != 0;
-        if (finite)
-            matrices[i] = values[i];
-        else
+        if (!finite) {
             broken++;
+            continue;
+        }
+        matrices[i] = values[i];
+        float *m = matrices[i].m;
+        projective += m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1;
+        m[3] = m[7] = m[11] = 0;
+        m[15] = 1;
     }
+    if (projective)
+        gltf_warn(g, here, "%u matrices have a fourth row other than 0, 0, 0, 1; their affine part is used", projective);
     if (broken) gltf_warn(g, here, "%u matrices have NaN or infinite values; identity matrices are used", broken);
 }
 

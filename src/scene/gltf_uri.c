@@ -63,6 +63,15 @@ static bool read_base64(struct gltf *g, const struct at *at, const char *text, b
     return true;
 }
 
+bool gltf_uri_media_type(const char *uri, char *out, size_t capacity) {
+    if (strncmp(uri, "data:", 5) != 0) return false;
+    size_t length = strcspn(uri + 5, ";,");
+    if (length == 0 || length >= capacity) return false;
+    memcpy(out, uri + 5, length);
+    out[length] = 0;
+    return true;
+}
+
 /* ---- files ---- */
 
 static int hex_digit(char c) {
