@@ -43,7 +43,7 @@ FNL_API fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out);
 typedef struct fnl_resource {
     const void *data; /**< NULL only with size 0 */
     size_t size;      /**< bytes */
-    /** Called once, with the next three fields, when nothing reads the bytes any more. NULL: nothing is to be done. */
+    /** Called once, with `user`, `data` and `size`, when nothing reads the bytes any more. NULL: nothing is to be done. */
     void (*release)(void *user, const void *data, size_t size);
     void *user;
 } fnl_resource;
@@ -51,31 +51,33 @@ typedef struct fnl_resource {
 /** How files are loaded; built-in scenes heed none of it. */
 typedef struct fnl_load_params {
     /**
-     * Shows what can be shown of a file that is otherwise refused, with a warning for what is left out: one that requires an extension
-     * whose materials are shown by their core properties, whose data is missing, or that refers to files it may not read (they are
-     * not read). Default false.
+     * Shows what can be shown of a file that is otherwise refused, with a warning for what is left out: one that requires an
+     * extension whose materials are shown by their core properties, whose data is missing, or that refers to files it may
+     * not read (they are not read). Default false.
      */
     bool lenient;
     /**
-     * Refuses files outside of the folder of the loaded one; else they are read with a warning. Symbolic links are followed before that is
-     * decided. Absolute paths and "file:" are refused in any case. Default false.
+     * Refuses files outside of the folder of the loaded one; else they are read with a warning. Symbolic links are followed
+     * before that is decided. Absolute paths and "file:" are refused in any case. Default false.
      */
     bool confine;
     /**
-     * Bytes that the file may decode to: vertices, indices, animations, instances, embedded and compressed data, and its pictures as RGBA8,
-     * counted before anything is allocated. A file that needs more is FNL_ERROR_MEMORY. The file itself, what jansson makes of its JSON, and the
-     * memory of a device are not counted. UINT64_MAX: no limit. Default: half of the machine's memory.
+     * Bytes that the file may decode to: vertices, indices, animations, instances, embedded and compressed data, and its
+     * pictures as RGBA8, counted before anything is allocated. A file that needs more is FNL_ERROR_MEMORY. The file itself,
+     * what jansson makes of its JSON, and the memory of a device are not counted. UINT64_MAX: no limit. Default: half of the
+     * machine's memory.
      */
     uint64_t max_memory;
     /**
-     * Hands over what a `uri` of the file stands for; when it is set, Fanal opens no file but the loaded one, and `confine` has nothing to do. `uri` is
-     * the text in the file, still percent-encoded, and lives as long as the call; "data:" URIs are not asked for. Called from within
-     * the loading call, on its thread, for one URI after the other, for the same one as often as the file names it.
+     * Hands over what a `uri` of the file stands for; when it is set, Fanal opens no file but the loaded one, and `confine`
+     * has nothing to do. `uri` is the text in the file, still percent-encoded, and lives as long as the call; "data:" URIs
+     * are not asked for. Called from within the loading call, on its thread, for one URI after the other, for the same one
+     * as often as the file names it.
      *
-     * On FNL_OK `out`, all zeros at first, says where the bytes are. They must neither change nor go until `release`, as pictures are decoded
-     * from them when a renderer needs them, on any thread. `release` is called within the loading call when it fails, else
-     * within fnl_scene_destroy. Any other result: the resource is missing, nothing is released; FNL_ERROR_MEMORY ends the load.
-     * It must not use the scene. Default NULL.
+     * On FNL_OK `out`, all zeros at first, says where the bytes are. They must neither change nor go until `release`, as
+     * pictures are decoded from them when a renderer needs them, on any thread. `release` is called within the loading call
+     * when it fails, else within fnl_scene_destroy. Any other result: the resource is missing, nothing is released;
+     * FNL_ERROR_MEMORY ends the load. It must not use the scene. Default NULL.
      */
     fnl_result (*resolve)(void *user, const char *uri, fnl_resource *out);
     void *user; /**< for `resolve`; default NULL */
@@ -83,13 +85,13 @@ typedef struct fnl_load_params {
 
 FNL_API fnl_load_params fnl_load_params_default(void);
 /**
- * Loads `source`: the path of a .gltf or .glb file, or "builtin:NAME?key=value&key=value" (docs/cli.md lists them). `params` NULL: defaults.
- * On failure `*out` is NULL and the log says which file, where in it, and what is wrong.
+ * Loads `source`: the path of a .gltf or .glb file, or "builtin:NAME?key=value&key=value" (docs/cli.md lists them). `params`
+ * NULL: defaults. On failure `*out` is NULL and the log says which file, where in it, and what is wrong.
  */
 FNL_API fnl_result fnl_scene_load(const fnl_host *host, const char *source, const fnl_load_params *params, fnl_scene **out);
 /**
- * Loads the bytes of a .gltf or .glb file, which are copied. `name` stands for the file in messages. There is no folder: what
- * the file refers to comes from `params->resolve`, or is an error.
+ * Loads the bytes of a .gltf or .glb file, which are copied. `name` stands for the file in messages. There is no folder:
+ * what the file refers to comes from `params->resolve`, or is an error.
  */
 FNL_API fnl_result fnl_scene_load_memory(const fnl_host *host, const void *data, size_t size, const char *name,
                                          const fnl_load_params *params, fnl_scene **out);

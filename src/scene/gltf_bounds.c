@@ -56,13 +56,12 @@ static bool find_bounds(const struct gltf *g, const struct gltf_accessor *access
         uint32_t index = gltf_sparse_index(g, accessor, i);
         if (index < next || index >= accessor->count) return false;
         for (; base && next < index; next++) add_element(bounds, accessor, base + (size_t)next * stride);
-        if (!base && next < index) add_element(bounds, accessor, NULL);
         add_element(bounds, accessor,
                     g->views[accessor->sparse.value_view].data + accessor->sparse.value_offset + (size_t)i * packed);
         next = index + 1;
     }
     for (; base && next < accessor->count; next++) add_element(bounds, accessor, base + (size_t)next * stride);
-    if (!base && next < accessor->count) add_element(bounds, accessor, NULL);
+    if (!base && accessor->sparse.count < accessor->count) add_element(bounds, accessor, NULL);
     return true;
 }
 

@@ -16,16 +16,8 @@ static void warn_unread_uv(struct gltf *g, const struct at *at, const struct sce
                       set);
 }
 
-/** What mesh_complete will add: vertices of their own for each corner when normals are missing, and tangents. */
-static bool spend_on_completion(struct gltf *g, const struct at *at, const struct scene_primitive *primitive) {
-    if (primitive->topology != SCENE_TOPOLOGY_TRIANGLES) return true;
-    uint64_t vertex_size = 64 + (uint64_t)primitive->joint_count * 6 + (uint64_t)primitive->morph_target_count * 36;
-    return gltf_spend(g, at,
-                      primitive->normals ? (uint64_t)primitive->vertex_count * 48 : primitive->index_count * vertex_size);
-}
-
 /* Tangents follow the coordinates of the normal texture (glTF 2.0, 3.7.2.1): mesh_complete takes the first set, so it is shown them there. */
-static fnl_result complete(struct gltf *g, struct scene_primitive *primitive) {
+static fnl_result complete_by_normal_texture(struct gltf *g, struct scene_primitive *primitive) {
     bool second = false;
     if (primitive->material != SCENE_NONE) {
         const struct scene_texture *normal = &g->scene->materials.data[primitive->material].textures[SCENE_TEXTURE_NORMAL];
@@ -43,6 +35,21 @@ static fnl_result complete(struct gltf *g, struct scene_primitive *primitive) {
         primitive->uv[1] = completed;
     }
     return result;
+}
+
+/** Counts the most that it may need beforehand, and gives back what it did not keep. */
+static bool complete(struct gltf *g, const struct at *at, struct scene_primitive *primitive) {
+    uint64_t most = mesh_complete_bytes(primitive);
+    if (!gltf_spend(g, at, most)) return false;
+    const void *before[] = {primitive->positions, primitive->tangents, primitive->indices};
+    fnl_result result = complete_by_normal_texture(g, primitive);
+    if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
+    uint64_t kept = 0;
+    if (primitive->positions != before[0]) kept += mesh_vertex_bytes(primitive) * primitive->vertex_count;
+    if (primitive->tangents != before[1]) kept += sizeof(vec4) * (uint64_t)primitive->vertex_count;
+    if (primitive->indices != before[2]) kept += sizeof(uint32_t) * (uint64_t)primitive->index_count;
+    gltf_refund(g, most - MIN(most, kept));
+    return result == FNL_OK;
 }
 
 static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, struct scene_primitive *out,
@@ -63,11 +70,9 @@ static bool load_primitive(struct gltf *g, json_t *object, const struct at *at, 
     if (!gltf_load_indices(g, object, at, g->accessors[position].count, out, &selection)) return false;
     if (!gltf_load_vertices(g, object, at, &attributes, &selection, out)) return false;
     gltf_load_joints(g, attributes_at, &attributes, &selection, out, joints);
-    if (g->result != FNL_OK || !spend_on_completion(g, at, out)) return false;
-    fnl_result result = complete(g, out);
-    if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
-    if (result == FNL_OK) warn_unread_uv(g, at, out);
-    return result == FNL_OK;
+    if (g->result != FNL_OK || !complete(g, at, out)) return false;
+    warn_unread_uv(g, at, out);
+    return true;
 }
 
 static void load_weights(struct gltf *g, json_t *object, const struct at *at, struct scene_mesh *mesh) {

@@ -110,7 +110,8 @@ static fnl_result load_uri(const struct place *place, const char *uri, bool buff
                            const fnl_load_params *params, fnl_scene **out) {
     char json[1024], path[128];
     snprintf(json, sizeof json,
-             buffer ? "{" ASSET ",\"buffers\":[{\"byteLength\":1,\"uri\":\"%s\"}]}" : "{" ASSET ",\"images\":[{\"uri\":\"%s\"}]}",
+             buffer ? "{" ASSET ",\"buffers\":[{\"byteLength\":1,\"uri\":\"%s\"}]}"
+                    : "{" ASSET ",\"images\":[{\"uri\":\"%s\"}]}",
              uri);
     save(place, "scene/test.gltf", json, strlen(json));
     fnl_host host = test_host(&file_log);
@@ -129,8 +130,8 @@ static void test_absolute_paths_are_refused(void **state) {
     UNUSED(state);
     struct place place;
     make_place(&place);
-    static const char *const formats[] = {"%s/secret.png",         "/%s/scene/in.png",     "%%2f%s/secret.png",
-                                          "file://%s/secret.png",  "FILE:%s/secret.png",   "file:in.png",
+    static const char *const formats[] = {"%s/secret.png",           "/%s/scene/in.png",        "%%2f%s/secret.png",
+                                          "file://%s/secret.png",    "FILE:%s/secret.png",      "file:in.png",
                                           "%%66ile://%s/secret.png", "file%%3A//%s/secret.png", "%%2Fetc/passwd"};
     for (uint32_t i = 0; i < COUNT_OF(formats); i++)
         for (int buffer = 0; buffer < 2; buffer++)
@@ -217,8 +218,9 @@ static void test_missing_data_is_an_error(void **state) {
     UNUSED(state);
     struct place place;
     make_place(&place);
-    static const char *const uris[] = {"missing.bin", "http://example.com/a.bin", "a%00b", "data:,AAAA",
-                                       "data:application/octet-stream;base64,A!", "textures"};
+    static const char *const uris[] = {
+        "missing.bin", "http://example.com/a.bin", "a%00b", "data:,AAAA", "data:application/octet-stream;base64,A!",
+        "textures"};
     for (uint32_t i = 0; i < COUNT_OF(uris); i++) {
         fnl_scene *scene = NULL;
         fnl_load_params params = fnl_load_params_default();
@@ -237,11 +239,12 @@ static void test_missing_data_is_an_error(void **state) {
     }
     remove_place(&place);
     fnl_scene *scene = NULL;
-    assert_int_equal(test_load(&file_log, "{" ASSET ",\"buffers\":[{\"byteLength\":4}]}", NULL, 0, &scene), FNL_ERROR_FORMAT);
+    assert_int_equal(test_load(&file_log, "{" ASSET ",\"buffers\":[{\"byteLength\":4}]}", NULL, 0, &scene),
+                     FNL_ERROR_FORMAT);
     expect_text("test.glb: /buffers/0: has no 'uri', and the GLB has no BIN chunk");
     /* A placeholder may stand there, but nothing can be drawn from it. */
 #define PLACEHOLDER                                                                                                         \
-    ",\"buffers\":[{\"byteLength\":4},{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":1,\"byteLength\":36}],"              \
+    ",\"buffers\":[{\"byteLength\":4},{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":1,\"byteLength\":36}],"             \
     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}]"
     assert_int_equal(test_load(&file_log, "{" ASSET PLACEHOLDER "}", "abc", 4, &scene), FNL_OK);
     fnl_scene_destroy(&scene);
@@ -252,7 +255,8 @@ static void test_missing_data_is_an_error(void **state) {
     expect_text("/meshes/0/primitives/0/attributes/POSITION: the data of accessor 0 is missing");
     /* The fallback of a compressed buffer is for others: it may be missing. */
     assert_int_equal(test_load(&file_log,
-                               "{" ASSET ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"buffers\":[{\"byteLength\":4,\"uri\":"
+                               "{" ASSET
+                               ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"buffers\":[{\"byteLength\":4,\"uri\":"
                                "\"missing.bin\",\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}]}",
                                NULL, 0, &scene),
                      FNL_OK);
@@ -317,13 +321,15 @@ static void test_memory_is_counted_before_it_is_taken(void **state) {
         {BUFFER ",\"accessors\":[" SPARSE(3000000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 36000000},
         {",\"accessors\":[" POSITIONS(300000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 3600000 + 300000 * 28},
         {",\"accessors\":[" POSITIONS(3) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3000000}],"
-         "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
+                                         "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
          "/meshes/0/primitives/0/indices", 12000000},
-        {",\"accessors\":[" POSITIONS(3000000) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3}],"
-         "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
+        {",\"accessors\":[" POSITIONS(
+             3000000) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3}],"
+                      "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
          "/meshes/0/primitives/0", 24000000},
         {",\"accessors\":[{\"componentType\":5126,\"type\":\"SCALAR\",\"count\":3000000}],\"nodes\":[{}],"
-         "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"path\":\"scale\"}}]}]",
+         "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"path\":"
+         "\"scale\"}}]}]",
          "/animations/0/samplers/0/input", 12000000},
         {",\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"accessors\":[" POSITIONS(3) "," POSITIONS(2000000) "]" MESH(
              "\"POSITION\":0") ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
@@ -357,8 +363,8 @@ static void test_memory_is_counted_before_it_is_taken(void **state) {
                 low = middle;
         }
         assert_int_equal(load_limited(json, chunk, sizeof binary, high, &peak), FNL_OK);
-        if (peak > high + (2 << 20)) fail_msg("case %u: %llu bytes within %llu", i, (unsigned long long)peak,
-                                              (unsigned long long)high);
+        if (peak > high + (2 << 20))
+            fail_msg("case %u: %llu bytes within %llu", i, (unsigned long long)peak, (unsigned long long)high);
     }
 }
 
@@ -372,9 +378,12 @@ static void test_compressed_views_are_counted(void **state) {
     size_t size = meshopt_encodeVertexBuffer(packed, bound, values, COUNT, 4);
     char json[1024];
     snprintf(json, sizeof json,
-             "{" ASSET ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"buffers\":[{\"byteLength\":%zu},{\"byteLength\":%d,"
-             "\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}],\"bufferViews\":[{\"buffer\":1,\"byteLength\":%d,"
-             "\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteLength\":%zu,\"byteStride\":4,\"count\":%d,\"mode\":"
+             "{" ASSET
+             ",\"extensionsUsed\":[\"EXT_meshopt_compression\"],\"buffers\":[{\"byteLength\":%zu},{\"byteLength\":%d,"
+             "\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}],\"bufferViews\":[{\"buffer\":1,"
+             "\"byteLength\":%d,"
+             "\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteLength\":%zu,\"byteStride\":4,\"count\":%d,"
+             "\"mode\":"
              "\"ATTRIBUTES\"}}}]}",
              size, COUNT * 4, COUNT * 4, size, COUNT);
     uint64_t peak;
@@ -422,14 +431,16 @@ static void test_pictures_are_counted_by_their_headers(void **state) {
         {"\"images\":[" PICTURE(1) "]", "/images/0: needs 1073741824", 1073741824},
         {"\"images\":[" PICTURE(0) "," PICTURE(0) "," PICTURE(1) "]", "/images/2: needs 1073741824", 1089741824},
         {"\"images\":[" PICTURE(0) "],\"textures\":[{\"source\":0}],\"materials\":[{\"normalTexture\":{\"index\":0},"
-         "\"emissiveTexture\":{\"index\":0}}]", "/materials/0/emissiveTexture: needs 8000000", 16000000},
+                                   "\"emissiveTexture\":{\"index\":0}}]",
+         "/materials/0/emissiveTexture: needs 8000000", 16000000},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         char json[1024];
         uint64_t peak;
         snprintf(json, sizeof json,
                  "{" ASSET ",\"buffers\":[{\"byteLength\":144}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":69},"
-                 "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":69}],%s}", cases[i].json);
+                 "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":69}],%s}",
+                 cases[i].json);
         assert_int_equal(load_limited(json, binary, sizeof binary, cases[i].needed - 1, &peak), FNL_ERROR_MEMORY);
         expect_text(cases[i].place);
         assert_int_equal(load_limited(json, binary, sizeof binary, cases[i].needed, &peak), FNL_OK);
@@ -439,9 +450,9 @@ static void test_pictures_are_counted_by_their_headers(void **state) {
     uint64_t machine = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
     assert_true(params.max_memory == machine / 2 && !params.lenient && !params.confine && !params.resolve);
     uint64_t peak;
-    assert_int_equal(load_limited("{" ASSET ",\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}]}", NULL, 0, 60,
-                                  &peak),
-                     FNL_ERROR_MEMORY); /* base64 decodes to more */
+    assert_int_equal(
+        load_limited("{" ASSET ",\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}]}", NULL, 0, 60, &peak),
+        FNL_ERROR_MEMORY); /* base64 decodes to more */
     expect_text("/images/0/uri: needs 69 bytes");
 }
 
@@ -481,10 +492,11 @@ static void forget(struct library *library) {
 }
 
 #define LIBRARY_JSON                                                                                                        \
-    "{" ASSET ",\"buffers\":[{\"byteLength\":36,\"uri\":\"/vault/a%20b.bin\"},{\"byteLength\":1,\"uri\":\"data:;base64,AAAA\"}],"  \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":["                                                     \
-    "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"                                              \
-    "\"images\":[{\"uri\":\"file:///x.png\"},{\"uri\":\"../../y.png\"}],"                                                    \
+    "{" ASSET                                                                                                               \
+    ",\"buffers\":[{\"byteLength\":36,\"uri\":\"/vault/a%20b.bin\"},{\"byteLength\":1,\"uri\":\"data:;base64,AAAA\"}],"     \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":["                                                    \
+    "{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"                                             \
+    "\"images\":[{\"uri\":\"file:///x.png\"},{\"uri\":\"../../y.png\"}],"                                                   \
     "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}"
 
 static void test_resolvers_decide_about_every_uri(void **state) {
@@ -552,8 +564,7 @@ static void test_resolvers_may_refuse(void **state) {
         library.results[0] = cases[i].picture;
         library.results[1] = cases[i].buffer;
         fnl_host host = test_host(&file_log);
-        fnl_result result =
-            fnl_scene_load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene);
+        fnl_result result = fnl_scene_load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene);
         assert_int_equal(result, cases[i].expected);
         expect_text(cases[i].text);
         fnl_scene_destroy(&scene); /* a failed load has released all before it returned */
@@ -574,10 +585,11 @@ static void test_loading_from_memory(void **state) {
     UNUSED(state);
     static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
     size_t size;
-    unsigned char *glb = test_glb("{" ASSET ",\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-                                  "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
-                                  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}",
-                                  positions, sizeof positions, &size);
+    unsigned char *glb =
+        test_glb("{" ASSET ",\"buffers\":[{\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
+                 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"nodes\":[{\"mesh\":0}]}",
+                 positions, sizeof positions, &size);
     fnl_host host = test_host(&file_log);
     fnl_scene *scene = NULL;
     assert_int_equal(fnl_scene_load_memory(&host, glb, size, "alone.glb", NULL, &scene), FNL_OK);

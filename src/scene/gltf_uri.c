@@ -124,7 +124,8 @@ static bool find_file(struct gltf *g, const struct at *at, const char *relative,
     }
     if (is_inside(real, folder)) return true;
     if (g->params.confine) {
-        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is outside of the file's folder, to which loading is confined", relative);
+        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is outside of the file's folder, to which loading is confined",
+                    relative);
         return false;
     }
     gltf_warn(g, at, "'%.100s' is outside of the file's folder; it is read all the same", relative);
@@ -219,8 +220,8 @@ bool gltf_read_uri(struct gltf *g, const struct at *at, const char *uri, bool ne
         return false;
     }
     if (!g->folder) {
-        gltf_refuse(g, FNL_ERROR_FILE, at, "'%.100s' is another file, but this glTF is loaded from memory without a resolver",
-                    uri);
+        gltf_refuse(g, FNL_ERROR_FILE, at,
+                    "'%.100s' is another file, but this glTF is loaded from memory without a resolver", uri);
         return false;
     }
     return read_file(g, at, path, needed, data, size);

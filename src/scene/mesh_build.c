@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "scene/scene.h"
+#include "scene/mesh_build.h"
 
 /* ---- gathering: every attribute of new vertex i comes from old vertex source[i] ---- */
 
@@ -15,7 +15,7 @@ static const void *gather(struct arena *arena, const void *data, size_t element_
 #define GATHER(pointer, element_size)                                                                                       \
     ((pointer) == NULL || ((pointer) = gather(arena, pointer, element_size, source, count)) != NULL)
 
-static bool gather_primitive(struct arena *arena, struct scene_primitive *p, const uint32_t *source, uint32_t count) {
+bool mesh_gather(struct arena *arena, struct scene_primitive *p, const uint32_t *source, uint32_t count) {
     bool done = GATHER(p->positions, sizeof(vec3)) && GATHER(p->normals, sizeof(vec3)) &&
                 GATHER(p->tangents, sizeof(vec4)) && GATHER(p->uv[0], sizeof(vec2)) && GATHER(p->uv[1], sizeof(vec2)) &&
                 GATHER(p->colors, sizeof(vec4)) && GATHER(p->joints, sizeof(uint16_t) * p->joint_count) &&
@@ -47,7 +47,7 @@ static fnl_result number_vertices(struct arena *arena, struct scene_primitive *p
 /** glTF 2.0, 3.7.2.1: "flat normals" when none are given; so every face gets vertices of its own. */
 static fnl_result make_flat_normals(struct arena *arena, struct scene_primitive *p) {
     uint32_t count = p->index_count;
-    if (!gather_primitive(arena, p, p->indices, count)) return FNL_ERROR_MEMORY;
+    if (!mesh_gather(arena, p, p->indices, count)) return FNL_ERROR_MEMORY;
     vec3 *normals = arena_allocate(arena, sizeof(vec3) * (size_t)MAX(count, 1));
     uint32_t *indices = arena_allocate(arena, sizeof(uint32_t) * (size_t)MAX(count, 1));
     if (!normals || !indices) return FNL_ERROR_MEMORY;
@@ -66,147 +66,36 @@ static fnl_result make_flat_normals(struct arena *arena, struct scene_primitive 
     return FNL_OK;
 }
 
-/* ---- tangents: Mikkelsen, "Simulation of Wrinkled Surfaces Revisited" (2008), chapter "tangent space" ---- */
-
-struct weld_key {
-    float v[8];
-};
-
-static struct weld_key weld_key(const struct scene_primitive *p, const vec2 *uv, uint32_t i) {
-    vec3 a = p->positions[i], n = p->normals[i];
-    /* + 0 turns the negative zero into the positive one: equal keys have equal bytes. */
-    return (struct weld_key){{a.x + 0, a.y + 0, a.z + 0, n.x + 0, n.y + 0, n.z + 0, uv[i].x + 0, uv[i].y + 0}};
+uint64_t mesh_vertex_bytes(const struct scene_primitive *p) {
+    uint64_t size = sizeof(vec3) * (1 + (p->normals != NULL)) + sizeof(vec2) * ((p->uv[0] != NULL) + (p->uv[1] != NULL)) +
+                    sizeof(vec4) * ((p->tangents != NULL) + (p->colors != NULL)) +
+                    p->joint_count * (sizeof(uint16_t) + sizeof(float));
+    for (uint32_t i = 0; i < p->morph_target_count; i++) {
+        const struct scene_morph_target *target = &p->morph_targets[i];
+        size += sizeof(vec3) * ((target->positions != NULL) + (target->normals != NULL) + (target->tangents != NULL));
+    }
+    return size;
 }
 
-/** weld[i] = the first vertex with the position, normal and uv of vertex i. */
-static fnl_result weld_vertices(const fnl_host *host, const struct scene_primitive *p, const vec2 *uv, uint32_t *weld) {
-    uint64_t slots = 16;
-    while (slots < (uint64_t)p->vertex_count * 2) slots *= 2;
-    uint32_t *table = host_allocate(host, sizeof(uint32_t) * (size_t)slots);
-    if (!table) return FNL_ERROR_MEMORY;
-    memset(table, 0xff, sizeof(uint32_t) * (size_t)slots);
-    for (uint32_t i = 0; i < p->vertex_count; i++) {
-        struct weld_key key = weld_key(p, uv, i);
-        uint64_t slot = hash_bytes(&key, sizeof key, HASH_SEED) & (slots - 1);
-        for (; table[slot] != UINT32_MAX; slot = (slot + 1) & (slots - 1)) {
-            struct weld_key other = weld_key(p, uv, table[slot]);
-            if (memcmp(&key, &other, sizeof key) == 0) break;
-        }
-        if (table[slot] == UINT32_MAX) table[slot] = i;
-        weld[i] = table[slot];
+/* Of tangents: per corner a third of a face (40), its edge (8), space (20, while the list grows 40), member (20), place in order and new
+   index (8), and two numbers of a new vertex (8); per vertex its weld, the hash table of up to four slots, and what it is split by. */
+#define TANGENT_CORNER_BYTES 100u
+#define TANGENT_VERTEX_BYTES 44u
+
+uint64_t mesh_complete_bytes(const struct scene_primitive *p) {
+    if (p->topology != SCENE_TOPOLOGY_TRIANGLES) return 0;
+    uint64_t corners = p->indices ? p->index_count : p->vertex_count, vertices = p->vertex_count, bytes = 0,
+             vertex_bytes = mesh_vertex_bytes(p);
+    if (!p->indices) bytes += corners * sizeof(uint32_t);
+    if (!p->normals) {
+        bytes += corners * (vertex_bytes + sizeof(vec3) + sizeof(uint32_t));
+        vertex_bytes += sizeof(vec3);
+        vertices = corners;
     }
-    host_free(host, table, sizeof(uint32_t) * (size_t)slots);
-    return FNL_OK;
-}
-
-/** A face's direction of growing u (not normalised), and on which side of the picture it shows. */
-struct face_tangent {
-    vec3 u;
-    int side; /* 0: as in the picture, 1: mirrored, -1: the uvs span no area */
-};
-
-/** v runs down in glTF's pictures and up in the paper, hence its sign. */
-static struct face_tangent face_tangent(const vec3 *p0, const vec3 *p1, const vec3 *p2, vec2 t0, vec2 t1, vec2 t2) {
-    vec3 e1 = vec3_sub(*p1, *p0), e2 = vec3_sub(*p2, *p0);
-    float u1 = t1.x - t0.x, v1 = t0.y - t1.y, u2 = t2.x - t0.x, v2 = t0.y - t2.y;
-    float area = u1 * v2 - u2 * v1;
-    if (!(fabsf(area) > FLT_MIN)) return (struct face_tangent){.side = -1};
-    vec3 u = vec3_sub(vec3_scale(e1, v2), vec3_scale(e2, v1));
-    return (struct face_tangent){vec3_scale(u, area < 0 ? -1.0f : 1.0f), area < 0};
-}
-
-static vec3 on_plane(vec3 v, vec3 n) { return vec3_normalize(vec3_sub(v, vec3_scale(n, vec3_dot(v, n)))); }
-
-struct tangent_work {
-    uint32_t *weld;     /* per vertex */
-    vec3 (*sums)[2];    /* per welded vertex and side */
-    uint8_t *sides;     /* per vertex: bit s when a face of side s uses it */
-    int8_t *face_sides; /* per face */
-};
-
-static void sum_face_tangents(const struct scene_primitive *p, const vec2 *uv, struct tangent_work *work) {
-    for (uint32_t f = 0; f < p->index_count / 3; f++) {
-        const uint32_t *v = p->indices + 3 * (size_t)f;
-        const vec3 *a = p->positions;
-        struct face_tangent face = face_tangent(&a[v[0]], &a[v[1]], &a[v[2]], uv[v[0]], uv[v[1]], uv[v[2]]);
-        work->face_sides[f] = (int8_t)face.side;
-        if (face.side < 0) continue;
-        for (int k = 0; k < 3; k++) {
-            vec3 n = p->normals[v[k]], corner = a[v[k]];
-            vec3 e1 = on_plane(vec3_sub(a[v[(k + 1) % 3]], corner), n),
-                 e2 = on_plane(vec3_sub(a[v[(k + 2) % 3]], corner), n);
-            float angle = acosf(CLAMP(vec3_dot(e1, e2), -1.0f, 1.0f));
-            vec3 *sum = &work->sums[work->weld[v[k]]][face.side];
-            *sum = vec3_add_scaled(*sum, on_plane(face.u, n), angle);
-            work->sides[v[k]] |= (uint8_t)(1 << face.side);
-        }
-    }
-}
-
-/** Vertices that faces of both sides use are split; the copies come last, and mirrored faces use them. */
-static fnl_result split_by_side(struct arena *arena, struct scene_primitive *p, const struct tangent_work *work,
-                                uint32_t **out_source) {
-    uint64_t count = p->vertex_count;
-    for (uint32_t i = 0; i < p->vertex_count; i++) count += work->sides[i] == 3;
-    if (count >= UINT32_MAX) return FNL_ERROR_UNSUPPORTED;
-    uint32_t *source = arena_allocate(arena, sizeof(uint32_t) * (size_t)count);
-    uint32_t *indices = arena_allocate(arena, sizeof(uint32_t) * (size_t)p->index_count);
-    uint32_t *copies = arena_allocate_zero(arena, sizeof(uint32_t) * (size_t)p->vertex_count);
-    if (!source || !indices || !copies) return FNL_ERROR_MEMORY;
-    uint32_t next = p->vertex_count;
-    for (uint32_t i = 0; i < p->vertex_count; i++) {
-        source[i] = i;
-        if (work->sides[i] == 3) source[copies[i] = next++] = i;
-    }
-    for (uint32_t i = 0; i < p->index_count; i++) {
-        uint32_t v = p->indices[i];
-        indices[i] = work->face_sides[i / 3] == 1 && copies[v] ? copies[v] : v;
-    }
-    p->indices = indices;
-    *out_source = source;
-    return gather_primitive(arena, p, source, (uint32_t)count) ? FNL_OK : FNL_ERROR_MEMORY;
-}
-
-static fnl_result finish_tangents(struct arena *arena, struct scene_primitive *p, const struct tangent_work *work) {
-    uint32_t first_copy = p->vertex_count, *source = NULL;
-    bool mixed = false;
-    for (uint32_t i = 0; i < p->vertex_count && !mixed; i++) mixed = work->sides[i] == 3;
-    if (mixed) TRY(split_by_side(arena, p, work, &source));
-    vec4 *tangents = arena_allocate(arena, sizeof(vec4) * (size_t)p->vertex_count);
-    if (!tangents) return FNL_ERROR_MEMORY;
-    for (uint32_t i = 0; i < p->vertex_count; i++) {
-        uint32_t origin = source ? source[i] : i;
-        int side = i >= first_copy || work->sides[origin] == 2;
-        vec3 n = p->normals[i], t = on_plane(work->sums[work->weld[origin]][side], n);
-        if (!(vec3_dot(t, t) > 0.5f)) t = vec3_perpendicular(vec3_dot(n, n) > 0.5f ? n : vec3_make(0, 1, 0));
-        tangents[i] = vec4_make(t.x, t.y, t.z, side ? -1.0f : 1.0f);
-    }
-    p->tangents = tangents;
-    return FNL_OK;
-}
-
-static fnl_result make_tangents(struct arena *arena, struct scene_primitive *p, const vec2 *uv) {
-    const fnl_host *host = arena->host;
-    size_t vertices = p->vertex_count, faces = p->index_count / 3;
-    struct tangent_work work = {
-        .weld = host_allocate(host, sizeof(*work.weld) * vertices),
-        .sums = host_allocate_zero(host, sizeof(*work.sums) * vertices),
-        .sides = host_allocate_zero(host, vertices),
-        .face_sides = host_allocate_zero(host, faces),
-    };
-    fnl_result result = FNL_ERROR_MEMORY;
-    if (work.weld && work.sums && work.sides && work.face_sides) {
-        result = weld_vertices(host, p, uv, work.weld);
-        if (result == FNL_OK) {
-            sum_face_tangents(p, uv, &work);
-            result = finish_tangents(arena, p, &work);
-        }
-    }
-    host_free(host, work.weld, sizeof(*work.weld) * vertices);
-    host_free(host, work.sums, sizeof(*work.sums) * vertices);
-    host_free(host, work.sides, vertices);
-    host_free(host, work.face_sides, faces);
-    return result;
+    if ((p->uv[0] || p->uv[1]) && (!p->tangents || !p->normals))
+        bytes += corners * TANGENT_CORNER_BYTES + vertices * TANGENT_VERTEX_BYTES +
+                 (corners + vertices) * (vertex_bytes + sizeof(vec4)) + corners * sizeof(uint32_t);
+    return bytes;
 }
 
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive) {
@@ -215,7 +104,7 @@ fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive)
     if (primitive->index_count < 3) return FNL_OK;
     if (!primitive->normals) TRY(make_flat_normals(arena, primitive));
     const vec2 *uv = primitive->uv[0] ? primitive->uv[0] : primitive->uv[1];
-    if (!primitive->tangents && uv) TRY(make_tangents(arena, primitive, uv));
+    if (!primitive->tangents && uv) TRY(mesh_make_tangents(arena, primitive, uv));
     return FNL_OK;
 }
 

@@ -329,9 +329,12 @@ fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out)
 
 /**
  * Fills in what a triangle primitive lacks (mesh_build.c): indices, flat normals (vertices are split where faces meet),
- * tangents by the MikkTSpace convention where there are uvs. The arrays may be replaced; new ones come from `arena`.
+ * tangents where there are uvs (mesh_tangents.c; vertices are split where they differ). The arrays may be replaced; new ones come from `arena`.
  */
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive);
+/** The most memory that mesh_complete may hold at once for it, what stays included; and what one vertex of it takes as it is. */
+uint64_t mesh_complete_bytes(const struct scene_primitive *primitive);
+uint64_t mesh_vertex_bytes(const struct scene_primitive *primitive);
 struct box primitive_bounds(const struct scene_primitive *primitive);
 
 /** Poses nodes and morph weights at a time (animation.c); then scene_update_transforms. */
