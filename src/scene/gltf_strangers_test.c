@@ -317,24 +317,24 @@ static void test_memory_is_counted_before_it_is_taken(void **state) {
         const char *json, *place;
         uint64_t least; /* bytes that it needs without doubt */
     } cases[] = {
-        {",\"accessors\":[" POSITIONS(3000000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 36000000},
-        {BUFFER ",\"accessors\":[" SPARSE(3000000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 36000000},
+        {",\"accessors\":[" POSITIONS(1200000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 14400000},
+        {BUFFER ",\"accessors\":[" SPARSE(1200000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 14400000},
         {",\"accessors\":[" POSITIONS(300000) "]" MESH("\"POSITION\":0"), "/meshes/0/primitives/0", 3600000 + 300000 * 28},
-        {",\"accessors\":[" POSITIONS(3) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3000000}],"
+        {",\"accessors\":[" POSITIONS(3) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":1200000}],"
                                          "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
-         "/meshes/0/primitives/0/indices", 12000000},
+         "/meshes/0/primitives/0/indices", 4800000},
         {",\"accessors\":[" POSITIONS(
-             3000000) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3}],"
+             1200000) ",{\"componentType\":5125,\"type\":\"SCALAR\",\"count\":3}],"
                       "\"meshes\":[{\"primitives\":[{\"indices\":1,\"attributes\":{\"POSITION\":0}}]}]",
-         "/meshes/0/primitives/0", 24000000},
-        {",\"accessors\":[{\"componentType\":5126,\"type\":\"SCALAR\",\"count\":3000000}],\"nodes\":[{}],"
+         "/meshes/0/primitives/0", 9600000},
+        {",\"accessors\":[{\"componentType\":5126,\"type\":\"SCALAR\",\"count\":1200000}],\"nodes\":[{}],"
          "\"animations\":[{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"path\":"
          "\"scale\"}}]}]",
-         "/animations/0/samplers/0/input", 12000000},
-        {",\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"accessors\":[" POSITIONS(3) "," POSITIONS(2000000) "]" MESH(
+         "/animations/0/samplers/0/input", 4800000},
+        {",\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"accessors\":[" POSITIONS(3) "," POSITIONS(500000) "]" MESH(
              "\"POSITION\":0") ",\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
                                "\"TRANSLATION\":1}}}}]",
-         "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION", 2000000 * 76},
+         "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION", 500000 * 76},
     };
     unsigned char binary[64] = {0};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {

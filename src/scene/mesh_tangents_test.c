@@ -565,7 +565,8 @@ static void *metered_reallocate(void *user, void *old, size_t old_size, size_t n
 }
 
 /**
- * A vertex where many faces meet, or that many groups share, takes no time by the square of that; and the memory is no more
+ * A vertex where many faces meet, or that many groups share, takes no time by the square of that: 9e10 pairs are more than the
+ * time that CTest grants. And the memory is no more
  * than mesh_complete_bytes says beforehand, nor far less.
  */
 static void test_many_faces_at_a_vertex(void **state) {
@@ -574,7 +575,6 @@ static void test_many_faces_at_a_vertex(void **state) {
     vec3 *positions = calloc(COUNT * 2 + 1, sizeof *positions), *normals = calloc(COUNT * 2 + 1, sizeof *normals);
     vec2 *uv = calloc(COUNT * 2 + 1, sizeof *uv);
     uint32_t *indices = calloc(COUNT * 3, sizeof *indices);
-    double start = time_now();
     for (int kind = 0; kind < 4;
          kind++) { /* a fan whose u runs outwards; faces that share the vertex alone; one edge for all; no normals */
         for (uint32_t i = 0; i <= COUNT * 2; i++) {
@@ -609,7 +609,6 @@ static void test_many_faces_at_a_vertex(void **state) {
         }
         fnl_scene_destroy(&scene);
     }
-    assert_true(time_now() - start < 20); /* 9e10 pairs would take longer */
     free(positions);
     free(normals);
     free(uv);
