@@ -399,6 +399,17 @@ static void test_declared_bounds_are_compared(void **state) {
                  sparse[i].base, sparse[i].bounds);
         expect_lines(json, &binary, sizeof binary, sparse[i].count, sparse[i].lines);
     }
+    for (int bad = 0; bad < 2; bad++) { /* 3 and 250 among zeros */
+        char json[1024];
+        snprintf(json, sizeof json,
+                 "{" ASSET ",\"buffers\":[{\"byteLength\":64}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":64}],"
+                 "\"accessors\":[{\"componentType\":5121,\"type\":\"SCALAR\",\"count\":4,\"min\":[%d],\"sparse\":{\"count\":2,"
+                 "\"indices\":{\"bufferView\":0,\"byteOffset\":56,\"componentType\":5121},"
+                 "\"values\":{\"bufferView\":0,\"byteOffset\":4}}}]}",
+                 bad ? 3 : 0);
+        expect_lines(json, &binary, sizeof binary, (uint32_t)bad,
+                     (const char *const[]){bad ? "/accessors/0/min/0: is 3, but the elements' is 0" : NULL, NULL});
+    }
 }
 
 /** Twenty thousand accessors over the same four megabytes are not all read: a count of bytes bounds it. */

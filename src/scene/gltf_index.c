@@ -158,7 +158,8 @@ bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, u
         out->indices = given;
         return true;
     }
-    if (!gltf_spend(g, at, expanded * 8 + (given ? 0 : (uint64_t)count * 4))) return false;
+    uint64_t passing = given ? 0 : (uint64_t)count * sizeof(uint32_t); /* the order of vertices without indices */
+    if (!gltf_spend(g, at, expanded * sizeof(uint32_t) * (selects ? 2 : 1) + passing)) return false;
     uint32_t *indices = gltf_keep(g, expanded, sizeof *indices);
     uint32_t *order = NULL;
     if (!given && indices) {
@@ -168,6 +169,7 @@ bool gltf_load_indices(struct gltf *g, json_t *primitive, const struct at *at, u
     }
     if (indices && (given || order)) expand(mode, given ? given : order, count, indices, (uint32_t)expanded);
     host_free(g->host, order, sizeof *order * (size_t)count);
+    gltf_refund(g, passing);
     if (g->result != FNL_OK) return false;
     out->indices = indices;
     return !selects || select_used(g, at, vertex_count, indices, (uint32_t)expanded, selection);

@@ -39,15 +39,19 @@ static fnl_result complete_by_normal_texture(struct gltf *g, struct scene_primit
 
 /** Counts the most that it may need beforehand, and gives back what it did not keep. */
 static bool complete(struct gltf *g, const struct at *at, struct scene_primitive *primitive) {
-    uint64_t most = mesh_complete_bytes(primitive);
+    uint64_t most = mesh_complete_bytes(primitive), vertex_bytes = mesh_vertex_bytes(primitive), kept = 0;
+    const vec4 *given = primitive->tangents;
+    bool flat = primitive->topology == SCENE_TOPOLOGY_TRIANGLES && !primitive->normals;
+    uint64_t corners = primitive->index_count, vertices = flat ? corners : primitive->vertex_count;
     if (!gltf_spend(g, at, most)) return false;
-    const void *before[] = {primitive->positions, primitive->tangents, primitive->indices};
     fnl_result result = complete_by_normal_texture(g, primitive);
     if (result == FNL_ERROR_MEMORY) gltf_fail_memory(g);
-    uint64_t kept = 0;
-    if (primitive->positions != before[0]) kept += mesh_vertex_bytes(primitive) * primitive->vertex_count;
-    if (primitive->tangents != before[1]) kept += sizeof(vec4) * (uint64_t)primitive->vertex_count;
-    if (primitive->indices != before[2]) kept += sizeof(uint32_t) * (uint64_t)primitive->index_count;
+    if (flat) kept += corners * (vertex_bytes + sizeof(vec3) + sizeof(uint32_t));
+    if (primitive->tangents && primitive->tangents != given) {
+        kept += corners * sizeof(uint32_t) + primitive->vertex_count * sizeof(vec4);
+        if (primitive->vertex_count > vertices) /* split: all attributes once more */
+            kept += primitive->vertex_count * (mesh_vertex_bytes(primitive) - sizeof(vec4));
+    }
     gltf_refund(g, most - MIN(most, kept));
     return result == FNL_OK;
 }

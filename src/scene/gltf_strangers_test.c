@@ -368,6 +368,25 @@ static void test_memory_is_counted_before_it_is_taken(void **state) {
     }
 }
 
+/** Memory that is needed for a while, to make normals and tangents, is given back: primitives do not add it up. */
+static void test_passing_memory_is_given_back(void **state) {
+    UNUSED(state);
+    enum { PRIMITIVES = 20, VERTICES = 30000 };
+    char json[4096], *end = json;
+    end += sprintf(end,
+                   "{" ASSET ",\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":%d},"
+                   "{\"componentType\":5126,\"type\":\"VEC2\",\"count\":%d}],\"meshes\":[{\"primitives\":[",
+                   VERTICES, VERTICES);
+    for (int i = 0; i < PRIMITIVES; i++)
+        end += sprintf(end, "%s{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}}", i ? "," : "");
+    sprintf(end, "]}]}");
+    uint64_t peak, kept = PRIMITIVES * (uint64_t)VERTICES * 60, passing = (uint64_t)VERTICES * 300;
+    if (load_limited(json, NULL, 0, kept + passing + (2 << 20), &peak) != FNL_OK) fail_msg("%s", file_log.text);
+    assert_int_equal(file_log.count, 0);
+    assert_true(peak > kept * 3 / 4 && peak < kept + passing + (2 << 20));
+    assert_int_equal(load_limited(json, NULL, 0, kept / 2, &peak), FNL_ERROR_MEMORY);
+}
+
 /** The size of a compressed view stands in its header, and counts before it is decoded. */
 static void test_compressed_views_are_counted(void **state) {
     UNUSED(state);
@@ -624,6 +643,7 @@ int main(void) {
         cmocka_unit_test(test_the_folder_is_what_links_lead_to),
         cmocka_unit_test(test_missing_data_is_an_error),
         cmocka_unit_test(test_memory_is_counted_before_it_is_taken),
+        cmocka_unit_test(test_passing_memory_is_given_back),
         cmocka_unit_test(test_compressed_views_are_counted),
         cmocka_unit_test(test_pictures_are_counted_by_their_headers),
         cmocka_unit_test(test_resolvers_decide_about_every_uri),
