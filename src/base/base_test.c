@@ -56,7 +56,7 @@ static int make_folder(void **state) {
 }
 
 static const char *path_of(const char *name) {
-    static char paths[4][128];
+    static char paths[4][512];
     static int next;
     char *path = paths[next++ % 4];
     snprintf(path, sizeof paths[0], "%s/%s", folder, name);
