@@ -44,7 +44,11 @@ static void add_scene(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "light_seed", json_integer((json_int_t)o->scatter.seed));
     json_object_set_new(json, "light_shapes", shapes);
     json_object_set_new(json, "light_scale", json_real((double)o->scatter.radius_scale));
+    uint64_t most = o->loading.max_memory < INT64_MAX ? o->loading.max_memory : INT64_MAX;
     json_object_set_new(json, "grow_metal", json_integer(o->grow_metal));
+    json_object_set_new(json, "lenient", json_boolean(o->loading.lenient));
+    json_object_set_new(json, "confine", json_boolean(o->loading.confine));
+    json_object_set_new(json, "max_memory", json_integer((json_int_t)most));
     json_object_set_new(json, "range_roughness", number(o->has_range_roughness, (double)o->range_roughness));
     json_object_set_new(json, "time", json_real(o->time));
     json_object_set_new(json, "animation", text(o->animation));

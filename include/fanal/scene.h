@@ -62,8 +62,8 @@ typedef struct fnl_load_params {
      */
     bool confine;
     /**
-     * Bytes that the file may decode to: vertices, indices, animations, instances, embedded and compressed data, and its
-     * pictures as RGBA8, counted before anything is allocated. A file that needs more is FNL_ERROR_MEMORY. The file itself,
+     * Bytes that the file may take: files that it refers to, vertices, indices, animations, instances, embedded and compressed data, and its
+     * pictures as RGBA8, counted before anything is allocated. A file that needs more is FNL_ERROR_MEMORY. The loaded file itself,
      * what jansson makes of its JSON, and the memory of a device are not counted. UINT64_MAX: no limit. Default: half of the
      * machine's memory.
      */

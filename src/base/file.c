@@ -21,7 +21,7 @@ static const char *kind_name(mode_t mode) {
 bool file_identify(const char *path, struct file_identity *out) {
     struct stat status;
     if (stat(path, &status) != 0) return false;
-    *out = (struct file_identity){(uint64_t)status.st_dev, (uint64_t)status.st_ino};
+    *out = (struct file_identity){(uint64_t)status.st_dev, (uint64_t)status.st_ino, (uint64_t)status.st_size};
     return true;
 }
 
@@ -64,7 +64,7 @@ fnl_result file_load(const fnl_host *host, const char *path, struct file_view *o
         host_free(host, data, size);
         return result;
     }
-    *out = (struct file_view){data, size, {(uint64_t)status.st_dev, (uint64_t)status.st_ino}};
+    *out = (struct file_view){data, size, {(uint64_t)status.st_dev, (uint64_t)status.st_ino, (uint64_t)status.st_size}};
     return FNL_OK;
 }
 

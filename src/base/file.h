@@ -5,9 +5,9 @@
 
 #include "base/base.h"
 
-/** Which file it is, whatever the path it was found by. */
+/** Which file it is, whatever the path it was found by, and how long. */
 struct file_identity {
-    uint64_t device, node;
+    uint64_t device, node, size;
 };
 /** False when there is no such file. */
 bool file_identify(const char *path, struct file_identity *out);

@@ -208,7 +208,7 @@ static void test_the_folder_is_what_links_lead_to(void **state) {
     fnl_scene *scene = NULL;
     assert_int_equal(load_uri(&place, "pipe.png", false, true, NULL, &scene), FNL_OK);
     expect_text("/images/0/uri: ");
-    expect_text("is not a regular file");
+    expect_text("is a pipe, not a regular file");
     fnl_scene_destroy(&scene);
     remove_place(&place);
 }
@@ -265,6 +265,28 @@ static void test_missing_data_is_an_error(void **state) {
 }
 
 /* ---- memory ---- */
+
+/** A small document that names a file of 4 GiB, which the disk holds as a hole: refused before it is read. */
+static void test_files_count_against_the_limit(void **state) {
+    UNUSED(state);
+    struct place place;
+    make_place(&place);
+    save(&place, "scene/hole.bin", "", 0);
+    assert_int_equal(truncate("hole.bin", (off_t)4 << 30), 0);
+    fnl_load_params params = fnl_load_params_default();
+    params.max_memory = 1 << 20;
+    for (int lenient = 0; lenient < 2; lenient++) {
+        fnl_scene *scene = NULL;
+        params.lenient = lenient;
+        assert_int_equal(load_uri(&place, "hole.bin", true, false, &params, &scene), FNL_ERROR_MEMORY);
+        assert_null(scene);
+    }
+    fnl_scene *scene;
+    params.lenient = false;
+    assert_int_equal(load_uri(&place, "in.png", false, false, &params, &scene), FNL_OK);
+    fnl_scene_destroy(&scene);
+    remove_place(&place);
+}
 
 struct meter {
     uint64_t held, peak;
@@ -642,6 +664,7 @@ int main(void) {
         cmocka_unit_test(test_absolute_paths_are_refused),
         cmocka_unit_test(test_the_folder_is_what_links_lead_to),
         cmocka_unit_test(test_missing_data_is_an_error),
+        cmocka_unit_test(test_files_count_against_the_limit),
         cmocka_unit_test(test_memory_is_counted_before_it_is_taken),
         cmocka_unit_test(test_passing_memory_is_given_back),
         cmocka_unit_test(test_compressed_views_are_counted),

@@ -133,12 +133,10 @@ static bool find_file(struct gltf *g, const struct at *at, const char *relative,
 }
 
 /** A file is read once, however often a small document names it. */
-static bool find_loaded(const fnl_scene *scene, const char *path, struct file_view *out) {
-    struct file_identity wanted;
-    if (!file_identify(path, &wanted)) return false;
+static bool find_loaded(const fnl_scene *scene, const struct file_identity *wanted, struct file_view *out) {
     for (uint32_t i = 0; i < scene->files.count; i++) {
         *out = scene->files.data[i];
-        if (out->identity.device == wanted.device && out->identity.node == wanted.node) return true;
+        if (out->identity.device == wanted->device && out->identity.node == wanted->node) return true;
     }
     return false;
 }
@@ -151,7 +149,9 @@ static bool read_file(struct gltf *g, const struct at *at, const char *relative,
     gltf_quiet_host_init(&quiet, g->host);
     struct file_view file;
     fnl_result result = FNL_OK;
-    bool known = find_loaded(g->scene, real, &file);
+    struct file_identity wanted = {0};
+    bool known = file_identify(real, &wanted) && find_loaded(g->scene, &wanted, &file);
+    if (!known && !gltf_take_memory(g, at, wanted.size)) return false;
     if (!known) result = file_load(&quiet.host, real, &file);
     if (result == FNL_ERROR_MEMORY) {
         log_error(g->host, "%s: %s", real, quiet.line);
