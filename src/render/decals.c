@@ -88,6 +88,7 @@ fnl_result decals_add_list(struct frame_state *f) {
     geometry->features |= GPU_FEATURE_DECALS;
     geometry->feature_buffers[3] = d->list.cells;
     geometry->feature_buffers[4] = d->list.ids;
+    geometry->feature_buffers[5] = d->list.spare;
     return FNL_OK;
 }
 

@@ -65,9 +65,20 @@ static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c-
 
 /* Room for so many entries, in steps of a quarter: views that change a little keep the same buffers. */
 static uint32_t pool_for(const struct lists_context *c, double entries) {
-    uint32_t pool = c->pool_capacity;
+    uint32_t pool = MAX(c->pool_capacity, c->state->rooms[c->frame->lists].pool);
     while (pool < c->pool_limit && pool < entries) pool = MIN(pool + pool / 4 + 1, c->pool_limit);
-    return pool;
+    return c->state->rooms[c->frame->lists].pool = pool;
+}
+
+/* Begins anew where other lights or sizes are to be given room. */
+static bool estimates_room(struct lists_context *c) {
+    const fnl_frame *frame = c->frame;
+    struct lists_room *room = &c->state->rooms[frame->lists];
+    bool known = room->light_count == c->input->local_count && room->width == frame->width &&
+                 room->height == frame->height && memcmp(&room->options, &frame->list_options, sizeof room->options) == 0;
+    if (!known)
+        *room = (struct lists_room){frame->list_options, c->input->local_count, frame->width, frame->height, 0};
+    return !known;
 }
 
 static const struct gpu_light *local_lights(const struct lists_context *c) {
@@ -75,6 +86,7 @@ static const struct gpu_light *local_lights(const struct lists_context *c) {
 }
 
 static struct light_reach reach_of(const struct lists_context *c, const struct clustered_params *grid) {
+    if (!c->estimates) return (struct light_reach){0};
     return light_reach_estimate(c->view, local_lights(c), c->input->local_count, grid);
 }
 
@@ -279,8 +291,9 @@ static void add_mesh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
     struct mesh_lists_params params = mesh_lists_params_default();
     params.grid = cluster_params(c);
-    params.grid.pool_capacity =
-        pool_for(c, light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene));
+    double pairs = 0;
+    if (c->estimates) pairs = light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene);
+    params.grid.pool_capacity = pool_for(c, pairs);
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, &params);
 }
 
@@ -376,6 +389,7 @@ void lists_add(struct lists_context *c) {
     c->input->queue = builder->queue;
     c->input->keep_unseen = !c->frame->list_options.frustum_cull;
     c->blend_lights = (struct light_list){0};
+    c->estimates = estimates_room(c);
     builder->add(c);
     if (c->input->scattered) {
         mark_scattered(&c->lights);

@@ -22,6 +22,11 @@ struct lists_state {
     struct light_tree tree;
     struct world_grid world, grid2d;
     struct raster_state raster;
+    /* What pools were given at first, and what for: looking at lights costs time, and afterwards pools follow what frames need. */
+    struct lists_room {
+        fnl_list_options options;
+        uint32_t light_count, width, height, pool;
+    } rooms[FNL_LISTS_COUNT];
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
 /** After a frame that failed: what was to be kept may never have reached the device. */
@@ -46,6 +51,7 @@ struct lists_context {
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
+    bool estimates; /* pools are thought of anew */
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);

@@ -103,10 +103,10 @@ static double wanted(int owners[SIZE][SIZE], int x, int y) {
 static double invocations(const uint8_t *p) {
     static const double counts[] = {0, 1, 4.0 / 3, 2, 4};
     for (uint32_t i = 0; i < COUNT_OF(counts); i++) {
-        static const vec3 stops[3] = {{0.05f, 0.05f, 0.25f}, {0.1f, 0.35f, 0.95f}, {0.1f, 0.85f, 0.75f}};
-        float at = (float)(log2(counts[i]) + 1) / 9 * 5;
+        static const vec3 stops[5] = {{68, 1, 84}, {71, 45, 123}, {59, 82, 139}, {44, 114, 142}, {33, 144, 140}};
+        float at = (float)(log2(counts[i]) + 1) / 9 * 8;
         vec3 color = i == 0 ? (vec3){0, 0, 0} : vec3_lerp(stops[(int)at], stops[(int)at + 1], at - floorf(at));
-        if (fabsf(color.x * 255 - p[0]) < 1.5f && fabsf(color.y * 255 - p[1]) < 1.5f && fabsf(color.z * 255 - p[2]) < 1.5f)
+        if (fabsf(color.x - p[0]) < 1.5f && fabsf(color.y - p[1]) < 1.5f && fabsf(color.z - p[2]) < 1.5f)
             return counts[i];
     }
     fail_msg("no count has the colour %d %d %d", p[0], p[1], p[2]);
