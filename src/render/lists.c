@@ -389,7 +389,7 @@ void lists_add(struct lists_context *c) {
     c->input->queue = builder->queue;
     c->input->keep_unseen = !c->frame->list_options.frustum_cull;
     c->blend_lights = (struct light_list){0};
-    c->estimates = estimates_room(c);
+    c->estimates = c->estimates && estimates_room(c);
     builder->add(c);
     if (c->input->scattered) {
         mark_scattered(&c->lights);

@@ -51,7 +51,7 @@ struct lists_context {
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
-    bool estimates; /* pools are thought of anew */
+    bool estimates; /* room in pools may be thought of anew: not where nothing is drawn */
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);

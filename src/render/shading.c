@@ -24,6 +24,7 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .input = &f->scene->lights,
                                   .state = &f->r->lists,
                                   .has_blend = order_has_blend(f),
+                                  .estimates = f->graph != f->r->asking_graph,
                                   .pool_capacity = f->r->pool_capacity,
                                   .pool_limit = pools_list_limit(f->r)};
 }
