@@ -18,14 +18,17 @@ static void check_plan(const struct bench_plan *plan) {
 
 /* As command_bench(), up to where scenes are loaded. */
 static void plan_and_check(struct bench_options *o, const char *const *scenes, int scene_count) {
-    uint64_t count = MAX(o->light_count, 1u) * MAX(o->size_count, 1u) * MAX(o->msaa_count, 1u) * (uint64_t)scene_count;
+    uint64_t count = MAX(o->matrix.light_count, 1u) * MAX(o->matrix.size_count, 1u) * MAX(o->matrix.msaa_count, 1u) * (uint64_t)scene_count;
     bool matrix = !o->suite || bench_suite_kind_of(o->suite) == BENCH_SUITE_MATRIX;
-    if (!check_options(o, scene_count) || (matrix && count * combination_count(o) > 64)) return; /* more is slow, not different */
+    if (!check_options(o, scene_count) || (matrix && count * combination_count(&o->matrix) > 64)) return; /* more is slow, not different */
     struct bench_plan plan = {.skipped = json_array()};
-    uint32_t width = o->size_count ? o->sizes[0][0] : 0, height = o->size_count ? o->sizes[0][1] : 0;
-    if (matrix ? plan_matrix(o, scenes, scene_count, &plan) : bench_suite_plan(o->suite, width, height, &plan))
+    const struct bench_matrix *m = &o->matrix;
+    uint32_t width = m->size_count ? m->sizes[0][0] : 0, height = m->size_count ? m->sizes[0][1] : 0, lights[64] = {0};
+    if (matrix && !m->size_count) memcpy(o->matrix.sizes[o->matrix.size_count++], (uint32_t[2]){640, 360}, sizeof m->sizes[0]);
+    if (matrix && !m->msaa_count) o->matrix.msaa[o->matrix.msaa_count++] = 1;
+    if (matrix ? bench_plan_matrix(m, scenes, lights, scene_count, &plan) : bench_suite_plan(o->suite, width, height, &plan))
         check_plan(&plan);
-    free_plan(&plan);
+    bench_plan_free(&plan);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {

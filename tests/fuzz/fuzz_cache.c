@@ -26,7 +26,7 @@ static void check_choices(const uint8_t *bytes, size_t size) {
         if (a->choice.shading >= FNL_SHADING_AUTO || a->choice.lists >= FNL_LISTS_AUTO) abort();
         if (!isfinite(a->milliseconds) || a->milliseconds < 0) abort();
         struct choice_case at = {.asked = {FNL_SHADING_AUTO, FNL_LISTS_AUTO}, .scene = a->key, .msaa = 1, .pixel_count = 100};
-        struct choice choice = chooser_pick(&chooser, &at, i % 2);
+        struct choice choice = chooser_pick(&chooser, &at, i % 2, (struct chooser_background){0});
         if (!fnl_lists_supported(choice.shading, choice.lists)) abort();
     }
 }

@@ -60,7 +60,7 @@ static void render(struct fuzz_input *in, const fnl_scene *scene, fnl_renderer *
     frame.timers = false;
     frame.culling = way & 64 ? FNL_CULLING_TRIANGLES : FNL_CULLING_INSTANCES;
     frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
-    uint32_t count = fnl_scene_camera_count(scene);
+    uint32_t count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
     if (camera < 128 && count)
         fnl_scene_query_camera(scene, camera % count, &frame.camera);
     else if (fnl_scene_query_framing_camera(scene, 1.5f, &frame.camera) != FNL_OK)

@@ -3,13 +3,16 @@
 #define render_run fuzz_render_run /* which checks and does not render */
 #include "cli/render.c"
 #undef render_run
+#include "cli/program.h"
 #include "tests/fuzz/fuzz.h"
+
+const char program_commit[] = "";
 
 static bool finite3(fnl_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
 int fuzz_render_run(const struct render_options *o) {
     const fnl_list_options *l = &o->frame.list_options;
-    if (!o->scene || o->output_count > RENDER_MAX_OUTPUTS || o->frame_count < 1) abort();
+    if (!o->scene || o->output_count > RENDER_MAX_OUTPUTS) abort();
     if (o->frame.width < 1 || o->frame.width > 16384 || o->frame.height < 1 || o->frame.height > 16384) abort();
     if (o->frame.shading > FNL_SHADING_AUTO || o->frame.lists > FNL_LISTS_AUTO || !fnl_debug_view_name(o->frame.debug)) abort();
     if (o->frame.msaa < 1 || o->frame.msaa > 8 || (o->frame.msaa & (o->frame.msaa - 1))) abort();
