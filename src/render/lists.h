@@ -22,7 +22,7 @@ struct lists_state {
     struct light_tree tree;
     struct world_grid world, grid2d;
     struct raster_state raster;
-    /* What pools were given at first, and what for: looking at lights costs time, and afterwards pools follow what frames need. */
+    /* The estimated pool of each kind of list, and what it was estimated for. It is kept until that changes, because estimating takes time. */
     struct lists_room {
         fnl_list_options options;
         uint32_t light_count, width, height, pool;
@@ -51,7 +51,7 @@ struct lists_context {
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */
     bool has_blend;
     uint32_t pool_capacity, pool_limit; /* entries that pools have at least, and at most where the lights are thought to need more */
-    bool estimates; /* room in pools may be thought of anew: not where nothing is drawn */
+    bool estimates; /* pools may be estimated again; false where only pipelines are asked for */
     struct light_list lights, blend_lights; /* out: of opaque and of blended surfaces; often the same */
 };
 void lists_add(struct lists_context *context);
