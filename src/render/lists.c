@@ -65,7 +65,7 @@ static void add_all(struct lists_context *c) { c->lights = light_list_all_add(c-
 
 /* Room for so many entries, in steps of a quarter: views that change a little keep the same buffers. */
 static uint32_t pool_for(const struct lists_context *c, double entries) {
-    uint32_t pool = MAX(c->pool_capacity, c->state->rooms[c->frame->lists].pool);
+    uint32_t pool = MAX(c->pool_capacity, MIN(c->state->rooms[c->frame->lists].pool, c->pool_limit));
     while (pool < c->pool_limit && pool < entries) pool = MIN(pool + pool / 4 + 1, c->pool_limit);
     return c->state->rooms[c->frame->lists].pool = pool;
 }
