@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/render_test.h"
 
+#include <time.h>
 #include <unistd.h>
 
 /* ---- host and device ---- */
@@ -88,6 +89,12 @@ int harness_end(void **state) {
 int test_group_end(void **state) { return harness_end(state); }
 
 fnl_device *harness_device(void) { return test_device; }
+
+double harness_seconds(void) {
+    struct timespec t;
+    clock_gettime(gpu_info(test_device)->type == FNL_DEVICE_CPU ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 /* ---- scenes ---- */
 
@@ -313,6 +320,12 @@ struct stage stage_open(const char *source, uint32_t scattered) {
     fnl_scene *scene = test_load(source, strncmp(source, "builtin:", 8) != 0);
     assert_int_equal(fnl_scene_scatter_lights(scene, scattered, 1), FNL_OK);
     return stage_open_scene(scene);
+}
+
+void harness_set_pool(struct stage *stage, uint32_t entries) {
+    stage->renderer->pool_capacity = entries;
+    stage->renderer->fixed_pools = true;
+    memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
 }
 
 void stage_close(struct stage *stage) {

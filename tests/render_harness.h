@@ -45,6 +45,11 @@ struct stage stage_open(const char *source, uint32_t scattered);
 /** Takes a scene over. */
 struct stage stage_open_scene(fnl_scene *scene);
 void stage_close(struct stage *stage);
+/**
+ * Lists have room for so many entries in the next frame, whatever it needs, and what the frames before needed is forgotten: lists that need
+ * more overflow in that frame. Pools grow after it as always.
+ */
+void harness_set_pool(struct stage *stage, uint32_t entries);
 
 struct shot {
     fnl_image color, radiance, surface, normal, position; /* those that the frame asked for */
@@ -59,6 +64,9 @@ void shot_free(struct shot *shot);
  * of the other pairs that go together, which use lists alike, every `step`-th.
  */
 bool harness_tries(fnl_shading shading, fnl_light_lists lists, uint32_t step);
+
+/** A clock for the work of the device: where that is the CPU, the time that this process has computed, whoever else does; else real time. */
+double harness_seconds(void);
 
 /** Number of pixels whose bytes differ; UINT64_MAX when size or format do. */
 uint64_t count_differing(const fnl_image *a, const fnl_image *b);

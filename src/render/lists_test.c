@@ -291,7 +291,6 @@ static void test_reaches_for_those_who_use_them(void **state) {
 /* ---- overflow ---- */
 
 static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capacity) {
-    stage->renderer->fixed_pools = true;
     frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(stage, &frame);
     for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++) {
@@ -300,15 +299,13 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
         if (l == FNL_LISTS_TREE || l == FNL_LISTS_CLUSTERED_CPU || l == FNL_LISTS_GRID2D || l == FNL_LISTS_WORLD) continue;
         if (l == FNL_LISTS_AUTO || !fnl_lists_supported(frame.shading, frame.lists)) continue;
         uint32_t small = l == FNL_LISTS_ZBIN ? capacity / 40 : capacity; /* entries of z-bins are words of 32 lights */
-        stage->renderer->pool_capacity = 1u << 22;
+        harness_set_pool(stage, 1u << 22);
         struct shot fits = stage_shoot(stage, &frame);
         assert_int_equal(fits.stats.overflow_cells, 0);
         if (fits.stats.list_entries <= small) fail_msg("%s: nothing can overflow", pair_name(&frame));
         assert_int_equal(count_differing(&all.radiance, &fits.radiance), 0);
 
-        stage->renderer->pool_capacity = small;
-        /* What the frames before have needed is forgotten. */
-        memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
+        harness_set_pool(stage, small);
         struct shot over = stage_shoot(stage, &frame);
         if (count_differing(&all.radiance, &over.radiance)) fail_msg("%s differs in overflow", pair_name(&frame));
         if (over.stats.overflow_cells == 0 || over.stats.list_entries != fits.stats.list_entries)
@@ -342,8 +339,7 @@ static void test_overflow_in_flight(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:onetile?lights=400", 0);
     stage.frame.lists = FNL_LISTS_TILED;
-    stage.renderer->pool_capacity = 10;
-    stage.renderer->fixed_pools = true;
+    harness_set_pool(&stage, 10);
     for (uint32_t i = 0; i <= GPU_FRAMES_IN_FLIGHT; i++)
         assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_OK);
     assert_true(stage.renderer->pool_capacity > 10);

@@ -2,7 +2,6 @@
 /** Clusters filled from the tree: entry by entry what the flat count of all lights gives. */
 #include "tests/list_bench.h"
 
-#include <time.h>
 
 enum { LIGHTS = 400, MOST = 100000, WIDTH = 301, HEIGHT = 173 };
 
@@ -136,19 +135,12 @@ static void test_broken_lights(void **state) {
     check_equal(request_of(&view, LIGHTS));
 }
 
-/* Where the CPU is the device, its work, which does not depend on what else it does. */
-static double seconds(void) {
-    struct timespec t;
-    clock_gettime(gpu_info(harness_device())->type == FNL_DEVICE_CPU ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static double time_of(const struct list_request *r) {
     double best = INFINITY;
     for (int i = 0; i < 3; i++) {
-        double start = seconds();
+        double start = harness_seconds();
         struct list_copy list = list_build(r);
-        best = fmin(best, seconds() - start);
+        best = fmin(best, harness_seconds() - start);
         list_free(&list);
     }
     return best;

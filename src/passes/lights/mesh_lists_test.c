@@ -276,9 +276,7 @@ static void test_overflow_CL_10_ES_7(void **state) {
     stage.frame.lists = FNL_LISTS_MESH;
     stage.frame.shading = FNL_SHADING_FORWARD;
     struct shot fits = stage_shoot(&stage, &stage.frame);
-    stage.renderer->pool_capacity = 100;
-    stage.renderer->fixed_pools = true;
-    memset(stage.renderer->slot_frames, 0, sizeof stage.renderer->slot_frames);
+    harness_set_pool(&stage, 100);
     struct shot over = stage_shoot(&stage, &stage.frame), next = stage_shoot(&stage, &stage.frame);
     assert_int_equal(fits.stats.overflow_cells, 0);
     assert_true(over.stats.overflow_cells > 0);

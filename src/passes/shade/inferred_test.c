@@ -47,8 +47,7 @@ static void test_fallback(void **state) {
         struct stage stage = stage_open(sources[i], 0);
         struct shot all = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_ALL);
         struct shot shot = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_TILED);
-        stage.renderer->pool_capacity = 10;
-        stage.renderer->fixed_pools = true;
+        harness_set_pool(&stage, 10);
         struct shot cramped = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_TILED);
         print_message("  %s: %llu evaluations, all %llu, a small pool %llu\n", sources[i],
                       (unsigned long long)shot.stats.evaluations, (unsigned long long)all.stats.evaluations,

@@ -148,9 +148,7 @@ static void test_overflow_CL_10_MP_18(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:glass?lights=200", 0);
     struct shot fits = shoot(&stage, FNL_LISTS_MULTIPASS);
-    stage.renderer->pool_capacity = 50;
-    stage.renderer->fixed_pools = true;
-    memset(stage.renderer->slot_frames, 0, sizeof stage.renderer->slot_frames);
+    harness_set_pool(&stage, 50);
     struct shot over = shoot(&stage, FNL_LISTS_MULTIPASS), next = shoot(&stage, FNL_LISTS_MULTIPASS);
     assert_true(over.stats.overflow_cells > 0);
     assert_int_equal(next.stats.overflow_cells, 0);
