@@ -133,6 +133,7 @@ void shading_add(struct frame_state *f) {
                                       .view = f->view_address,
                                       .width = f->frame->width,
                                       .height = f->frame->height,
+                                      .light_count = f->scene->lights.local_count,
                                       .counters = f->counters,
                                       .background = {background.x, background.y, background.z},
                                       .layout = f->frame->gbuffer,

@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 
 void main() {
-    uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
+    uint cell = push.first_cell + gl_GlobalInvocationID.x, chunk = push.first_chunk + gl_WorkGroupID.y;
     if (cell >= push.cell_count) return;
     uint first = push.sums.at[cell * push.chunk_count], last = push.sums.at[(cell + 1u) * push.chunk_count];
     bool fits = last <= push.capacity;

@@ -4,6 +4,7 @@
 #include "shaders.h"
 
 enum { MAX_SUMS = 1 << 24, MAX_CHUNKS = 65535 };
+enum { MAX_TESTS = 1 << 26 }; /* of lights against cells in a dispatch: a fraction of a second on a slow device */
 enum step { STEP_BOUNDS, STEP_COUNT, STEP_FILL };
 
 struct step_data {
@@ -62,8 +63,16 @@ static void execute_step(const struct graph_context *context, const void *data) 
         }
     }
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->cell_count + 1, 64u), d->chunk_count, 1);
+    /* Systems reset a device that stays with one piece of work for seconds. */
+    uint32_t groups = DIVIDE_UP(d->cell_count + 1, 64u);
+    uint32_t cells = 64 * (uint32_t)CLAMP(MAX_TESTS / (64ull * d->chunk_size), 1u, (uint64_t)groups);
+    uint32_t chunks = (uint32_t)MAX(MAX_TESTS / ((uint64_t)cells * d->chunk_size), 1u);
+    for (push.first_cell = 0; push.first_cell <= d->cell_count; push.first_cell += cells)
+        for (push.first_chunk = 0; push.first_chunk < d->chunk_count; push.first_chunk += chunks) {
+            gpu_push(context->commands, &push, sizeof push);
+            gpu_dispatch(context->commands, MIN(cells / 64, groups - push.first_cell / 64),
+                         MIN(chunks, d->chunk_count - push.first_chunk), 1);
+        }
 }
 
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,

@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 #include "passes/lights/cells_entry.glsl"
 
 void main() {
-    uint cell = gl_GlobalInvocationID.x, chunk = gl_WorkGroupID.y;
+    uint cell = push.first_cell + gl_GlobalInvocationID.x, chunk = push.first_chunk + gl_WorkGroupID.y;
     if (cell > push.cell_count || (cell == push.cell_count && chunk > 0u)) return;
     if (cell == push.cell_count) {
         push.sums.at[cell * push.chunk_count] = 0u; // becomes the total

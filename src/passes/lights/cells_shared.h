@@ -65,6 +65,8 @@ struct gpu_cells_push {
     uint depth;                    /* tiles: bindless index of the depth image, or GPU_NO_DEPTH */
     uint flags;
     uint front;                    /* tiles: bindless index of the depth of the nearest blended surfaces, or GPU_NO_DEPTH */
+    uint first_cell;               /* count and fill: of this dispatch */
+    uint first_chunk;
 };
 
 struct gpu_spare_push {

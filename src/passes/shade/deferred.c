@@ -4,12 +4,14 @@
 #include "passes/shade/shade_shared.h"
 #include "shaders.h"
 
+#define MAX_VISITS (1ull << 32) /* of lights by the pixels of a dispatch */
+
 struct deferred_data {
     struct gbuffer gbuffer;
     graph_image radiance;
     VkDeviceAddress view, lights;
     graph_buffer counters;
-    uint32_t kind, width, height;
+    uint32_t kind, width, height, light_count;
     struct shade_classes classes;
 };
 
@@ -25,8 +27,15 @@ static void execute_deferred(const struct graph_context *context, const void *da
                                      .radiance = graph_storage(context, d->radiance)};
     if (d->classes.block_count == 0) {
         gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-        gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
+        /* Systems reset a device that stays with one piece of work for seconds; here every pixel might visit every light. */
+        uint32_t groups = DIVIDE_UP(d->height, 8u);
+        uint64_t visits = 8ull * d->width * MAX(d->light_count, 1u); /* of a row of groups */
+        uint32_t together = (uint32_t)CLAMP(MAX_VISITS / visits, 1ull, (uint64_t)groups);
+        for (uint32_t first = 0; first < groups; first += together) {
+            push.first_row = first * 8;
+            gpu_push(context->commands, &push, sizeof push);
+            gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), MIN(together, groups - first), 1);
+        }
         return;
     }
     push.sums = graph_address(context, d->classes.sums);
@@ -52,7 +61,8 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
                                  .counters = input->counters,
                                  .kind = input->lights->kind,
                                  .width = input->width,
-                                 .height = input->height};
+                                 .height = input->height,
+                                 .light_count = input->light_count};
     if (classes) data.classes = *classes;
     struct graph_pass *pass = graph_add_pass(graph, "deferred", GRAPH_QUEUE_GRAPHICS, execute_deferred, &data, sizeof data);
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);

@@ -28,7 +28,7 @@ bool block_pixel(out ivec2 pixel) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, push.first_row);
     if (BLOCK_SIZE != 0u && !block_pixel(pixel)) return;
     if (any(greaterThanEqual(uvec2(pixel), push.view.view.size))) return;
     float depth = gbuffer_depth(push.gbuffer, pixel);

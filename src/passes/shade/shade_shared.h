@@ -14,6 +14,7 @@ struct gpu_deferred_push {
     ADDRESS(uint_array) blocks;
     uint block_count;
     uint class_index;
+    uint first_row;  /* of the dispatch: pixels */
 };
 
 #endif
