@@ -38,11 +38,12 @@ static struct known_pass passes[MAX_PASSES];
 static uint32_t image_count, view_count, pass_count, depth;
 static char labels[MAX_DEPTH][64];
 static const struct gpu_pipeline *bound;
-static struct {
+static struct tap {
     const struct graph *graph;
     const char *pass, *buffer;
-    const struct gpu_buffer *out;
-} capture;
+    uint64_t offset, size;
+    const struct gpu_buffer *ours; /* NULL: there is none */
+} capture, overwrite;
 
 /* ---- what is known ---- */
 
@@ -194,16 +195,19 @@ static void full_barrier(VkCommandBuffer commands) {
     driver.CmdPipelineBarrier2(commands, &info);
 }
 
-static void copy_captured(VkCommandBuffer commands) {
-    const struct gpu_buffer *from = NULL;
-    for (uint32_t i = 0; i < capture.graph->resources.count; i++) {
-        const struct graph_resource *resource = &capture.graph->resources.data[i];
-        if (!resource->is_image && resource->buffer && strcmp(resource->name, capture.buffer) == 0) from = resource->buffer;
+/* Between the graph's buffer and ours. */
+static void copy_tapped(VkCommandBuffer commands, const struct tap *tap, bool to_ours) {
+    const struct gpu_buffer *theirs = NULL;
+    for (uint32_t i = 0; i < tap->graph->resources.count; i++) {
+        const struct graph_resource *resource = &tap->graph->resources.data[i];
+        if (!resource->is_image && resource->buffer && strcmp(resource->name, tap->buffer) == 0) theirs = resource->buffer;
     }
-    assert_non_null(from);
-    VkBufferCopy region = {.size = MIN(from->size, capture.out->size)};
+    assert_non_null(theirs);
+    VkBufferCopy region = {.size = MIN(theirs->size - tap->offset, tap->size)};
+    *(to_ours ? &region.srcOffset : &region.dstOffset) = tap->offset;
+    VkBuffer from = to_ours ? theirs->handle : tap->ours->handle, to = to_ours ? tap->ours->handle : theirs->handle;
     full_barrier(commands);
-    driver.CmdCopyBuffer(commands, from->handle, capture.out->handle, 1, &region);
+    driver.CmdCopyBuffer(commands, from, to, 1, &region);
     full_barrier(commands);
 }
 
@@ -211,7 +215,8 @@ static VKAPI_ATTR void VKAPI_CALL end_label(VkCommandBuffer commands) {
     assert_true(depth > 0);
     depth--;
     driver.CmdEndDebugUtilsLabelEXT(commands);
-    if (capture.out && strcmp(labels[depth], capture.pass) == 0) copy_captured(commands);
+    if (overwrite.ours && strcmp(labels[depth], overwrite.pass) == 0) copy_tapped(commands, &overwrite, false);
+    if (capture.ours && strcmp(labels[depth], capture.pass) == 0) copy_tapped(commands, &capture, true);
 }
 
 const struct gpu_compute_params *spy_compute_params(const struct gpu_pipeline *pipeline) {
@@ -223,10 +228,12 @@ const struct gpu_graphics_params *spy_graphics_params(const struct gpu_pipeline 
 }
 
 void spy_capture(const struct graph *graph, const char *pass, const char *buffer, const struct gpu_buffer *out) {
-    capture.graph = graph;
-    capture.pass = pass;
-    capture.buffer = buffer;
-    capture.out = out;
+    capture = (struct tap){graph, pass, buffer, 0, out ? out->size : 0, out};
+}
+
+void spy_overwrite(const struct graph *graph, const char *pass, const char *buffer, uint64_t offset, uint64_t size,
+                   const struct gpu_buffer *from) {
+    overwrite = (struct tap){graph, pass, buffer, offset, size, from};
 }
 
 static VKAPI_ATTR void VKAPI_CALL bind_pipeline(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipeline handle) {
@@ -288,6 +295,7 @@ void spy_begin(gpu_device *device) {
     image_count = view_count = pass_count = depth = 0;
     bound = NULL;
     spy_capture(NULL, NULL, NULL, NULL);
+    spy_overwrite(NULL, NULL, NULL, 0, 0, NULL);
     memset(&spy, 0, sizeof spy);
     struct gpu_device_functions *vk = &device->vk;
     vk->CreateImage = create_image;

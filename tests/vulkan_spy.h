@@ -61,6 +61,12 @@ const struct gpu_compute_params *spy_compute_params(const struct gpu_pipeline *p
 const struct gpu_graphics_params *spy_graphics_params(const struct gpu_pipeline *pipeline);
 /** From now on copies what the graph's buffer of a name holds after a pass to `out`, mapped for reading; NULL: no more. */
 void spy_capture(const struct graph *graph, const char *pass, const char *buffer, const struct gpu_buffer *out);
+/**
+ * From now on writes the first `size` bytes of `from` over those that the graph's buffer of a name holds after a pass, at `offset`; NULL: no
+ * more. So a test can spoil one link of a chain and see that what comes behind depends on it.
+ */
+void spy_overwrite(const struct graph *graph, const char *pass, const char *buffer, uint64_t offset, uint64_t size,
+                   const struct gpu_buffer *from);
 
 /** What an attachment moves: what is loaded from memory, stored to it, or neither although something was drawn. */
 uint64_t spy_loaded(const struct spy_attachment *attachment);
