@@ -189,10 +189,43 @@ static bool in_box_fill(const struct list_request *r, const struct list_copy *li
     return true;
 }
 
+/*
+ * What the voxeliser is to do: the light's sphere, what its slice leaves of it, shrunk onto the slice's face, and what its row leaves of that, shrunk
+ * onto the row's, all touch the column.
+ */
+static bool in_shrunk_fill(const struct list_request *r, const struct list_copy *list, uint32_t cell, uint32_t light) {
+    struct reference_cell c = reference_cell_of(r, &list->grid, cell, 2e-4);
+    const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
+                             (double)lights[light].bound_center.z};
+    double at[3], radius = (double)lights[light].bound_radius, row = 0;
+    world_to_view(&r->view, world, at);
+    radius = radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2);
+    for (int stage = 0; stage < 3; stage++) {
+        if (stage == 1) { /* onto the slice's face */
+            double depth = fmin(fmax(-at[2], -c.high[2]), -c.low[2]), cut = depth + at[2];
+            radius = sqrt(fmax(radius * radius - cut * cut, 0));
+            at[2] = -depth;
+        } else if (stage == 2) { /* onto the row's */
+            const double *plane = c.planes[2];
+            for (int i = 2; i < 4; i++) {
+                double outside = -(c.planes[i][1] * at[1] + c.planes[i][2] * at[2] + c.planes[i][3]);
+                if (outside > row) row = outside, plane = c.planes[i];
+            }
+            radius = sqrt(fmax(radius * radius - row * row, 0));
+            at[1] += row * plane[1];
+            at[2] += row * plane[2];
+        }
+        for (int i = 0; i < (stage == 2 ? 2 : 4); i++)
+            if (c.planes[i][0] * at[0] + c.planes[i][1] * at[1] + c.planes[i][2] * at[2] + c.planes[i][3] < -radius - 1e-5)
+                return false;
+    }
+    return true;
+}
+
 static void test_voxels_ES_52(void **state) {
     UNUSED(state);
     struct random_state random = {33};
-    uint64_t voxels = 0, boxes = 0;
+    uint64_t voxels = 0, boxes = 0, shrunk = 0, held_in_front = 0;
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
         list_random_lights(&view, &random, 80, params, lights);
@@ -208,12 +241,21 @@ static void test_voxels_ES_52(void **state) {
                 bool held = list_holds(&list, c, i), boxed = in_box_fill(&r, &list, c, i);
                 /* Beyond a right angle from the centre the distances of edges fall again: the scan stops early. */
                 assert_true(boxed || !held || behind[i] || kind == 4);
+                if (boxed && !behind[i] && kind != 4) { /* what boxes hold and shrinking does not is not there */
+                    bool is_shrunk = in_shrunk_fill(&r, &list, c, i);
+                    assert_true(is_shrunk || !held);
+                    shrunk += is_shrunk;
+                    held_in_front += held;
+                }
                 voxels += held;
                 boxes += boxed;
             }
         list_free(&list);
     }
-    print_message("%llu voxels, %llu by bounding boxes\n", (unsigned long long)voxels, (unsigned long long)boxes);
+    print_message("%llu voxels, %llu by bounding boxes; before the viewer %llu, of %llu where shrunk spheres touch\n",
+                  (unsigned long long)voxels, (unsigned long long)boxes, (unsigned long long)held_in_front,
+                  (unsigned long long)shrunk);
+    assert_true(held_in_front > 10000 && shrunk < held_in_front + held_in_front / 50);
     assert_true((double)voxels < 0.9 * (double)boxes);
 }
 

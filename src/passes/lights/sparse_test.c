@@ -18,12 +18,14 @@ struct scene_data {
     uint16_t *normals; /* four a pixel, as in the G-buffer; or NULL */
     uint32_t light_count;
     struct clustered_params grid;
+    bool keeps_bounds; /* as for scattered points: sparse_copy.bounds */
 };
 
 struct sparse_copy {
     struct list_copy list; /* of the occupied cells */
     uint32_t buckets, key_count, cell_limit;
     uint32_t *table;
+    struct gpu_cell_bounds *bounds; /* or NULL */
 };
 
 static struct sparse_copy build(const struct scene_data *s) {
@@ -36,9 +38,11 @@ static struct sparse_copy build(const struct scene_data *s) {
         p.gbuffer = &gbuffer;
     }
     list_lab_begin(&lab);
+    lab.input.scattered = s->keeps_bounds;
     struct light_list list = sparse_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &p).lights;
     assert_int_equal(list.kind, GPU_LIST_SPARSE);
-    list_lab_run(&lab, (graph_buffer[]){list.extra, list.cells, list.ids, list.totals}, 4);
+    list_lab_run(&lab, (graph_buffer[]){list.extra, list.cells, list.ids, list.totals, list.bounds},
+                 s->keeps_bounds ? 5 : 4);
 
     struct sparse_copy copy = {.buckets = s->normals ? BUCKETS : 1, .cell_limit = list.cell_count};
     struct gpu_light_list *grid = &copy.list.grid;
@@ -48,6 +52,7 @@ static struct sparse_copy build(const struct scene_data *s) {
     copy.table = list_reads_take(&lab.reads, 0);
     copy.list.cells = list_reads_take(&lab.reads, 1);
     copy.list.ids = list_reads_take(&lab.reads, 2);
+    if (s->keeps_bounds) copy.bounds = list_reads_take(&lab.reads, 4);
     copy.list.cell_count = copy.table[copy.key_count];
     memcpy(&copy.list.totals, lab.reads.buffers[3].mapped, sizeof copy.list.totals);
     list_lab_close(&lab);
@@ -57,6 +62,7 @@ static struct sparse_copy build(const struct scene_data *s) {
 static void copy_free(struct sparse_copy *c) {
     list_free(&c->list);
     free(c->table);
+    free(c->bounds);
 }
 
 static bool occupied(const struct sparse_copy *c, uint32_t key) { return c->table[key] != c->table[key + 1]; }
@@ -239,6 +245,155 @@ static void test_tight_lists_ES_54_ES_56(void **state) {
     }
 }
 
+/* ---- bounds ---- */
+
+/* What a cell's pixels span: positions in view space, where normals pierce the bucket's face of the cube, and the least way along the four
+   corners of these. */
+struct extent {
+    double low[3], high[3], parts_low[2], parts_high[2], least[4];
+};
+
+static void bucket_axes(uint32_t bucket, int out[3]) { /* that across the face, and the two in it */
+    uint32_t face = bucket / 9;
+    out[0] = face < 2 ? 0 : face < 4 ? 1 : 2;
+    out[1] = face < 2 ? 1 : 0;
+    out[2] = face < 4 ? 2 : 1;
+}
+
+static void add_to_extent(struct extent *e, uint32_t bucket, const double seen[3], const double n[3]) {
+    int axes[3];
+    bucket_axes(bucket, axes);
+    for (int k = 0; k < 3; k++) {
+        e->low[k] = fmin(e->low[k], seen[k]);
+        e->high[k] = fmax(e->high[k], seen[k]);
+    }
+    for (int k = 0; k < 2; k++) {
+        e->parts_low[k] = fmin(e->parts_low[k], n[axes[1 + k]] / fabs(n[axes[0]]));
+        e->parts_high[k] = fmax(e->parts_high[k], n[axes[1 + k]] / fabs(n[axes[0]]));
+    }
+}
+
+/* Of the four corners of the normals, in view space. */
+static void corner_of(const struct gpu_view *view, const struct extent *e, uint32_t bucket, uint32_t corner, double out[3]) {
+    int axes[3];
+    double n[3], length = 0;
+    bucket_axes(bucket, axes);
+    n[axes[0]] = bucket / 9 & 1 ? -1 : 1;
+    for (int k = 0; k < 2; k++) n[axes[1 + k]] = corner >> k & 1 ? e->parts_high[k] + 1e-4 : e->parts_low[k] - 1e-4;
+    for (int k = 0; k < 3; k++) length += n[k] * n[k];
+    for (int row = 0; row < 3; row++) {
+        out[row] = 0;
+        for (int k = 0; k < 3; k++) out[row] += (double)view->world_to_view.m[4 * k + row] * n[k] / sqrt(length);
+    }
+}
+
+/* Goes over the keys that each pixel may be in, so that rounding does not matter: `step` 0 spans positions and normals, 1 the way along
+   corners. `must`: over the pixels' own keys alone. */
+static void span_pixels(const struct scene_data *s, const struct sparse_copy *c, int step, struct extent *may,
+                        struct extent *must) {
+    const struct gpu_light_list *g = &c->list.grid;
+    for (uint32_t y = 0; y < s->view.size.y; y++)
+        for (uint32_t x = 0; x < s->view.size.x; x++) {
+            double depth = depth_at(s, x, y), seen[3], n[3] = {0, 0, 1};
+            if (depth <= 0) continue;
+            view_of_pixel(&s->view, x + 0.5, y + 0.5, depth, seen);
+            uint32_t tile = y / g->tile_size * g->tiles_x + x / g->tile_size, tiles = g->tiles_x * g->tiles_y;
+            if (s->normals) unpack_normal(s->normals + 4 * ((size_t)y * s->view.size.x + x), n);
+            for (int shift = 0; shift < (s->normals ? 9 : 1); shift++) {
+                double m[3];
+                for (int k = 0; k < 3; k++) m[k] = n[k] + (shift == 8 ? 0 : shift >> k & 1 ? 2e-4 : -2e-4);
+                uint32_t bucket = s->normals ? bucket_of(m) : 0;
+                for (int side = -1; side <= 1; side++) {
+                    uint32_t key = (list_slice_at(g, depth * (1 + 2e-4 * side)) * tiles + tile) * c->buckets + bucket;
+                    if (step == 0) {
+                        add_to_extent(&may[key], bucket, seen, n);
+                        if (side == 0 && bucket == (s->normals ? bucket_of(n) : 0))
+                            add_to_extent(&must[key], bucket, seen, n);
+                        continue;
+                    }
+                    for (uint32_t corner = 0; corner < 4; corner++) {
+                        double normal[3], along = 0;
+                        corner_of(&s->view, &may[key], bucket, corner, normal);
+                        for (int k = 0; k < 3; k++) along += normal[k] * seen[k];
+                        may[key].least[corner] = fmin(may[key].least[corner], along);
+                    }
+                }
+            }
+        }
+}
+
+/*
+ * The box of a cell is that of its own pixels, on all three axes; a light of its list touches that box, and with normals it is not behind
+ * all of the cell's surfaces, measured by their own positions and normals.
+ */
+static void test_bounds_ES_54_ES_56(void **state) {
+    UNUSED(state);
+    struct random_state random = {37};
+    static const struct extent none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
+                                       {INFINITY, INFINITY},           {-INFINITY, -INFINITY},
+                                       {INFINITY, INFINITY, INFINITY, INFINITY}};
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++)
+        for (int with_normals = 0; with_normals < 2; with_normals++) {
+            struct scene_data s = {.view = list_random_view(kind, &random, WIDTH + kind, HEIGHT),
+                                   .light_count = LIGHTS,
+                                   .grid = clustered_params_default(),
+                                   .keeps_bounds = true};
+            s.grid.tile_size = 32;
+            list_random_lights(&s.view, &random, LIGHTS, params, lights);
+            s.depth = list_random_depth(&s.view, &random);
+            if (with_normals) s.normals = random_normals(&s.view, &random);
+            struct sparse_copy c = build(&s);
+            struct extent *may = malloc(c.key_count * sizeof *may), *must = malloc(c.key_count * sizeof *must);
+            assert_true(may && must);
+            for (uint32_t k = 0; k < c.key_count; k++) may[k] = must[k] = none;
+            span_pixels(&s, &c, 0, may, must);
+            if (with_normals) span_pixels(&s, &c, 1, may, must);
+            uint64_t held = 0;
+            for (uint32_t k = 0; k < c.key_count; k++) {
+                if (!occupied(&c, k)) continue;
+                const struct gpu_cell_bounds *b = &c.bounds[c.table[k]];
+                const struct extent *e = &may[k];
+                double slack = 1e-5;
+                for (int a = 0; a < 3; a++) slack += 3e-4 * fmax(fabs(e->low[a]), fabs(e->high[a]));
+                for (int a = 0; a < 3; a++) {
+                    double low = (double)(&b->low.x)[a], high = (double)(&b->high.x)[a];
+                    assert_true(low <= must[k].low[a] && high >= must[k].high[a]);
+                    assert_true(low >= e->low[a] - slack && high <= e->high[a] + slack);
+                }
+                struct gpu_cell cell = c.list.cells[c.table[k]];
+                for (uint32_t i = 0; i < cell.count; i++, held++) {
+                    const struct gpu_light *light = &lights[c.list.ids[cell.offset + i]];
+                    const double world[2][3] = {
+                        {(double)light->bound_center.x, (double)light->bound_center.y, (double)light->bound_center.z},
+                        {(double)light->position.x, (double)light->position.y, (double)light->position.z}};
+                    double center[3], apex[3], outside2 = 0, radius = (double)light->bound_radius;
+                    world_to_view(&s.view, world[0], center);
+                    world_to_view(&s.view, world[1], apex);
+                    for (int a = 0; a < 3; a++) {
+                        double out = fmax(fmax(e->low[a] - center[a], center[a] - e->high[a]), 0);
+                        outside2 += out * out;
+                    }
+                    double far = sqrt(center[0] * center[0] + center[1] * center[1] + center[2] * center[2]);
+                    assert_true(sqrt(outside2) <= radius + 2 * slack + 1e-3 * (radius + 0.01 * far));
+                    bool faces = !with_normals;
+                    for (uint32_t corner = 0; corner < 4 && !faces; corner++) {
+                        double normal[3], along = 0;
+                        corner_of(&s.view, e, k % c.buckets, corner, normal);
+                        for (int a = 0; a < 3; a++) along += normal[a] * apex[a];
+                        faces = along - e->least[corner] > -2 * slack - 2e-3 * ((double)light->range + 0.01 * far);
+                    }
+                    assert_true(faces);
+                }
+            }
+            assert_true(held > 20);
+            free(may);
+            free(must);
+            free(s.depth);
+            free(s.normals);
+            copy_free(&c);
+        }
+}
+
 static void test_sizes_and_counts_ES_54(void **state) {
     UNUSED(state);
     static const uint32_t sizes[][2] = {{1, 1}, {1, 95}, {65, 3}, {131, 83}}, counts[] = {0, 1, 33, MOST};
@@ -350,6 +505,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_occupied_clusters_ES_54, harness_check),
         cmocka_unit_test_teardown(test_tight_lists_ES_54_ES_56, harness_check),
+        cmocka_unit_test_teardown(test_bounds_ES_54_ES_56, harness_check),
         cmocka_unit_test_teardown(test_sizes_and_counts_ES_54, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10, harness_check),
         cmocka_unit_test_teardown(test_lights_below_the_floor_ES_56, harness_check),
