@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /** Tiles without the lights behind their surfaces: the sets against double precision, whole frames against plain tiles. */
 #include "passes/lights/backface.h"
+#include "passes/lights/backface_shared.h"
 #include "tests/list_bench.h"
+#include "tests/vulkan_spy.h"
 
 enum { LIGHTS = 400, WIDTH = 157, HEIGHT = 93 };
 
@@ -48,9 +50,16 @@ static void free_surfaces(struct surfaces *s) {
 
 /* ---- building ---- */
 
-/* Plain tiles without `p`. */
-static struct list_copy build(const struct gpu_view *v, const struct surfaces *s, uint32_t count,
-                              const struct tiled_params *tiles, const struct backface_params *p) {
+/* What is behind a list: the cones of its tiles, and the dispatch, the number and the tiles that were picked. */
+struct insides {
+    struct gpu_cone *cones;
+    uint32_t *picks;
+};
+
+/* Plain tiles without `p`; the insides are for the caller to free, if asked for. */
+static struct list_copy build_inside(const struct gpu_view *v, const struct surfaces *s, uint32_t count,
+                                     const struct tiled_params *tiles, const struct backface_params *p,
+                                     struct insides *out) {
     struct list_request request = {
         .builder = LIST_TILED, .view = *v, .lights = lights, .light_count = count, .tiled = *tiles};
     if (!p) {
@@ -70,13 +79,33 @@ static struct list_copy build(const struct gpu_view *v, const struct surfaces *s
                               .form = GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL),
                               .view = lab.input.view};
     struct light_list list = backface_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &gbuffer, &own);
-    list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.totals}, 3);
+    struct gpu_buffer picks = {0};
+    if (out) {
+        assert_int_equal(gpu_buffer_create(harness_device(), "picked", (list.cell_count + 4) * 4ull, GPU_MEMORY_READBACK, &picks),
+                         FNL_OK);
+        spy_begin(harness_device());
+        spy_capture(lab.graph, "backface pick", "backface picks", &picks);
+    }
+    list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.totals, list.cones}, 4);
+    spy_end();
+    if (out) {
+        out->cones = list_reads_take(&lab.reads, 3);
+        out->picks = malloc(picks.size);
+        assert_non_null(out->picks);
+        memcpy(out->picks, picks.mapped, picks.size);
+        gpu_buffer_destroy(harness_device(), &picks);
+    }
     struct list_copy copy = {.grid = list_grid(&request), .cell_count = list.cell_count};
     copy.cells = list_reads_take(&lab.reads, 0);
     copy.ids = list_reads_take(&lab.reads, 1);
     memcpy(&copy.totals, lab.reads.buffers[2].mapped, sizeof copy.totals);
     list_lab_close(&lab);
     return copy;
+}
+
+static struct list_copy build(const struct gpu_view *v, const struct surfaces *s, uint32_t count,
+                              const struct tiled_params *tiles, const struct backface_params *p) {
+    return build_inside(v, s, count, tiles, p, NULL);
 }
 
 /* ---- sets ---- */
@@ -226,6 +255,118 @@ static void test_sets_TD_2_TD_4_TD_5_TD_9(void **state) {
             assert_true(counts.plain - counts.kept > 3 * counts.angles && counts.angles > 20);
         }
     }
+}
+
+/* ---- cones ---- */
+
+/* The axis that a tile should have, times a length. */
+static void axis_of(const struct gpu_view *view, const struct surfaces *s, enum backface_axis kind, uint32_t x0, uint32_t y0,
+                    uint32_t size, double out[3]) {
+    uint32_t x1 = MIN(x0 + size, view->size.x), y1 = MIN(y0 + size, view->size.y);
+    double point[3], normal[3];
+    memset(out, 0, 3 * sizeof *out);
+    for (uint32_t k = 0; k < 4 && kind == BACKFACE_SAMPLES; k++) {
+        uint32_t x = MIN(x0 + (k % 2 * 2 + 1) * size / 4, x1 - 1), y = MIN(y0 + (k / 2 * 2 + 1) * size / 4, y1 - 1);
+        if (!point_of(view, s, x, y, point, normal)) continue;
+        for (int a = 0; a < 3; a++) out[a] += normal[a];
+    }
+    for (uint32_t y = y0; y < y1 && kind != BACKFACE_SAMPLES; y++)
+        for (uint32_t x = x0; x < x1; x++) {
+            if (!point_of(view, s, x, y, point, normal)) continue;
+            for (int a = 0; a < 3; a++) out[a] += normal[a];
+        }
+}
+
+/* Lights of a plain tile behind four of its pixels: at least, and at most, as rounding goes. */
+static void count_candidates(const struct gpu_view *view, const struct surfaces *s, const struct list_copy *plain,
+                             uint32_t cell, uint32_t size, uint32_t out[2]) {
+    uint32_t x0 = cell % plain->grid.tiles_x * size, y0 = cell / plain->grid.tiles_x * size;
+    out[0] = out[1] = 0;
+    for (uint32_t i = 0; i < plain->cells[cell].count; i++) {
+        const struct gpu_light *light = &lights[plain->ids[plain->cells[cell].offset + i]];
+        double most = -INFINITY, point[3], normal[3];
+        for (uint32_t k = 0; k < 4; k++) {
+            uint32_t x = MIN(x0 + (k % 2 * 2 + 1) * size / 4, view->size.x - 1),
+                     y = MIN(y0 + (k / 2 * 2 + 1) * size / 4, view->size.y - 1);
+            if (point_of(view, s, x, y, point, normal)) most = fmax(most, facing(light, point, normal));
+        }
+        out[0] += most < -1e-3;
+        out[1] += most < 1e-3;
+    }
+}
+
+/*
+ * Just the tiles with enough lights are picked; of these the ones with enough lights behind four pixels get a cone: round the axis that was
+ * asked for, and just as wide as the normals need. What it drops is what the list lacks.
+ */
+static void test_cones_TD_9(void **state) {
+    UNUSED(state);
+    struct random_state random = {23};
+    uint32_t cones = 0, without = 0;
+    double turned = 0; /* how far the axes of the kinds are from each other at most */
+    for (uint32_t surface = 0; surface < SURFACE_WILD; surface++)
+        for (uint32_t kind = 0; kind < 3; kind++) {
+            struct gpu_view view = list_random_view(kind, &random, WIDTH + kind, HEIGHT);
+            list_random_shapes(&view, &random, LIGHTS, params, lights);
+            struct surfaces s = make_surfaces(&view, (enum surface)surface, &random);
+            struct tiled_params tiles = tiled_params_default();
+            if (kind == 2) tiles.tile_size = 32;
+            uint32_t size = tiles.tile_size;
+            struct list_copy plain = build(&view, &s, LIGHTS, &tiles, NULL);
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                struct backface_params p = backface_params_default();
+                p.axis = (enum backface_axis)axis;
+                struct insides in;
+                struct list_copy list = build_inside(&view, &s, LIGHTS, &tiles, &p, &in);
+                uint32_t picked = 0;
+                for (uint32_t c = 0; c < list.cell_count; c++) {
+                    const struct gpu_cone *cone = &in.cones[c];
+                    uint32_t candidates[2], count = plain.cells[c].count;
+                    double want[3], first[3], length = 0, first_length = 0, first_dot = 0;
+                    picked += count >= p.least;
+                    count_candidates(&view, &s, &plain, c, size, candidates);
+                    bool has_cone = cone->axis.x != 0 || cone->axis.y != 0 || cone->axis.z != 0;
+                    assert_true(has_cone || count < p.least || 3 * candidates[0] < p.least || plain.cells[c].count == 0);
+                    assert_true(!has_cone || (count >= p.least && 3 * candidates[1] >= p.least));
+                    assert_int_equal(list.cells[c].count + (cone->keeps ? 0 : cone->dropped), count);
+                    without += !has_cone;
+                    if (!has_cone) continue;
+                    uint32_t x0 = c % list.grid.tiles_x * size, y0 = c / list.grid.tiles_x * size;
+                    axis_of(&view, &s, (enum backface_axis)axis, x0, y0, size, want);
+                    axis_of(&view, &s, BACKFACE_SAMPLES, x0, y0, size, first);
+                    const double is[3] = {(double)cone->axis.x, (double)cone->axis.y, (double)cone->axis.z};
+                    for (int a = 0; a < 3; a++) {
+                        length += want[a] * want[a];
+                        first_length += first[a] * first[a];
+                        first_dot += want[a] * first[a];
+                    }
+                    double between = 0, lowest = 1, point[3], normal[3];
+                    for (int a = 0; a < 3; a++) between += is[a] * want[a] / sqrt(length);
+                    assert_true(between > 0.9999);
+                    turned = fmax(turned, 1 - first_dot / sqrt(length * first_length));
+                    for (uint32_t y = y0; y < MIN(y0 + size, view.size.y); y++)
+                        for (uint32_t x = x0; x < MIN(x0 + size, view.size.x); x++) {
+                            double dot = 0;
+                            if (!point_of(&view, &s, x, y, point, normal)) continue;
+                            for (int a = 0; a < 3; a++) dot += is[a] * normal[a];
+                            lowest = fmin(lowest, dot);
+                        }
+                    double sine = lowest > 0 ? sqrt(1 - fmin(lowest * lowest, 1)) : (double)BACKFACE_WIDE;
+                    assert_true(fabs((double)cone->sine - sine) < 2e-3);
+                    cones++;
+                }
+                assert_int_equal(in.picks[3], picked);
+                assert_int_equal(in.picks[0], BACKFACE_ROW);
+                assert_int_equal(in.picks[1], DIVIDE_UP(picked, BACKFACE_ROW));
+                free(in.cones);
+                free(in.picks);
+                list_free(&list);
+            }
+            list_free(&plain);
+            free_surfaces(&s);
+        }
+    print_message("%u tiles have cones, %u do not need any; axes differ by up to %.3f\n", cones, without, turned);
+    assert_true(cones > 50 && without > 500 && turned > 2e-3);
 }
 
 static void test_sizes_overflow_and_broken_lights_TD_11(void **state) {
@@ -438,6 +579,7 @@ static void test_views_TD_12(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_sets_TD_2_TD_4_TD_5_TD_9, harness_check),
+        cmocka_unit_test_teardown(test_cones_TD_9, harness_check),
         cmocka_unit_test_teardown(test_sizes_overflow_and_broken_lights_TD_11, harness_check),
         cmocka_unit_test_teardown(test_printed_planes_TD_10, harness_check),
         cmocka_unit_test_teardown(test_walls_TD_6, harness_check),

@@ -234,7 +234,51 @@ static void test_figure_ES_46(void **state) {
     }
 }
 
-/* What a mask drops lights no pixel of the tile, and it drops many. */
+/* Cells of a tile's depths `low` .. `high`, of 32: where `ends` are its nearest and farthest. */
+static uint32_t mask_between(const double ends[2], double low, double high) {
+    double scale = 32 / fmax(ends[1] - ends[0], 1e-30);
+    uint32_t first = (uint32_t)fmin(fmax((low - ends[0]) * scale, 0), 31), last = (uint32_t)fmin(fmax((high - ends[0]) * scale, 0), 31);
+    return (0xffffffffu >> (31 - (last - first))) << first;
+}
+
+/* The mask has the cells in which pixels are, and no others; of a plain tile's lights the list has those that meet it. */
+static void check_mask(const struct gpu_view *view, const float *depth, const struct list_copy *list,
+                           const struct list_copy *plain, uint32_t cell) {
+    uint32_t x0 = cell % list->grid.tiles_x * 16, y0 = cell / list->grid.tiles_x * 16, must = 0, may = 0;
+    double ends[2] = {INFINITY, 0};
+    for (int round = 0; round < 2; round++)
+        for (uint32_t y = y0; y < MIN(y0 + 16, view->size.y); y++)
+            for (uint32_t x = x0; x < MIN(x0 + 16, view->size.x); x++) {
+                float d = depth[(size_t)y * view->size.x + x];
+                if (d <= 0) continue;
+                double z = view_depth_of_depth(view, d), slack = 1e-5 * z;
+                if (round == 0) {
+                    ends[0] = fmin(ends[0], z * (1 - 1e-4));
+                    ends[1] = fmax(ends[1], z * (1 + 1e-4));
+                    continue;
+                }
+                uint32_t near_bit = mask_between(ends, z - slack, z - slack), far_bit = mask_between(ends, z + slack, z + slack);
+                may |= mask_between(ends, z - slack, z + slack);
+                if (near_bit == far_bit) must |= near_bit;
+            }
+    if (!(ends[1] > 0)) return;
+    uint32_t mask = list->extra[cell];
+    assert_int_equal(must & ~mask, 0);
+    assert_int_equal(mask & ~may, 0);
+    for (uint32_t k = 0; k < plain->cells[cell].count; k++) {
+        uint32_t light = plain->ids[plain->cells[cell].offset + k];
+        const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
+                                 (double)lights[light].bound_center.z};
+        double at[3], radius = (double)lights[light].bound_radius, slack = 1e-5 * ends[1];
+        world_to_view(view, world, at);
+        double wide = radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2) + slack;
+        bool holds = list_holds(list, cell, light);
+        assert_true(holds || !(mask & mask_between(ends, -at[2] - radius + slack, fmax(-at[2] + radius - slack, -at[2] - radius + slack))));
+        assert_true(!holds || mask & mask_between(ends, -at[2] - wide, -at[2] + wide));
+    }
+}
+
+/* What a mask drops lights no pixel of the tile, and it drops all that it can. */
 static void test_masks_ES_46(void **state) {
     UNUSED(state);
     struct random_state random = {51};
@@ -247,8 +291,10 @@ static void test_masks_ES_46(void **state) {
         struct list_copy list = list_build(&r);
         r.builder = LIST_TILED;
         struct list_copy plain = list_build(&r);
-        for (uint32_t c = 0; c < list.cell_count; c++)
+        for (uint32_t c = 0; c < list.cell_count; c++) {
             for (uint32_t i = 0; i < LIGHTS; i++) assert_true(list_holds(&plain, c, i) || !list_holds(&list, c, i));
+            check_mask(&view, depth, &list, &plain, c);
+        }
         plain_entries += list_entries(&plain);
         entries += list_entries(&list);
         list_free(&plain);

@@ -39,6 +39,26 @@ static uint64_t check_surface_points(const struct list_request *r, const struct 
     return lit;
 }
 
+/* Lights in view are those whose sphere touches the planes of the view, or by rounding nearly does; and that is not all of them. */
+static void check_in_view(const struct list_request *r, uint32_t in_view) {
+    uint32_t least = 0, most = 0;
+    for (uint32_t i = 0; i < r->light_count; i++) {
+        const struct gpu_light *light = &r->lights[i];
+        double distance = INFINITY, slack = 1e-3 * (1 + (double)light->bound_radius);
+        for (int p = 0; p < 5; p++) {
+            const vec4 *plane = &r->view.planes[p];
+            distance = fmin(distance, (double)plane->x * (double)light->bound_center.x +
+                                          (double)plane->y * (double)light->bound_center.y +
+                                          (double)plane->z * (double)light->bound_center.z + (double)plane->w);
+        }
+        slack += 1e-5 * (double)vec3_length(light->bound_center);
+        least += distance >= -(double)light->bound_radius;
+        most += distance >= -(double)light->bound_radius - slack;
+    }
+    assert_true(in_view >= least && in_view <= most);
+    assert_true(most < r->light_count);
+}
+
 static void test_sets_ES_37(void **state) {
     UNUSED(state);
     struct random_state random = {7};
@@ -55,6 +75,7 @@ static void test_sets_ES_37(void **state) {
             struct list_copy list = list_build(&r);
             list_check_form(&list, LIGHTS);
             assert_int_equal(list.totals.overflow_cells, 0);
+            check_in_view(&r, list.totals.in_view);
             reference_check(&r, &list);
             lit += check_surface_points(&r, &list);
             list_free(&list);
