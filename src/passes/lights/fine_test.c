@@ -2,8 +2,10 @@
 /** Fine-pruned tiles, entry by entry and bit by bit, against the lights' volumes in double precision at the pixels' positions. */
 #include "passes/lights/fine_bench.h"
 
+#include "passes/lights/fine_shared.h"
 #include "passes/lights/light_proxy.h"
 #include "tests/light_reference.h"
+#include "tests/vulkan_spy.h"
 
 /* ---- the sets ---- */
 
@@ -255,6 +257,123 @@ static void test_nine_lights_FP_5(void **state) {
     fine_copy_free(&coarse);
 }
 
+/* ---- blocks ---- */
+
+struct marked {
+    uint32_t *marks, *visible, in_view;
+    struct gpu_fine_box *boxes;
+    struct list_copy list;
+};
+
+/* Lists, with the marks of the blocks and the boxes that they come from; `spoiled`: the first word of this block's marks is emptied before tiles
+   look at it, or UINT32_MAX. */
+static struct marked build_marked(const struct gpu_view *view, uint32_t light_count, const float *depth, uint32_t block_words,
+                                  uint32_t spoiled) {
+    gpu_device *device = harness_device();
+    struct marked m = {0};
+    struct list_lab lab = list_lab_open(view, lights, light_count);
+    struct fine_params p = fine_params_default();
+    p.eye_distance = vec3_length(view->eye);
+    graph_image image = list_lab_depth(&lab, depth);
+    list_lab_begin(&lab);
+    struct fine_lists lists = fine_add(lab.graph, device, &lab.input, &lab.in_view, image, &p);
+    struct gpu_buffer captured, nothing;
+    assert_int_equal(gpu_buffer_create(device, "captured", 1 << 16, GPU_MEMORY_READBACK, &captured), FNL_OK);
+    assert_int_equal(gpu_buffer_create(device, "an empty word", 4, GPU_MEMORY_UPLOAD, &nothing), FNL_OK);
+    memset(nothing.mapped, 0, 4);
+    spy_begin(device);
+    spy_capture(lab.graph, "fine mark", "fine marks", &captured);
+    if (spoiled != UINT32_MAX)
+        spy_overwrite(lab.graph, "fine mark", "fine marks", spoiled * block_words * 4ull, 4, &nothing);
+    list_lab_run(&lab,
+                 (graph_buffer[]){lists.lights.cells, lists.lights.ids, lists.boxes, lab.in_view.ids, lists.lights.totals}, 5);
+    spy_end();
+    m.list.cells = list_reads_take(&lab.reads, 0);
+    m.list.ids = list_reads_take(&lab.reads, 1);
+    m.boxes = list_reads_take(&lab.reads, 2);
+    m.visible = list_reads_take(&lab.reads, 3);
+    memcpy(&m.list.totals, lab.reads.buffers[4].mapped, sizeof m.list.totals);
+    m.list.cell_count = lists.lights.cell_count;
+    m.in_view = m.list.totals.in_view;
+    m.marks = malloc(captured.size);
+    assert_non_null(m.marks);
+    memcpy(m.marks, captured.mapped, captured.size);
+    list_lab_close(&lab);
+    gpu_buffer_destroy(device, &captured);
+    gpu_buffer_destroy(device, &nothing);
+    return m;
+}
+
+static void marked_free(struct marked *m) {
+    list_free(&m->list);
+    free(m->marks);
+    free(m->boxes);
+    free(m->visible);
+}
+
+/*
+ * A block of 64 x 64 pixels is marked with the lights whose box touches it, between its nearest and its farthest surface; its tiles look at no
+ * others: without the marks of the first 32 lights they hold none of these.
+ */
+static void test_blocks_FP_3(void **state) {
+    UNUSED(state);
+    enum { LIGHTS = 300, WIDTH = 200, HEIGHT = 140, BLOCK = 64, ACROSS = 4, BLOCKS = 12, WORDS = 10 };
+    struct random_state random = {41};
+    fnl_camera camera = fnl_camera_default();
+    struct gpu_view view = view_from_camera(&camera, WIDTH, HEIGHT);
+    fine_random_lights(&view, &random, LIGHTS);
+    for (uint32_t i = 0; i < LIGHTS; i++) { /* small ones: a block has few of them */
+        params[i].range *= 0.5f;
+        params[i].box_size = vec3_scale(params[i].box_size, 0.5f);
+        params[i].length *= 0.5f;
+        lights[i] = device_light(&params[i]);
+    }
+    float *depth = list_random_depth(&view, &random);
+    struct marked full = build_marked(&view, LIGHTS, depth, WORDS, UINT32_MAX);
+    uint32_t marked = 0, spoiled = 0, most = 0;
+    for (uint32_t b = 0; b < BLOCKS; b++) {
+        double x0 = b % ACROSS * BLOCK, y0 = b / ACROSS * BLOCK, near = INFINITY, far = 0;
+        double x1 = fmin(x0 + BLOCK, WIDTH), y1 = fmin(y0 + BLOCK, HEIGHT);
+        for (uint32_t y = (uint32_t)y0; y < y1; y++)
+            for (uint32_t x = (uint32_t)x0; x < x1; x++) {
+                float d = depth[y * WIDTH + x];
+                if (d <= 0) continue;
+                near = fmin(near, view_depth_of_depth(&view, d));
+                far = fmax(far, view_depth_of_depth(&view, d));
+            }
+        uint32_t first_word = 0;
+        for (uint32_t i = 0; i < full.in_view; i++) {
+            const struct gpu_fine_box *box = &full.boxes[i];
+            bool bit = full.marks[b * WORDS + i / 32] >> i % 32 & 1;
+            bool on_screen = box->rect.x <= box->rect.z && (double)box->rect.x <= x1 && (double)box->rect.z >= x0 &&
+                             (double)box->rect.y <= y1 && (double)box->rect.w >= y0;
+            double slack = 1e-3 * far;
+            if (on_screen && (double)box->depth.x < far && (double)box->depth.y > near) assert_true(bit);
+            if (bit)
+                assert_true(on_screen && (double)box->depth.x <= far + slack && (double)box->depth.y >= near - slack);
+            marked += bit;
+            first_word += bit && i < 32;
+        }
+        if (first_word > most) most = first_word, spoiled = b;
+    }
+    print_message("%u lights in view; a block is marked with %.1f\n", full.in_view, (double)marked / BLOCKS);
+    assert_true(full.in_view > 100 && marked * 2 < full.in_view * BLOCKS); /* 0.13 of all pairs; 1 if blocks are ignored */
+    struct marked spoiled_lists = build_marked(&view, LIGHTS, depth, WORDS, spoiled);
+    uint32_t gone = 0, left = 0, across = DIVIDE_UP(WIDTH, 16u);
+    for (uint32_t c = 0; c < full.list.cell_count; c++)
+        for (uint32_t i = 0; i < full.list.cells[c].count; i++) {
+            uint32_t light = full.list.ids[full.list.cells[c].offset + i];
+            bool hidden = c / across / 4 * ACROSS + c % across / 4 == spoiled && light < full.visible[32];
+            assert_int_equal(list_holds(&spoiled_lists.list, c, light), !hidden);
+            *(hidden ? &gone : &left) += 1;
+        }
+    print_message("%u entries, %u without 32 lights in one block\n", gone + left, left);
+    assert_true(gone > 5 && left > 100);
+    marked_free(&full);
+    marked_free(&spoiled_lists);
+    free(depth);
+}
+
 /* ---- more than the source's limits ---- */
 
 /* 65 and more by boxes, 25 and more by pixels, 1025 and more in view: nothing is lost, whatever is kept for later or flushed between. */
@@ -326,6 +445,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_camera_inside_FP_11, harness_check),
         cmocka_unit_test_teardown(test_broken_lights, harness_check),
         cmocka_unit_test_teardown(test_boxes_FP_4, harness_check),
+        cmocka_unit_test_teardown(test_blocks_FP_3, harness_check),
         cmocka_unit_test_teardown(test_many_lights_FP_10, harness_check),
         cmocka_unit_test_teardown(test_overflow_FP_10, harness_check),
     };

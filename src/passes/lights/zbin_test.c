@@ -93,7 +93,28 @@ static double bin_start(const struct masks *m, uint32_t bin) {
     return exp2(((double)bin - (double)m->grid.slice_bias) / (double)m->grid.slice_scale);
 }
 
-/* Bins hold what their depths meet; tiles hold nothing beyond their four planes. */
+/* The part of a tile that is as deep as the light, and a little more. */
+static struct reference_cell tile_beside_light(const struct list_request *r, const struct gpu_light_list *grid, uint32_t tile,
+                                               uint32_t light) {
+    struct reference_cell c = reference_cell_of(r, grid, tile, 1e-3);
+    const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
+                             (double)lights[light].bound_center.z};
+    double at[3], reach;
+    world_to_view(&r->view, world, at);
+    reach = (double)lights[light].bound_radius * 1.002 + 2e-3 + 2e-3 * fabs(at[2]);
+    bool orthographic = r->view.orthographic > 0.5f;
+    double near = orthographic ? -at[2] - reach : fmax(-at[2] - reach, 0), far = fmax(-at[2] + reach, near);
+    for (int axis = 0; axis < 2; axis++) {
+        double ends[2] = {orthographic ? 1 : near, orthographic ? 1 : far};
+        c.low[axis] = fmin(c.edges[axis * 2] * ends[0], c.edges[axis * 2] * ends[1]);
+        c.high[axis] = fmax(c.edges[axis * 2 + 1] * ends[0], c.edges[axis * 2 + 1] * ends[1]);
+    }
+    c.low[2] = -far;
+    c.high[2] = -near;
+    return c;
+}
+
+/* Bins hold what their depths meet; tiles hold nothing beyond their four planes, nor beyond the box of what is as deep as the light. */
 static void check_masks(const struct gpu_view *view, uint32_t light_count, const struct masks *m) {
     struct list_request tiles = {
         .builder = LIST_TILED, .view = *view, .lights = lights, .light_count = light_count, .tiled = tiled_params_default()};
@@ -116,8 +137,11 @@ static void check_masks(const struct gpu_view *view, uint32_t light_count, const
     for (uint32_t t = 0; t < m->tile_count; t++) {
         struct reference_cell wide = reference_cell_of(&tiles, &grid, t, 1e-3);
         for (uint32_t i = 0; i < light_count; i++)
-            if (m->holds[(size_t)t * light_count + i] && !m->all[t])
+            if (m->holds[(size_t)t * light_count + i] && !m->all[t]) {
                 assert_true(reference_touches(&wide, &tiles, i, 2e-3, false));
+                struct reference_cell beside = tile_beside_light(&tiles, &grid, t, i);
+                assert_true(reference_touches(&beside, &tiles, i, 2e-3, true));
+            }
     }
 }
 
