@@ -267,13 +267,14 @@ struct marked {
 
 /* Lists, with the marks of the blocks and the boxes that they come from; `spoiled`: the first word of this block's marks is emptied before tiles
    look at it, or UINT32_MAX. */
-static struct marked build_marked(const struct gpu_view *view, uint32_t light_count, const float *depth, uint32_t block_words,
-                                  uint32_t spoiled) {
+static struct marked build_marked(const struct gpu_view *view, uint32_t light_count, const float *depth, bool pruning,
+                                  uint32_t block_words, uint32_t spoiled) {
     gpu_device *device = harness_device();
     struct marked m = {0};
     struct list_lab lab = list_lab_open(view, lights, light_count);
     struct fine_params p = fine_params_default();
     p.eye_distance = vec3_length(view->eye);
+    p.pruning = pruning;
     graph_image image = list_lab_depth(&lab, depth);
     list_lab_begin(&lab);
     struct fine_lists lists = fine_add(lab.graph, device, &lab.input, &lab.in_view, image, &p);
@@ -311,6 +312,45 @@ static void marked_free(struct marked *m) {
     free(m->visible);
 }
 
+/* Without pruning a tile holds the lights whose box touches it and its depths, not those of its block. */
+static void test_tiles_by_boxes_FP_3(void **state) {
+    UNUSED(state);
+    enum { LIGHTS = 200, TILE = 16 };
+    struct random_state random = {43};
+    uint64_t held = 0;
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, FINE_WIDTH, FINE_HEIGHT);
+        fine_random_lights(&view, &random, LIGHTS);
+        float *depth = list_random_depth(&view, &random);
+        struct marked m = build_marked(&view, LIGHTS, depth, false, 0, UINT32_MAX);
+        uint32_t across = DIVIDE_UP(FINE_WIDTH, TILE);
+        for (uint32_t c = 0; c < m.list.cell_count; c++) {
+            uint32_t x0 = c % across * TILE, y0 = c / across * TILE, x1 = MIN(x0 + TILE, FINE_WIDTH), y1 = MIN(y0 + TILE, FINE_HEIGHT);
+            double near = INFINITY, far = 0;
+            for (uint32_t y = y0; y < y1; y++)
+                for (uint32_t x = x0; x < x1; x++) {
+                    float d = depth[y * FINE_WIDTH + x];
+                    if (d <= 0) continue;
+                    near = fmin(near, view_depth_of_depth(&view, d));
+                    far = fmax(far, view_depth_of_depth(&view, d));
+                }
+            for (uint32_t i = 0; i < m.in_view; i++) {
+                const struct gpu_fine_box *box = &m.boxes[i];
+                bool holds = list_holds(&m.list, c, m.visible[i]), on_tile = box->rect.x <= box->rect.z &&
+                             box->rect.x <= (float)x1 && box->rect.z >= (float)x0 && box->rect.y <= (float)y1 &&
+                             box->rect.w >= (float)y0;
+                if (on_tile && far > 0 && (double)box->depth.x < far && (double)box->depth.y > near) assert_true(holds);
+                if (!holds) continue;
+                held++;
+                assert_true(on_tile && far > 0 && (double)box->depth.x <= far * 1.001 && (double)box->depth.y >= near * 0.999);
+            }
+        }
+        marked_free(&m);
+        free(depth);
+    }
+    assert_true(held > 1000);
+}
+
 /*
  * A block of 64 x 64 pixels is marked with the lights whose box touches it, between its nearest and its farthest surface; its tiles look at no
  * others: without the marks of the first 32 lights they hold none of these.
@@ -329,7 +369,7 @@ static void test_blocks_FP_3(void **state) {
         lights[i] = device_light(&params[i]);
     }
     float *depth = list_random_depth(&view, &random);
-    struct marked full = build_marked(&view, LIGHTS, depth, WORDS, UINT32_MAX);
+    struct marked full = build_marked(&view, LIGHTS, depth, true, WORDS, UINT32_MAX);
     uint32_t marked = 0, spoiled = 0, most = 0;
     for (uint32_t b = 0; b < BLOCKS; b++) {
         double x0 = b % ACROSS * BLOCK, y0 = b / ACROSS * BLOCK, near = INFINITY, far = 0;
@@ -348,7 +388,10 @@ static void test_blocks_FP_3(void **state) {
             bool on_screen = box->rect.x <= box->rect.z && (double)box->rect.x <= x1 && (double)box->rect.z >= x0 &&
                              (double)box->rect.y <= y1 && (double)box->rect.w >= y0;
             double slack = 1e-3 * far;
-            if (on_screen && (double)box->depth.x < far && (double)box->depth.y > near) assert_true(bit);
+            if (on_screen && (double)box->depth.x < far && (double)box->depth.y > near && !bit)
+                fail_msg("block %u, %g .. %g m, is not marked with light %u of %u: %g .. %g m, from pixel %g %g to %g %g", b, near,
+                         far, i, full.in_view, (double)box->depth.x, (double)box->depth.y, (double)box->rect.x,
+                         (double)box->rect.y, (double)box->rect.z, (double)box->rect.w);
             if (bit)
                 assert_true(on_screen && (double)box->depth.x <= far + slack && (double)box->depth.y >= near - slack);
             marked += bit;
@@ -358,7 +401,7 @@ static void test_blocks_FP_3(void **state) {
     }
     print_message("%u lights in view; a block is marked with %.1f\n", full.in_view, (double)marked / BLOCKS);
     assert_true(full.in_view > 100 && marked * 2 < full.in_view * BLOCKS); /* 0.13 of all pairs; 1 if blocks are ignored */
-    struct marked spoiled_lists = build_marked(&view, LIGHTS, depth, WORDS, spoiled);
+    struct marked spoiled_lists = build_marked(&view, LIGHTS, depth, true, WORDS, spoiled);
     uint32_t gone = 0, left = 0, across = DIVIDE_UP(WIDTH, 16u);
     for (uint32_t c = 0; c < full.list.cell_count; c++)
         for (uint32_t i = 0; i < full.list.cells[c].count; i++) {
@@ -445,6 +488,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_camera_inside_FP_11, harness_check),
         cmocka_unit_test_teardown(test_broken_lights, harness_check),
         cmocka_unit_test_teardown(test_boxes_FP_4, harness_check),
+        cmocka_unit_test_teardown(test_tiles_by_boxes_FP_3, harness_check),
         cmocka_unit_test_teardown(test_blocks_FP_3, harness_check),
         cmocka_unit_test_teardown(test_many_lights_FP_10, harness_check),
         cmocka_unit_test_teardown(test_overflow_FP_10, harness_check),

@@ -2,6 +2,7 @@
 /** Lists of draw items: the sets, what splitting a mesh does to them, and pictures. */
 #include "passes/lights/mesh_lists.h"
 #include "tests/list_bench.h"
+#include "tests/vulkan_spy.h"
 
 /* Corners and outward faces of a box, counter-clockwise from outside. */
 static const uint32_t box_indices[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
@@ -83,6 +84,10 @@ static struct list_copy read_lists_from(struct stage *stage, uint32_t *item_coun
     struct list_readback readback;
     list_readback_add(r->graph, &list, &readback);
     assert_int_equal(graph_compile(r->graph), FNL_OK);
+    bool has_tree = false;
+    for (uint32_t i = 0; i < r->graph->passes.count; i++)
+        has_tree = has_tree || strcmp(r->graph->passes.data[i]->name, "mesh groups") == 0;
+    assert_int_equal(has_tree, scene.lights.local_count >= tree_lights);
     assert_int_equal(graph_execute_frame(r->graph, NULL), FNL_OK);
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
     *item_count = scene.geometry.item_count;
@@ -291,6 +296,53 @@ static void test_sets_MP_16_ES_7(void **state) {
     stage_close(&stage);
 }
 
+/* Boxes with so many lights each are drawn by the shader whose loop has just enough turns, and by no other. */
+static void test_batches_by_number_of_lights_MP_17(void **state) {
+    UNUSED(state);
+    enum { CLASSES = 7 };
+    static const uint32_t counts[] = {0, 0, 1, 2, 2, 3, 4, 5, 8, 8, 9, 16, 17, 30}, turns[CLASSES] = {0, 1, 2, 4, 8, 16, 0},
+                          expected[CLASSES] = {2, 1, 2, 2, 3, 2, 2};
+    struct gpu_buffer draws;
+    assert_int_equal(gpu_buffer_create(harness_device(), "draws", CLASSES * sizeof(struct gpu_draw), GPU_MEMORY_READBACK, &draws),
+                     FNL_OK);
+    spy_begin(harness_device());
+    struct stage stage = open_empty();
+    static const vec3 origin = {0, 0, 0};
+    fnl_mesh_id mesh = add_boxes(stage.scene, &origin, 1, vec3_make(0.5f, 0.5f, 0.5f));
+    for (uint32_t i = 0; i < COUNT_OF(counts); i++) {
+        vec3 at = vec3_make((float)i * 3 - 20, 0, -20);
+        mat4 transform = mat4_from_trs(at, quat_identity(), vec3_make(1, 1, 1));
+        add_instance(stage.scene, mesh, &transform);
+        for (uint32_t l = 0; l < counts[i]; l++) add_light(stage.scene, vec3_add(at, vec3_make(0, 0.02f * (float)l, 0.8f)), 1);
+    }
+    stage.frame.camera.position = (fnl_vec3){0, 2, 30};
+    stage.frame.lists = FNL_LISTS_BATCHES;
+    stage.frame.record_threads = 1;
+    struct shot shot = stage_shoot(&stage, &stage.frame); /* now the graph is there */
+    shot_free(&shot);
+    spy_clear();
+    spy_capture(stage.renderer->graph, "batches draws", "batches draw list", &draws);
+    shot = stage_shoot(&stage, &stage.frame);
+    const struct gpu_draw *list = draws.mapped;
+    for (uint32_t c = 0; c < CLASSES; c++) assert_int_equal(list[c].instance_count, expected[c]);
+    uint32_t drawn = 0;
+    for (uint32_t i = 0; i < spy.work_count; i++) {
+        const struct spy_work *w = &spy.work[i];
+        if (strcmp(w->label, "forward batches") != 0) continue;
+        const struct gpu_graphics_params *p = spy_graphics_params(w->pipeline);
+        assert_true(p && w->indirect && drawn < CLASSES);
+        assert_int_equal(w->offset, drawn * sizeof(struct gpu_draw));
+        assert_int_equal(p->constants[2], drawn > 0); /* whether there are lights at all */
+        assert_int_equal(p->constants[6], turns[drawn]);
+        drawn++;
+    }
+    assert_int_equal(drawn, CLASSES);
+    shot_free(&shot);
+    spy_end();
+    gpu_buffer_destroy(harness_device(), &draws);
+    stage_close(&stage);
+}
+
 /* What deforms has no bounds: all lights in view are in its list. Blended items have lists too. */
 static void test_scenes_ES_7(void **state) {
     UNUSED(state);
@@ -337,6 +389,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_table_MP_16, harness_check),
         cmocka_unit_test_teardown(test_splitting_lowers_the_mean_ES_7, harness_check),
         cmocka_unit_test_teardown(test_sets_MP_16_ES_7, harness_check),
+        cmocka_unit_test_teardown(test_batches_by_number_of_lights_MP_17, harness_check),
         cmocka_unit_test_teardown(test_scenes_ES_7, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10_ES_7, harness_check),
     };

@@ -383,6 +383,54 @@ static void test_ranges_ES_65(void **state) {
     assert_true(other * 100 < entries);
 }
 
+/* Least and greatest view depth of a spot's cone. */
+static void cone_extent(const struct gpu_view *view, const struct gpu_light *light, double out[2]) {
+    const double at[3] = {(double)light->position.x, (double)light->position.y, (double)light->position.z};
+    double apex[3], axis = 0, range = (double)light->range;
+    world_to_view(view, at, apex);
+    for (int k = 0; k < 3; k++) axis -= (double)view->world_to_view.m[4 * k + 2] * (double)(&light->direction.x)[k];
+    double cosine = fmax(-(double)light->spot_offset / (double)light->spot_scale, 0), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    for (int end = 0; end < 2; end++) { /* the nearest point, the farthest */
+        double sign = end ? 1 : -1, along = sign * axis;
+        double rim = cosine * along + sine * sqrt(fmax(1 - along * along, 0));
+        out[end] = -apex[2] + sign * range * (along >= cosine ? 1 : fmax(rim, 0));
+    }
+}
+
+/* A cone cuts a range to its own depths, which are much shorter than those of its sphere. */
+static void test_ranges_of_cones_ES_65(void **state) {
+    UNUSED(state);
+    struct random_state random = {67};
+    double lengths[2] = {0};
+    for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
+        struct gpu_view view = list_random_view(kind, &random, WIDTH, HEIGHT);
+        list_random_lights(&view, &random, LIGHTS, params, lights);
+        for (uint32_t i = 0; i < LIGHTS; i++) {
+            params[i].kind = FNL_LIGHT_SPOT;
+            params[i].outer_cone_angle = 0.1f + 0.001f * (float)i;
+            params[i].inner_cone_angle = 0;
+            lights[i] = device_light(&params[i]);
+        }
+        struct list_request r = request_of(LIST_ENHANCED, &view, NULL, LIGHTS);
+        for (int cones = 0; cones < 2; cones++) {
+            r.tiled.cone_tests = cones;
+            struct list_copy list = list_build(&r);
+            for (uint32_t c = 0; c < list.cell_count; c++)
+                for (uint32_t k = 0; k < list.cells[c].count; k++) {
+                    uint32_t light = list.ids[list.cells[c].offset + k], range = list.extra[list.cells[c].offset + k];
+                    double ends[2], low = depth_of_code(range & 0xffff), high = depth_of_code((range >> 16) + 1);
+                    cone_extent(&view, &lights[light], ends);
+                    double slack = 2e-3 * (1 + fabs(ends[0]) + fabs(ends[1]) + (double)lights[light].range);
+                    lengths[cones] += fmin(high, 1000) - low;
+                    if (cones) assert_true(low >= ends[0] - slack && high <= fmax(ends[1], 0) + slack);
+                }
+            list_free(&list);
+        }
+    }
+    print_message("lengths of spots' ranges: %.0f m by spheres, %.0f m by cones\n", lengths[0], lengths[1]);
+    assert_true(lengths[1] < 0.5 * lengths[0]);
+}
+
 /* ---- evaluations ---- */
 
 static uint64_t evaluations(struct stage *s, fnl_shading shading, fnl_light_lists lists) {
@@ -421,6 +469,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_sets_ES_45_ES_46_ES_65, harness_check),
         cmocka_unit_test_teardown(test_masks_ES_46, harness_check),
         cmocka_unit_test_teardown(test_ranges_ES_65, harness_check),
+        cmocka_unit_test_teardown(test_ranges_of_cones_ES_65, harness_check),
         cmocka_unit_test_teardown(test_sizes_and_counts, harness_check),
         cmocka_unit_test_teardown(test_overflow, harness_check),
         cmocka_unit_test_teardown(test_evaluations_ES_45_ES_46_ES_65, harness_check),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * The walks by which shaders find lights in trees and in masks, run on the device: what they find, and that they do not look below a node
- * or a word that leaves a point out.
+ * The walks by which shaders find lights in trees, in masks and in the spare list, run on the device: what they find, and that they do not
+ * look below a node or a word that leaves a point out.
  */
 #include "passes/lights/clustered.h"
 #include "passes/lights/tree.h"
@@ -76,6 +76,10 @@ static struct gpu_view many_lights(struct random_state *random) {
         points[i].pixel.x = random_bits(random) % SIDE;
         points[i].pixel.y = random_bits(random) % SIDE;
         points[i].view_depth = exp2f(random_range(random, 0.5f, 8.5f));
+        double at[3], world[3];
+        view_of_pixel(&view, points[i].pixel.x + 0.5, points[i].pixel.y + 0.5, (double)points[i].view_depth, at);
+        view_to_world(&view, at, world);
+        points[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
     }
     return view;
 }
@@ -228,10 +232,70 @@ static void test_walks_and_masks_ES_64(void **state) {
     free(plain);
 }
 
+/* ---- the spare list ---- */
+
+/* Whether a sphere, `slack` larger, lies in the point's tile of the screen and in its range of depth, as spare lists cut them. */
+static bool spare_holds(const struct gpu_view *view, const struct gpu_light *light, const struct gpu_walk_point *point,
+                        double slack) {
+    const double world[3] = {(double)light->bound_center.x, (double)light->bound_center.y, (double)light->bound_center.z};
+    double at[3], radius = (double)light->bound_radius, near = (double)view->near_distance;
+    world_to_view(view, world, at);
+    radius += slack * (radius + fabs(at[2]) * 0.01);
+    if (-at[2] + radius < near) return false;
+    double bins[3] = {-at[2] - radius, -at[2] + radius, (double)point->view_depth};
+    for (int i = 0; i < 3; i++) bins[i] = fmin(fmax(2 * log2(fmax(bins[i], 1e-30) / near), 0), SPARE_BINS - 1);
+    double own = floor(bins[2]);
+    if (bins[0] - slack >= own + 1 || bins[1] + slack < own) return false;
+    for (int axis = 0; axis < 2; axis++) {
+        double slopes[2], pixels[2];
+        reference_slopes(at[axis], -at[2], radius, near, slopes);
+        for (int i = 0; i < 2; i++) {
+            double scale = axis ? (double)view->ndc_scale.y : (double)view->ndc_scale.x;
+            pixels[i] = ((axis ? -1 : 1) * slopes[i] / scale + 1) / 2 * SIDE;
+        }
+        double tile = axis ? point->pixel.y / 16 : point->pixel.x / 16;
+        if (fmax(pixels[0], pixels[1]) < tile * 16 - 500 * slack || fmin(pixels[0], pixels[1]) > tile * 16 + 16 + 500 * slack)
+            return false;
+    }
+    return true;
+}
+
+/* Without a pool every cell uses the spare list: a point visits the lights in its tile of the screen that are in its half octave of depth, a
+   small part of all. */
+static void test_spare_list_ES_37(void **state) {
+    UNUSED(state);
+    struct random_state random = {16};
+    struct gpu_view view = many_lights(&random);
+    struct list_lab lab = list_lab_open(&view, lights, LIGHTS);
+    list_lab_begin(&lab);
+    struct tiled_params tiled = tiled_params_default();
+    tiled.pool_capacity = 0;
+    struct light_list list = tiled_add(lab.graph, harness_device(), &lab.input, &lab.in_view, (graph_image){0}, &tiled);
+    uint32_t *rows = walk(&lab, &list, NULL, 0);
+    uint64_t visited = 0, least = 0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        uint32_t next = 0, count = rows[i * ROW];
+        for (uint32_t light = 0; light < LIGHTS; light++) {
+            bool found = next < count && rows[i * ROW + 1 + next] == light;
+            next += found;
+            least += spare_holds(&view, &lights[light], &points[i], 0);
+            assert_true(found || !spare_holds(&view, &lights[light], &points[i], 0));
+            assert_true(!found || spare_holds(&view, &lights[light], &points[i], 2e-3));
+        }
+        assert_int_equal(next, count);
+        visited += count;
+    }
+    print_message("spare list: a point visits %.1f of %u lights\n", (double)visited / POINTS, LIGHTS);
+    assert_true(visited < least + least / 10 && visited * 20 < (uint64_t)POINTS * LIGHTS);
+    free(rows);
+    list_lab_close(&lab);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_walks_skip_subtrees_ES_66, harness_check),
         cmocka_unit_test_teardown(test_walks_and_masks_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_spare_list_ES_37, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

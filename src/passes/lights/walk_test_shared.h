@@ -7,6 +7,7 @@
 struct gpu_walk_point {
     uvec2 pixel;
     float view_depth;
+    vec3 position; /* world space */
 };
 
 #define GPU_WALK_ROOM 1200u /* lights a point */
