@@ -81,8 +81,9 @@ static struct list_copy build_inside(const struct gpu_view *v, const struct surf
     struct light_list list = backface_add(lab.graph, harness_device(), &lab.input, &lab.in_view, &gbuffer, &own);
     struct gpu_buffer picks = {0};
     if (out) {
-        assert_int_equal(gpu_buffer_create(harness_device(), "picked", (list.cell_count + 4) * 4ull, GPU_MEMORY_READBACK, &picks),
-                         FNL_OK);
+        assert_int_equal(
+            gpu_buffer_create(harness_device(), "picked", (list.cell_count + 4) * 4ull, GPU_MEMORY_READBACK, &picks),
+            FNL_OK);
         spy_begin(harness_device());
         spy_capture(lab.graph, "backface pick", "backface picks", &picks);
     }

@@ -58,8 +58,8 @@ static struct built build(const struct gpu_view *view, const char *pass, const c
     clustered_grid(header, view->size.x, view->size.y, &grid);
     b.list.grid = *header;
     b.tree = bvh_tree_add(lab.graph, &lab.input, &lab.in_view, address);
-    struct light_list list = bvh_clusters_add(lab.graph, device, &lab.input, &lab.in_view, &b.tree, &names, header, address,
-                                              &grid);
+    struct light_list list =
+        bvh_clusters_add(lab.graph, device, &lab.input, &lab.in_view, &b.tree, &names, header, address, &grid);
     struct gpu_buffer captured, box;
     assert_int_equal(gpu_buffer_create(device, "captured", 1 << 22, GPU_MEMORY_READBACK, &captured), FNL_OK);
     assert_int_equal(gpu_buffer_create(device, "spoiled box", sizeof *spoiled, GPU_MEMORY_UPLOAD, &box), FNL_OK);
@@ -328,7 +328,8 @@ static void test_leaf_boxes_are_asked_ES_55(void **state) {
         struct node_box point;
         uint32_t tile = cell % (g->tiles_x * g->tiles_y);
         double seen[3], depth = 0.5 * -((double)bounds[cell].low.z + (double)bounds[cell].high.z);
-        view_of_pixel(&view, (tile % g->tiles_x + 0.5) * g->tile_size, (tile / g->tiles_x + 0.5) * g->tile_size, depth, seen);
+        view_of_pixel(&view, (tile % g->tiles_x + 0.5) * g->tile_size, (tile / g->tiles_x + 0.5) * g->tile_size, depth,
+                      seen);
         for (int axis = 0; axis < 3; axis++) point.low[axis] = point.high[axis] = (float)seen[axis];
         if (!cell_touches_box(&bounds[cell], &point, -1e-3)) { /* a tile cut short by the edge */
             free(held);

@@ -286,8 +286,8 @@ static struct marked build_marked(const struct gpu_view *view, uint32_t light_co
     spy_capture(lab.graph, "fine mark", "fine marks", &captured);
     if (spoiled != UINT32_MAX)
         spy_overwrite(lab.graph, "fine mark", "fine marks", spoiled * block_words * 4ull, 4, &nothing);
-    list_lab_run(&lab,
-                 (graph_buffer[]){lists.lights.cells, lists.lights.ids, lists.boxes, lab.in_view.ids, lists.lights.totals}, 5);
+    list_lab_run(
+        &lab, (graph_buffer[]){lists.lights.cells, lists.lights.ids, lists.boxes, lab.in_view.ids, lists.lights.totals}, 5);
     spy_end();
     m.list.cells = list_reads_take(&lab.reads, 0);
     m.list.ids = list_reads_take(&lab.reads, 1);
@@ -325,7 +325,8 @@ static void test_tiles_by_boxes_FP_3(void **state) {
         struct marked m = build_marked(&view, LIGHTS, depth, false, 0, UINT32_MAX);
         uint32_t across = DIVIDE_UP(FINE_WIDTH, TILE);
         for (uint32_t c = 0; c < m.list.cell_count; c++) {
-            uint32_t x0 = c % across * TILE, y0 = c / across * TILE, x1 = MIN(x0 + TILE, FINE_WIDTH), y1 = MIN(y0 + TILE, FINE_HEIGHT);
+            uint32_t x0 = c % across * TILE, y0 = c / across * TILE, x1 = MIN(x0 + TILE, FINE_WIDTH),
+                     y1 = MIN(y0 + TILE, FINE_HEIGHT);
             double near = INFINITY, far = 0;
             for (uint32_t y = y0; y < y1; y++)
                 for (uint32_t x = x0; x < x1; x++) {
@@ -336,13 +337,14 @@ static void test_tiles_by_boxes_FP_3(void **state) {
                 }
             for (uint32_t i = 0; i < m.in_view; i++) {
                 const struct gpu_fine_box *box = &m.boxes[i];
-                bool holds = list_holds(&m.list, c, m.visible[i]), on_tile = box->rect.x <= box->rect.z &&
-                             box->rect.x <= (float)x1 && box->rect.z >= (float)x0 && box->rect.y <= (float)y1 &&
-                             box->rect.w >= (float)y0;
+                bool holds = list_holds(&m.list, c, m.visible[i]),
+                     on_tile = box->rect.x <= box->rect.z && box->rect.x <= (float)x1 && box->rect.z >= (float)x0 &&
+                               box->rect.y <= (float)y1 && box->rect.w >= (float)y0;
                 if (on_tile && far > 0 && (double)box->depth.x < far && (double)box->depth.y > near) assert_true(holds);
                 if (!holds) continue;
                 held++;
-                assert_true(on_tile && far > 0 && (double)box->depth.x <= far * 1.001 && (double)box->depth.y >= near * 0.999);
+                assert_true(on_tile && far > 0 && (double)box->depth.x <= far * 1.001 &&
+                            (double)box->depth.y >= near * 0.999);
             }
         }
         marked_free(&m);
@@ -389,11 +391,10 @@ static void test_blocks_FP_3(void **state) {
                              (double)box->rect.y <= y1 && (double)box->rect.w >= y0;
             double slack = 1e-3 * far;
             if (on_screen && (double)box->depth.x < far && (double)box->depth.y > near && !bit)
-                fail_msg("block %u, %g .. %g m, is not marked with light %u of %u: %g .. %g m, from pixel %g %g to %g %g", b, near,
-                         far, i, full.in_view, (double)box->depth.x, (double)box->depth.y, (double)box->rect.x,
+                fail_msg("block %u, %g .. %g m, is not marked with light %u of %u: %g .. %g m, from pixel %g %g to %g %g", b,
+                         near, far, i, full.in_view, (double)box->depth.x, (double)box->depth.y, (double)box->rect.x,
                          (double)box->rect.y, (double)box->rect.z, (double)box->rect.w);
-            if (bit)
-                assert_true(on_screen && (double)box->depth.x <= far + slack && (double)box->depth.y >= near - slack);
+            if (bit) assert_true(on_screen && (double)box->depth.x <= far + slack && (double)box->depth.y >= near - slack);
             marked += bit;
             first_word += bit && i < 32;
         }

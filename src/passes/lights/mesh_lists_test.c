@@ -303,8 +303,9 @@ static void test_batches_by_number_of_lights_MP_17(void **state) {
     static const uint32_t counts[] = {0, 0, 1, 2, 2, 3, 4, 5, 8, 8, 9, 16, 17, 30}, turns[CLASSES] = {0, 1, 2, 4, 8, 16, 0},
                           expected[CLASSES] = {2, 1, 2, 2, 3, 2, 2};
     struct gpu_buffer draws;
-    assert_int_equal(gpu_buffer_create(harness_device(), "draws", CLASSES * sizeof(struct gpu_draw), GPU_MEMORY_READBACK, &draws),
-                     FNL_OK);
+    assert_int_equal(
+        gpu_buffer_create(harness_device(), "draws", CLASSES * sizeof(struct gpu_draw), GPU_MEMORY_READBACK, &draws),
+        FNL_OK);
     spy_begin(harness_device());
     struct stage stage = open_empty();
     static const vec3 origin = {0, 0, 0};
@@ -313,7 +314,8 @@ static void test_batches_by_number_of_lights_MP_17(void **state) {
         vec3 at = vec3_make((float)i * 3 - 20, 0, -20);
         mat4 transform = mat4_from_trs(at, quat_identity(), vec3_make(1, 1, 1));
         add_instance(stage.scene, mesh, &transform);
-        for (uint32_t l = 0; l < counts[i]; l++) add_light(stage.scene, vec3_add(at, vec3_make(0, 0.02f * (float)l, 0.8f)), 1);
+        for (uint32_t l = 0; l < counts[i]; l++)
+            add_light(stage.scene, vec3_add(at, vec3_make(0, 0.02f * (float)l, 0.8f)), 1);
     }
     stage.frame.camera.position = (fnl_vec3){0, 2, 30};
     stage.frame.lists = FNL_LISTS_BATCHES;

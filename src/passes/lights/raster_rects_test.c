@@ -74,7 +74,8 @@ static bool extent_of(const struct gpu_view *view, const struct gpu_light *light
         out[5] = fmin(out[5], depths[1]);
     }
     for (int axis = 0; axis < 2; axis++) {
-        double size = axis ? view->size.y : view->size.x, scale = axis ? (double)view->ndc_scale.y : (double)view->ndc_scale.x,
+        double size = axis ? view->size.y : view->size.x,
+               scale = axis ? (double)view->ndc_scale.y : (double)view->ndc_scale.x,
                offset = axis ? (double)view->ndc_offset.y : (double)view->ndc_offset.x, parts[2];
         for (int i = 0; i < 2; i++) parts[i] = ((slopes[axis][i] - offset) / scale * (axis ? -1 : 1) + 1) / 2 * size;
         out[axis * 2] = fmin(parts[0], parts[1]);

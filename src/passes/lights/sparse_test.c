@@ -329,8 +329,10 @@ static void span_pixels(const struct scene_data *s, const struct sparse_copy *c,
 static void test_bounds_ES_54_ES_56(void **state) {
     UNUSED(state);
     struct random_state random = {37};
-    static const struct extent none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY},
-                                       {INFINITY, INFINITY},           {-INFINITY, -INFINITY},
+    static const struct extent none = {{INFINITY, INFINITY, INFINITY},
+                                       {-INFINITY, -INFINITY, -INFINITY},
+                                       {INFINITY, INFINITY},
+                                       {-INFINITY, -INFINITY},
                                        {INFINITY, INFINITY, INFINITY, INFINITY}};
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++)
         for (int with_normals = 0; with_normals < 2; with_normals++) {

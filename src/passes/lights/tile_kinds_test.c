@@ -237,13 +237,14 @@ static void test_figure_ES_46(void **state) {
 /* Cells of a tile's depths `low` .. `high`, of 32: where `ends` are its nearest and farthest. */
 static uint32_t mask_between(const double ends[2], double low, double high) {
     double scale = 32 / fmax(ends[1] - ends[0], 1e-30);
-    uint32_t first = (uint32_t)fmin(fmax((low - ends[0]) * scale, 0), 31), last = (uint32_t)fmin(fmax((high - ends[0]) * scale, 0), 31);
+    uint32_t first = (uint32_t)fmin(fmax((low - ends[0]) * scale, 0), 31),
+             last = (uint32_t)fmin(fmax((high - ends[0]) * scale, 0), 31);
     return (0xffffffffu >> (31 - (last - first))) << first;
 }
 
 /* The mask has the cells in which pixels are, and no others; of a plain tile's lights the list has those that meet it. */
 static void check_mask(const struct gpu_view *view, const float *depth, const struct list_copy *list,
-                           const struct list_copy *plain, uint32_t cell) {
+                       const struct list_copy *plain, uint32_t cell) {
     uint32_t x0 = cell % list->grid.tiles_x * 16, y0 = cell / list->grid.tiles_x * 16, must = 0, may = 0;
     double ends[2] = {INFINITY, 0};
     for (int round = 0; round < 2; round++)
@@ -257,7 +258,8 @@ static void check_mask(const struct gpu_view *view, const float *depth, const st
                     ends[1] = fmax(ends[1], z * (1 + 1e-4));
                     continue;
                 }
-                uint32_t near_bit = mask_between(ends, z - slack, z - slack), far_bit = mask_between(ends, z + slack, z + slack);
+                uint32_t near_bit = mask_between(ends, z - slack, z - slack),
+                         far_bit = mask_between(ends, z + slack, z + slack);
                 may |= mask_between(ends, z - slack, z + slack);
                 if (near_bit == far_bit) must |= near_bit;
             }
@@ -271,9 +273,11 @@ static void check_mask(const struct gpu_view *view, const float *depth, const st
                                  (double)lights[light].bound_center.z};
         double at[3], radius = (double)lights[light].bound_radius, slack = 1e-5 * ends[1];
         world_to_view(view, world, at);
-        double wide = radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2) + slack;
+        double wide =
+            radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2) + slack;
         bool holds = list_holds(list, cell, light);
-        assert_true(holds || !(mask & mask_between(ends, -at[2] - radius + slack, fmax(-at[2] + radius - slack, -at[2] - radius + slack))));
+        assert_true(holds || !(mask & mask_between(ends, -at[2] - radius + slack,
+                                                   fmax(-at[2] + radius - slack, -at[2] - radius + slack))));
         assert_true(!holds || mask & mask_between(ends, -at[2] - wide, -at[2] + wide));
     }
 }
@@ -389,7 +393,8 @@ static void cone_extent(const struct gpu_view *view, const struct gpu_light *lig
     double apex[3], axis = 0, range = (double)light->range;
     world_to_view(view, at, apex);
     for (int k = 0; k < 3; k++) axis -= (double)view->world_to_view.m[4 * k + 2] * (double)(&light->direction.x)[k];
-    double cosine = fmax(-(double)light->spot_offset / (double)light->spot_scale, 0), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    double cosine = fmax(-(double)light->spot_offset / (double)light->spot_scale, 0),
+           sine = sqrt(fmax(1 - cosine * cosine, 0));
     for (int end = 0; end < 2; end++) { /* the nearest point, the farthest */
         double sign = end ? 1 : -1, along = sign * axis;
         double rim = cosine * along + sine * sqrt(fmax(1 - along * along, 0));

@@ -25,8 +25,7 @@ struct walk_data {
 
 static void execute_walk(const struct graph_context *context, const void *data) {
     const struct walk_data *d = data;
-    struct gpu_compute_params pipeline = {
-        .shader = &shader_walk_test_comp, .constant_count = 1, .constants = {d->kind}};
+    struct gpu_compute_params pipeline = {.shader = &shader_walk_test_comp, .constant_count = 1, .constants = {d->kind}};
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &pipeline));
     gpu_push(context->commands, &d->push, sizeof d->push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(POINTS, 64u));
@@ -226,8 +225,10 @@ static void test_walks_and_masks_ES_64(void **state) {
         assert_true(!spoil || (lost > 30 && spared > 30));
         gpu_buffer_destroy(device, &nothing);
         list_lab_close(&lab);
-        if (spoil) free(rows);
-        else plain = rows;
+        if (spoil)
+            free(rows);
+        else
+            plain = rows;
     }
     free(plain);
 }
@@ -254,7 +255,8 @@ static bool spare_holds(const struct gpu_view *view, const struct gpu_light *lig
             pixels[i] = ((axis ? -1 : 1) * slopes[i] / scale + 1) / 2 * SIDE;
         }
         double tile = axis ? point->pixel.y / 16 : point->pixel.x / 16;
-        if (fmax(pixels[0], pixels[1]) < tile * 16 - 500 * slack || fmin(pixels[0], pixels[1]) > tile * 16 + 16 + 500 * slack)
+        if (fmax(pixels[0], pixels[1]) < tile * 16 - 500 * slack ||
+            fmin(pixels[0], pixels[1]) > tile * 16 + 16 + 500 * slack)
             return false;
     }
     return true;

@@ -109,9 +109,11 @@ static void test_sets_ES_67_ES_8(void **state) {
                     assert_true(g.cells.count >= MAX(8 * LIGHTS, 4096) && g.cells.count < 2 * MAX(8 * LIGHTS, 4096));
                 /* The grid ends where the scene does, though lights reach on: by a cell, and what a float rounds. */
                 for (int k = 0; k < 3 && inside; k++) {
-                    double low = (double)(&scene.low.x)[k], high = (double)(&scene.high.x)[k], slack = 1e-6 * fabs(low) + 1e-3;
+                    double low = (double)(&scene.low.x)[k], high = (double)(&scene.high.x)[k],
+                           slack = 1e-6 * fabs(low) + 1e-3;
                     assert_true((double)(&g.origin.x)[k] >= low - slack);
-                    assert_true(g.size[k] * (double)g.cell_size <= high - low + (double)g.cell_size + slack || (flat && k == 1));
+                    assert_true(g.size[k] * (double)g.cell_size <= high - low + (double)g.cell_size + slack ||
+                                (flat && k == 1));
                 }
                 if (flat) {
                     assert_int_equal(g.size[1], 1);

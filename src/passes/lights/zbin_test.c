@@ -94,8 +94,8 @@ static double bin_start(const struct masks *m, uint32_t bin) {
 }
 
 /* The part of a tile that is as deep as the light, and a little more. */
-static struct reference_cell tile_beside_light(const struct list_request *r, const struct gpu_light_list *grid, uint32_t tile,
-                                               uint32_t light) {
+static struct reference_cell tile_beside_light(const struct list_request *r, const struct gpu_light_list *grid,
+                                               uint32_t tile, uint32_t light) {
     struct reference_cell c = reference_cell_of(r, grid, tile, 1e-3);
     const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
                              (double)lights[light].bound_center.z};
