@@ -169,16 +169,15 @@ void list_lab_begin(struct list_lab *lab) {
     lab->in_view = lights_in_view_add(lab->graph, device, &lab->input);
 }
 
-static void run_graph(struct graph *graph) {
+static void run_graph(struct graph *graph, const struct graph_execute_params *params) {
     assert_int_equal(graph_compile(graph), FNL_OK);
-    const struct graph_execute_params one = {.record_threads = 1}; /* tests may spy */
-    assert_int_equal(graph_execute_frame(graph, &one), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, params), FNL_OK);
     assert_int_equal(gpu_wait_idle(harness_device()), FNL_OK);
 }
 
 void list_lab_run(struct list_lab *lab, const graph_buffer *reads, uint32_t read_count) {
     list_reads_add(lab->graph, reads, read_count, &lab->reads);
-    run_graph(lab->graph);
+    run_graph(lab->graph, &(struct graph_execute_params){.record_threads = 1}); /* vulkan_spy.h looks at one thread */
 }
 
 void list_lab_close(struct list_lab *lab) {
@@ -221,7 +220,7 @@ struct list_copy list_build(const struct list_request *request) {
     }
     struct list_readback readback;
     list_readback_add(lab.graph, &list, &readback);
-    run_graph(lab.graph);
+    run_graph(lab.graph, NULL);
     struct gpu_light_list grid = list_grid(request);
     struct list_copy copy = list_readback_take(&readback, &grid);
     list_lab_close(&lab);
