@@ -519,6 +519,120 @@ static void test_moving_camera_ES_21(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- against the recurrence on the CPU ---- */
+
+enum { BAR = 2, BARS = 80, ROWS = 64 };
+
+/* A wall of grey bars across the view, two rows each, under ambient light alone: everything depends on the row only. */
+static fnl_scene *barred_wall(void) {
+    static const float greys[5] = {0.9f, 0.25f, 0.6f, 0.1f, 0.75f};
+    fnl_scene *scene = test_scene();
+    uint32_t meshes[5];
+    for (int i = 0; i < 5; i++) {
+        struct scene_material material = scene_material_default();
+        material.base_color = (vec4){greys[i], greys[i], greys[i], 1};
+        material.metallic = 0;
+        meshes[i] = test_quad_mesh(scene, scene_add_material(scene, &material));
+    }
+    for (int i = 0; i < BARS; i++)
+        test_place(scene, meshes[i % 5], (vec3){0, BAR * ((float)i + 0.5f - BARS / 2) / 32, 0}, (vec3){6, BAR / 64.0f, 1});
+    return scene;
+}
+
+static void set_ambient(fnl_scene *scene, float level) {
+    assert_int_equal(fnl_scene_set_ambient(scene, (vec3){level, level, level}, (vec3){level, level, level}), FNL_OK);
+}
+
+/* The bar of a row, 0 .. 4, when the wall has moved down by `shift` pixels; no sample is near a border of two. */
+static int bar_of(int row, double shift) {
+    double up = BARS / 2 * BAR + ROWS / 2 - (row + 0.5 + shift);
+    assert_true(fabs(up - round(up)) > 0.005);
+    return (int)floor(up / BAR) % 5;
+}
+
+struct collected {
+    double color[ROWS], count[ROWS];
+};
+
+/* One frame of rows `now` as taa.h describes it; `fall`: by how many rows history lies below, `speed`: the length of the motion. */
+static void collect_rows(struct collected *c, const double now[ROWS], double fall, double speed, bool still) {
+    struct collected before = *c;
+    for (int y = 0; y < ROWS; y++) {
+        double place = y + 0.5 + fall, old = before.color[y], count = before.count[y];
+        if (!still) {
+            double sum = 0, squares = 0, base = floor(place - 0.5), t = place - 0.5 - base;
+            for (int k = -1; k <= 1; k++) {
+                double near = now[CLAMP(y + k, 0, ROWS - 1)];
+                sum += near / 3;
+                squares += near * near / 3;
+            }
+            const double weights[4] = {-0.5 * t + t * t - 0.5 * t * t * t, 1 - 2.5 * t * t + 1.5 * t * t * t,
+                                       0.5 * t + 2 * t * t - 1.5 * t * t * t, -0.5 * t * t + 0.5 * t * t * t};
+            old = 0;
+            for (int k = 0; k < 4; k++) old += weights[k] * before.color[CLAMP((int)base + k - 1, 0, ROWS - 1)];
+            double spread = fmax(1.5 * sqrt(fmax(squares - sum * sum, 0)), 1e-5);
+            old = fmax(fmin(fmax(fmax(old, 0), sum - spread), sum + spread), 0);
+            bool inside = place >= 0 && place < ROWS;
+            count = inside ? fmin(before.count[(int)place], 16 + (6 - 16) * fmin(speed, 1)) : 0;
+        }
+        c->color[y] = count > 0 ? old + (now[y] - old) / (count + 1) : now[y];
+        c->count[y] = count + 1;
+    }
+}
+
+/*
+ * What is collected of a wall whose light changes with every frame, while the camera rests, creeps, and moves fast, is at each
+ * pixel what the recurrence gives: jitter, motion, cubic fetch, clipping, and how many frames history counts for.
+ */
+static void test_history_counts_as_it_should_ES_21(void **state) {
+    UNUSED(state);
+    static const struct {
+        int frames;
+        double right, down; /* pixels a frame */
+        bool still;         /* nor does the light change */
+    } phases[] = {{20, 0, 0, false}, {10, 1.25, 0, false}, {12, 0.25, 0, false},   {6, 0, 0.375, false},
+                  {9, 0, -1, false}, {24, 0, 0, true},     {8, 0.3, 0.7, false}, {6, 0.1, -2.2, false}};
+    fnl_scene *scene = barred_wall();
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+    set_ambient(scene, 1);
+    fnl_image plain = test_render(scene, &frame, FNL_OUTPUT_RADIANCE);
+    double greys[5], worst = 0, right = 0, down = 0, level = 1;
+    for (int y = 0; y < ROWS; y += BAR) greys[bar_of(y, 0.1)] = (double)test_pixel(&plain, 32, (uint32_t)y)[0];
+    free_picture(&plain);
+    frame.aa = FNL_ANTIALIASING_TAA;
+    struct random_state random = {3};
+    struct collected rows = {{0}, {0}};
+    uint32_t index = 0;
+    for (uint32_t phase = 0; phase < COUNT_OF(phases); phase++)
+        for (int i = 0; i < phases[phase].frames; i++, index++) {
+            bool still = phases[phase].still && i > 0;
+            double dx = phases[phase].right, dy = phases[phase].down, now[ROWS];
+            right += dx;
+            down += dy;
+            if (!still) {
+                level = (double)random_range(&random, 0.2f, 0.33f) * (index % 7 == 6 ? 3 : 1); /* beyond the spread too */
+                set_ambient(scene, (float)level);
+            }
+            frame.camera.position.x = frame.camera.target.x = (float)(-right / 32);
+            frame.camera.position.y = frame.camera.target.y = (float)(down / 32);
+            test_render_frame(renderer, &frame);
+            for (int y = 0; y < ROWS; y++) now[y] = level * greys[bar_of(y, (double)taa_jitter(index).y - down)];
+            collect_rows(&rows, now, -dy, hypot(dx, dy), still);
+            fnl_image image = test_read(renderer, FNL_OUTPUT_RADIANCE);
+            for (uint32_t y = 0; y < ROWS; y++)
+                for (uint32_t x = 32; x < 64; x += 24) { /* what comes in at the left is still collecting */
+                    double off = fabs((double)test_pixel(&image, x, y)[0] - rows.color[y]);
+                    worst = fmax(worst, off);
+                    if (off > 1e-3) fail_msg("phase %u, frame %d, row %u: off by %g", phase, i, y, off);
+                }
+            free_picture(&image);
+        }
+    print_message("%u frames: off by at most %.1e\n", index, worst);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- contracts ---- */
 
 /* A cut, another size, another scene: the next frame is as if it were the first, and that is one without antialiasing. */
@@ -636,6 +750,7 @@ int main(void) {
         cmocka_unit_test(test_no_trail_within_the_spread_ES_21),
         cmocka_unit_test(test_uncovered_wall_has_no_history_ES_21),
         cmocka_unit_test(test_moving_camera_ES_21),
+        cmocka_unit_test(test_history_counts_as_it_should_ES_21),
         cmocka_unit_test(test_history_resets_ES_21),
         cmocka_unit_test(test_sequences_repeat_ES_21),
         cmocka_unit_test(test_limits),
