@@ -103,7 +103,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
         out->coarse_shared + out->coarse_by_depth + out->coarse_by_normal + out->coarse_by_material;
     out->coarse_pixels = counts->coarse[COARSE_COUNT_PIXELS];
     out->coarse_shaded = counts->coarse[COARSE_COUNT_SHADED];
-    out->coarse_ao_shaded = r->frame.coarse.ao_radius > 0 ? out->coarse_shaded : 0;
+    out->coarse_ao_shaded = counts->coarse[COARSE_COUNT_AO];
     out->atlas_wanted = counts->pages.wanted;
     out->atlas_resident = counts->pages.resident;
     out->atlas_filled = counts->pages.filled;

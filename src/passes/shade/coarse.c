@@ -188,9 +188,11 @@ static graph_image find_openness(struct graph *graph, const struct shade_input *
         .name = "coarse ao", .format = VK_FORMAT_R32_SFLOAT, .width = input->width, .height = input->height};
     data.target = graph_create_image(graph, &image);
     data.shader = &shader_coarse_ao_comp;
-    data.counts = data.words = (graph_buffer){0};
+    data.counters = data.counts;
+    data.words = (graph_buffer){0};
     struct graph_pass *pass = add_pass(graph, &data, "coarse ao");
     graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
+    graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_COMPUTE);
     graph_use_image(pass, data.target, GRAPH_WRITE_COMPUTE);
     return data.target;
 }

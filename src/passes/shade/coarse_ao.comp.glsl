@@ -16,8 +16,12 @@ vec3 view_position_at(ivec2 pixel, float depth) {
     return view_position_of(v, ndc_of_pixel(v, vec2(pixel) + 0.5), view_depth_of(v, depth));
 }
 
+shared uint found; // by the group
+uint own_found = 0u;
+
 // 1: nothing is near; 0: closed.
 float openness(ivec2 pixel, float depth) {
+    own_found++;
     view_block v = push.gbuffer.view;
     float radius = push.settings.settings.ao_radius, radius2 = radius * radius;
     vec3 position = view_position_at(pixel, depth);
@@ -37,6 +41,8 @@ float openness(ivec2 pixel, float depth) {
 }
 
 void main() {
+    if (gl_LocalInvocationIndex == 0u) found = 0u;
+    barrier();
     coarse_walk walk = coarse_begin();
     for (uint turn = 0u; turn < walk.turns; turn++) {
         ivec2 pixel;
@@ -46,4 +52,7 @@ void main() {
             imageStore(images[push.target], pixel, vec4(openness(pixel, depth))); // of a block that is alike no other pixel is read
         }
     }
+    if (own_found > 0u) atomicAdd(found, own_found);
+    barrier();
+    if (gl_LocalInvocationIndex == 0u && found > 0u) atomicAdd(push.counters.at[COARSE_COUNT_AO], found);
 }

@@ -30,10 +30,12 @@
 #define COARSE_OTHER 4u   /* roughness, metalness, occlusion, F0 or base colour are */
 #define COARSE_KINDS 5u
 
-/* Counts of a frame: blocks of each kind that show a surface, then pixels that do, then for how many pixels and blocks work is done. */
+/* Counts of a frame: blocks of each kind that show a surface, then pixels that do, for how many pixels and blocks work is done, and how often
+   occlusion was found. */
 #define COARSE_COUNT_PIXELS 5u
 #define COARSE_COUNT_SHADED 6u
-#define COARSE_COUNTS 7u
+#define COARSE_COUNT_AO 7u
+#define COARSE_COUNTS 8u
 
 #define COARSE_GROUP 64u /* threads, each of one block */
 
@@ -62,7 +64,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer coa
 
 struct gpu_coarse_push {
     ADDRESS(light_list_block) lights;
-    ADDRESS(uint_array) counters;
+    ADDRESS(uint_array) counters; /* of lights; of the pass for occlusion: COARSE_COUNTS */
     STRUCT(gpu_gbuffer) gbuffer;
     ADDRESS(coarse_settings_block) settings;
     ADDRESS(uint_array) blocks; /* COARSE_WORD_… */
