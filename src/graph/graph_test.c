@@ -178,6 +178,37 @@ static void test_diamond_merges_reads(void **state) {
                        "  at 32768, 16384 bytes, passes 2 to 3: c\n");
 }
 
+/* Draws, shaders and copies that read a buffer one after the other wait once for who wrote it. */
+static void test_readers_of_all_kinds_wait_once(void **state) {
+    UNUSED(state);
+    static const enum graph_use uses[] = {GRAPH_INDIRECT, GRAPH_READ_VERTEX, GRAPH_READ_COMPUTE, GRAPH_COPY_FROM};
+    static const char *const names[] = {"indirect", "vertex", "compute", "copy"};
+    struct graph *graph = make_graph();
+    graph_buffer list = graph_create_buffer(graph, "list", 256);
+    graph_use_buffer(pass_of(graph, "fill"), list, GRAPH_WRITE_COMPUTE);
+    for (uint32_t i = 0; i < COUNT_OF(uses); i++) {
+        struct graph_pass *pass = pass_of(graph, names[i]);
+        graph_use_buffer(pass, list, uses[i]);
+        graph_keep(pass);
+    }
+    expect_plan(graph, "5 passes, 0 culled, 2 barriers, 1 batches, 256 bytes (256 without aliasing)\n"
+                       "batch 0 graphics:\n" FRAME_BARRIER "  pass 0 'fill' graphics:\n"
+                       "    writes list\n"
+                       "  pass 1 'indirect' graphics:\n"
+                       "    barrier memory of list (COMPUTE_SHADER/SHADER_STORAGE_WRITE -> "
+                       "DRAW_INDIRECT|VERTEX_SHADER|COMPUTE_SHADER|ALL_TRANSFER/"
+                       "INDIRECT_COMMAND_READ|SHADER_STORAGE_READ|TRANSFER_READ)\n"
+                       "    reads list\n"
+                       "  pass 2 'vertex' graphics:\n"
+                       "    reads list\n"
+                       "  pass 3 'compute' graphics:\n"
+                       "    reads list\n"
+                       "  pass 4 'copy' graphics:\n"
+                       "    reads list\n"
+                       "memory of buffers, types 0x1: 256 bytes\n"
+                       "  at 0, 256 bytes, passes 0 to 4: list\n");
+}
+
 static void test_buffers_share_one_barrier_and_reads_hold_back_writes(void **state) {
     UNUSED(state);
     struct graph *graph = make_graph();
@@ -744,6 +775,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_chain),
         cmocka_unit_test(test_diamond_merges_reads),
+        cmocka_unit_test(test_readers_of_all_kinds_wait_once),
         cmocka_unit_test(test_buffers_share_one_barrier_and_reads_hold_back_writes),
         cmocka_unit_test(test_culling),
         cmocka_unit_test(test_aliasing),
