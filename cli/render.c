@@ -100,7 +100,8 @@ static void print_help(void) {
         "                             (compact)\n"
         "  --msaa-groups N            aggregate: surfaces of a pixel at most, 2 or 3 (2)\n"
         "  --msaa-tolerance X         deferred: samples that differ by less, 0 .. 1, are one surface (0)");
-    puts("  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists);\n"
+    puts("  --decals KIND              how decals get onto surfaces: lists gbuffer off (lists); gbuffer is for deferred,\n"
+         "                             deferred-volumes and mobile at one sample a pixel, all else uses lists;\n"
          "                             'gbuffer,no-mip-fix' shows the fringe that is mended otherwise\n"
          "  --cull KIND                what is left out before it is drawn: instances clusters triangles (instances)\n"
          "  --geometry KIND            what draws the clusters that are left: vertex mesh auto (vertex)\n"

@@ -20,8 +20,21 @@ bool decals_in_gbuffer(const struct frame_state *f) {
            f->frame->msaa == 1;
 }
 
+/* The log is told once by each renderer. */
+static void tell_of_lists(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f) || f->r->told_of_decals) return;
+    f->r->told_of_decals = true;
+    if (frame->msaa > 1)
+        log_warning(&f->r->host, "decals get into G-buffers of one sample a pixel alone: with %u they come by lists", frame->msaa);
+    else
+        log_warning(&f->r->host, "decals cannot get into what %s shading leaves: they come by lists",
+                    fnl_shading_name(frame->shading));
+}
+
 fnl_result decals_begin(struct frame_state *f) {
     if (!is_on(f)) return FNL_OK;
+    tell_of_lists(f);
     TRY(device_decals_add(&f->r->device_scene, f->graph, &f->decals.buffers));
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
     if (!slice.data) return gpu_status(f->r->device);

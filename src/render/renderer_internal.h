@@ -53,6 +53,7 @@ struct fnl_renderer {
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
+    bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
     bool measures;                         /* the frame being made has an auto that may measure */
     struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
     struct temporal_state temporal;

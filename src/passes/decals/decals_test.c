@@ -592,6 +592,34 @@ static void test_a_hundred_thousand_decals(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* With several samples, and in orders without a G-buffer, lists stand in: the same bytes, and the log says so once. */
+static void test_lists_stand_in_for_the_gbuffer_ES_59(void **state) {
+    (void)state;
+    static const struct {
+        fnl_shading shading;
+        uint32_t msaa;
+        bool stands_in;
+    } cases[] = {{FNL_SHADING_DEFERRED, 1, false}, {FNL_SHADING_DEFERRED, 4, true}, {FNL_SHADING_FORWARD, 1, true}};
+    fnl_scene *scene = wall_scene();
+    fnl_decal_params p = plain(1, 0, 0, 1, box_at((vec3){0, 0, 0}, quat_identity(), (vec3){0.9f, 0.7f, 0.5f}));
+    add(scene, &p);
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_renderer *r = test_renderer(scene);
+        fnl_image pictures[2];
+        for (int way = FNL_DECALS_LISTS; way <= FNL_DECALS_GBUFFER; way++) {
+            fnl_frame frame = frame_with(cases[i].shading, (fnl_decals)way, FNL_OUTPUT_RADIANCE);
+            frame.msaa = cases[i].msaa;
+            test_render_frame(r, &frame);
+            pictures[way] = test_read(r, FNL_OUTPUT_RADIANCE);
+            assert_int_equal(r->told_of_decals, way == FNL_DECALS_GBUFFER && cases[i].stands_in);
+        }
+        if (cases[i].stands_in) assert_true(test_equal(&pictures[0], &pictures[1]));
+        for (int k = 0; k < 2; k++) free_picture(&pictures[k]);
+        fnl_renderer_destroy(&r);
+    }
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tiles_note_what_meets_them_ES_30),
@@ -604,6 +632,7 @@ int main(void) {
         cmocka_unit_test(test_faults_have_their_cures_ES_35),
         cmocka_unit_test(test_glass_gets_decals_ES_36_and_ES_59),
         cmocka_unit_test(test_all_orders_agree_EQ_ES_36_ES_59),
+        cmocka_unit_test(test_lists_stand_in_for_the_gbuffer_ES_59),
         cmocka_unit_test(test_none_cost_nothing),
         cmocka_unit_test(test_a_hundred_thousand_decals),
     };
