@@ -133,18 +133,46 @@ static void test_depth_edge_between_parallel_planes_CP_5(void **state) {
     stage_close(&stage);
 }
 
-/* One plane, two materials: nothing but the tolerances tells them apart. */
+/* One plane, two materials that differ in one number: nothing but that number's tolerance tells them apart. */
 static void test_materials_apart_CP_5(void **state) {
     UNUSED(state);
-    fnl_scene *scene = coarse_scene();
-    coarse_add_plane(scene, coarse_material(scene, 0.7f, (fnl_image_id){0}), -3, 1 / 32.0f, 0, 0, 0);
-    coarse_add_plane(scene, coarse_material(scene, 0.5f, (fnl_image_id){0}), 1 / 32.0f, 3, 0, 0, 0);
-    struct stage stage = stage_open_scene(scene);
-    fnl_frame frame = coarse_front_frame(&stage);
-    check_column(&stage, frame, 33, 4);
-    frame.coarse.tolerance = 0.25f;
-    check_column(&stage, frame, 33, 1);
-    stage_close(&stage);
+    static const struct {
+        const char *name;
+        size_t number; /* of fnl_material_params */
+        float values[2], tolerance, albedo_tolerance;
+        uint32_t kind;
+    } cases[] = {
+        {"roughness", offsetof(fnl_material_params, roughness), {0.7f, 0.5f}, 0.1f, 1, 4},
+        {"roughness", offsetof(fnl_material_params, roughness), {0.7f, 0.5f}, 0.25f, 1, 1},
+        {"metalness", offsetof(fnl_material_params, metallic), {0, 0.2f}, 0.1f, 1, 4},
+        {"metalness", offsetof(fnl_material_params, metallic), {0, 0.2f}, 0.25f, 1, 1},
+        {"F0", offsetof(fnl_material_params, ior), {1.5f, 2}, 0.1f, 1, 4}, /* roots 0.2 and 0.33 */
+        {"F0", offsetof(fnl_material_params, ior), {1.5f, 2}, 0.25f, 1, 1},
+        {"F90", offsetof(fnl_material_params, specular), {1, 0.4f}, 0.5f, 1, 4},
+        {"F90", offsetof(fnl_material_params, specular), {1, 0.4f}, 0.7f, 1, 1},
+        {"green", offsetof(fnl_material_params, base_color[1]), {0.6f, 0.4f}, 0.1f, 0.1f, 4},
+        {"green", offsetof(fnl_material_params, base_color[1]), {0.6f, 0.4f}, 0.1f, 0.3f, 1},
+        {"green", offsetof(fnl_material_params, base_color[1]), {0.6f, 0.4f}, 0.1f, 1, 1},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_scene *scene = coarse_scene();
+        for (int k = 0; k < 2; k++) {
+            fnl_material_params params = fnl_material_params_default();
+            fnl_material_id id;
+            params.metallic = 0;
+            params.roughness = 0.7f;
+            memcpy((char *)&params + cases[i].number, &cases[i].values[k], sizeof(float));
+            assert_int_equal(fnl_scene_add_material(scene, &params, &id), FNL_OK);
+            coarse_add_plane(scene, id, k ? 1 / 32.0f : -3, k ? 3 : 1 / 32.0f, 0, 0, 0);
+        }
+        struct stage stage = stage_open_scene(scene);
+        fnl_frame frame = coarse_front_frame(&stage);
+        frame.coarse.tolerance = cases[i].tolerance;
+        frame.coarse.albedo_tolerance = cases[i].albedo_tolerance;
+        print_message("%s, tolerances %g and %g\n", cases[i].name, (double)cases[i].tolerance, (double)cases[i].albedo_tolerance);
+        check_column(&stage, frame, 33, cases[i].kind);
+        stage_close(&stage);
+    }
 }
 
 static void test_crease_CP_6(void **state) {
