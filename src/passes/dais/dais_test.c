@@ -149,6 +149,57 @@ static void test_gradients(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Where a pixel's surface lies on the square from -1 to 1 that `to_square` leads to; false: beside it. */
+static bool square_point(const mat4 *to_square, const fnl_image *position, uint32_t x, uint32_t y, vec3 *out) {
+    const float *p = test_pixel(position, x, y);
+    *out = mat4_point(to_square, (vec3){p[0], p[1], p[2]});
+    return p[3] != 0 && fabsf(out->z) < 1e-3f && fabsf(out->x) < 0.97f && fabsf(out->y) < 0.97f;
+}
+
+/* The level of detail from derived gradients, on squares whose texture is pressed together along x or along y, against differences of positions. */
+static void test_levels(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = test_scene();
+    struct scene_material material = test_unlit(1, 1, 1);
+    material.textures[SCENE_TEXTURE_BASE_COLOR] = scene_texture_none();
+    material.textures[SCENE_TEXTURE_BASE_COLOR].image = chequered(scene).index;
+    material.textures[SCENE_TEXTURE_BASE_COLOR].sampler = trilinear(scene);
+    uint32_t quad = test_quad_mesh(scene, scene_add_material(scene, &material));
+    mat4 places[2], inverse[2];
+    for (int k = 0; k < 2; k++) {
+        places[k] = mat4_from_trs((vec3){k ? 0.3f : -1.5f, 0, 0}, quat_axis_angle((vec3){0.3f, 1, 0}, k ? 0.5f : -0.5f),
+                                  (vec3){k ? 1.8f : 0.5f, k ? 0.3f : 1.6f, 1});
+        assert_true(mat4_inverse(&places[k], &inverse[k]));
+        scene_add_node(scene, "", SCENE_NONE, &places[k], quad);
+    }
+    fnl_renderer *renderer = test_renderer(scene);
+    fnl_frame frame = wide_frame(0);
+    frame.outputs |= FNL_OUTPUT_POSITION;
+    renderer->dais_probe = DAIS_SHOW_UV;
+    fnl_image shown = shoot(renderer, &frame), position = test_read(renderer, FNL_OUTPUT_POSITION);
+    for (int k = 0; k < 2; k++) {
+        uint32_t compared = 0, along_x = 0;
+        double worst = 0;
+        for (uint32_t y = 0; y + 1 < frame.height; y++)
+            for (uint32_t x = 0; x + 1 < frame.width; x++) {
+                vec3 at, right, down;
+                if (!square_point(&inverse[k], &position, x, y, &at) || !square_point(&inverse[k], &position, x + 1, y, &right) ||
+                    !square_point(&inverse[k], &position, x, y + 1, &down))
+                    continue;
+                double dx = hypot(right.x - at.x, right.y - at.y) / 2, dy = hypot(down.x - at.x, down.y - at.y) / 2;
+                compared++;
+                along_x += dx > dy;
+                worst = fmax(worst, fabs(log2(fmax(dx, dy) * 1024) - (double)test_pixel(&shown, x, y)[2]));
+            }
+        print_message("%u pixels, %u with more texels along x: levels off by at most %.3f\n", compared, along_x, worst);
+        assert_true(compared > 300 && (k ? along_x * 10 < compared : along_x * 10 > compared * 9) && worst < 0.06);
+    }
+    free_picture(&shown);
+    free_picture(&position);
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- DI-6: pools that are too small ---- */
 
 static void test_overflow(void **state) {
@@ -196,12 +247,13 @@ static void test_overflow(void **state) {
 
 /* ---- DI-7: layouts ---- */
 
-/* Spheres whose materials ask for different parts: nothing, either set of coordinates, tangents, both; vertex colours are in some meshes. */
-static fnl_scene *layouts_scene(uint32_t kinds) {
+/* Spheres whose materials ask for different parts: nothing, either set of coordinates, tangents, both. `spheres`: a bit for each of eight. */
+static fnl_scene *layouts_scene(uint32_t kinds, uint32_t spheres) {
     fnl_scene *scene = test_scene();
     assert_int_equal(fnl_scene_set_anisotropy(scene, 1), FNL_OK);
     uint32_t image = chequered(scene).index, sampler = trilinear(scene);
     for (uint32_t k = 0; k < 8; k++) {
+        if (!(spheres >> k & 1)) continue;
         struct scene_material material = test_unlit(0.8f, 0.7f, 0.6f);
         material.unlit = false;
         material.metallic = 0;
@@ -233,7 +285,7 @@ static void test_layouts(void **state) {
     uint64_t bytes[2];
     uint32_t triangles[2];
     for (uint32_t k = 0; k < 2; k++) {
-        fnl_scene *scene = layouts_scene(k ? 7 : 0);
+        fnl_scene *scene = layouts_scene(k ? 7 : 0, 0xff);
         fnl_renderer *renderer = test_renderer(scene);
         fnl_frame frame = wide_frame(0);
         fnl_image dais = shoot(renderer, &frame);
@@ -258,6 +310,25 @@ static void test_layouts(void **state) {
     }
     /* The same triangles; plain ones have records of 16 words, others of 22 and more. */
     assert_true(bytes[1] > bytes[0] + triangles[0] * 6);
+}
+
+/* A record holds what the triangle's material asks for, and nothing else. */
+static void test_record_sizes(void **state) {
+    UNUSED(state);
+    for (uint32_t k = 0; k < 8; k++) {
+        fnl_scene *scene = layouts_scene(7, 1u << k);
+        fnl_renderer *renderer = test_renderer(scene);
+        fnl_frame frame = wide_frame(0);
+        test_render_frame(renderer, &frame);
+        fnl_frame_stats stats = stats_of(renderer);
+        bool base = k & 1, normal = k & 2, second = k & 4;
+        uint32_t words = 16 + (normal || (base && !second) ? 6 : 0) + (base && second ? 6 : 0) + (normal ? 12 : 0);
+        assert_true(stats.dais.triangles > 50);
+        assert_int_equal(stats.dais.bytes, 4ull * frame.width * frame.height + 16ull * frame.dais.cache_buckets +
+                                               4ull * stats.dais.triangles * (words + 1)); /* and its number */
+        fnl_renderer_destroy(&renderer);
+        fnl_scene_destroy(&scene);
+    }
 }
 
 /* ---- DI-9: many triangles, ids that need no counter ---- */
@@ -370,7 +441,7 @@ static void test_full_cover(void **state) {
 
 static void test_multirate(void **state) {
     UNUSED(state);
-    fnl_scene *scene = layouts_scene(7);
+    fnl_scene *scene = layouts_scene(7, 0xff);
     scene->ambient_sky = (vec3){0.5f, 0.7f, 1};
     scene->ambient_ground = (vec3){0.3f, 0.2f, 0.1f};
     fnl_renderer *renderer = test_renderer(scene);
@@ -390,10 +461,14 @@ static void test_multirate(void **state) {
         uint32_t samples = stats_of(renderer).dais.shading_samples;
         fnl_image_difference difference;
         assert_int_equal(fnl_image_compare(NULL, &all_color, &part_color, &difference), FNL_OK);
-        uint32_t holes = 0;
+        uint32_t holes = 0, surfaces = 0, other = 0; /* what comes from shading samples is rounded: it shows that they are used */
         for (uint32_t y = 0; y < frame.height; y++)
-            for (uint32_t x = 0; x < frame.width; x++)
-                holes += test_pixel(&part, x, y)[0] < 0.5f * test_pixel(&all, x, y)[0];
+            for (uint32_t x = 0; x < frame.width; x++) {
+                const float *a = test_pixel(&all, x, y), *b = test_pixel(&part, x, y);
+                holes += b[0] < 0.5f * a[0];
+                surfaces += a[0] != scene->background.x;
+                other += memcmp(a, b, 12) != 0;
+            }
         print_message("%u samples, %s: %u shading samples for %u; %.1f dB, %u holes\n", frame.msaa,
                       fnl_dais_mode_name(frame.dais.mode), samples, shaded, difference.psnr, holes);
         fnl_device_info info;
@@ -401,6 +476,7 @@ static void test_multirate(void **state) {
         if (i < 4 && info.quad_operations) assert_true(samples * 10 < shaded * 9);
         if (i >= 4) assert_true(samples >= shaded);
         assert_int_equal(holes, 0);
+        assert_true(surfaces > 2000 && other * 10 > surfaces * 9);
         assert_true(difference.psnr > 40);
         free_picture(&all);
         free_picture(&part);
@@ -586,8 +662,10 @@ int main(void) {
         {"DI-2: attributes are the rasteriser's, across the near plane too", test_interpolation, NULL, NULL, NULL},
         {"DI-2, DI-12: positions, normals and depths from derivatives", test_positions, NULL, NULL, NULL},
         {"DI-13: textures are filtered as in forward shading", test_gradients, NULL, NULL, NULL},
+        {"DI-13: levels of detail are those of the surface", test_levels, NULL, NULL, NULL},
         {"DI-6: what finds no room is shaded all the same", test_overflow, NULL, NULL, NULL},
         {"DI-7: materials choose what a record holds", test_layouts, NULL, NULL, NULL},
+        {"DI-7: records hold what materials ask for", test_record_sizes, NULL, NULL, NULL},
         {"DI-9: as many triangles as pixels, ids without a counter", test_dense, NULL, NULL, NULL},
         {"DI-10: lists refer to the same triangles", test_lists, NULL, NULL, NULL},
         {"DI-10: pixels covered by one triangle take no elements", test_full_cover, NULL, NULL, NULL},
