@@ -3,6 +3,7 @@
  * dais_scenes_test.c. */
 #include "passes/dais/dais_shared.h"
 #include "render/render_test.h"
+#include "tests/vulkan_spy.h"
 
 #include "passes/dais/dais_cases.h"
 
@@ -242,6 +243,37 @@ static void test_overflow(void **state) {
         free_picture(&whole);
         fnl_renderer_destroy(&renderer);
     }
+    fnl_scene_destroy(&scene);
+}
+
+/* The forward pass for what found no room draws nothing where all did. */
+static void test_gate(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = soup_scene(&paper);
+    struct gpu_buffer draws;
+    assert_int_equal(gpu_buffer_create(test_device, "draws", 4096, GPU_MEMORY_READBACK, &draws), FNL_OK);
+    spy_begin(test_device);
+    for (int clusters = 0; clusters < 2; clusters++)
+        for (int cramped = 0; cramped < 2; cramped++) {
+            const char *name = clusters ? "dais gate clusters" : "dais gate";
+            fnl_renderer *renderer = test_renderer(scene);
+            if (cramped) renderer->dais_capacity = 700;
+            fnl_frame frame = wide_frame(0);
+            frame.culling = clusters ? FNL_CULLING_CLUSTERS : FNL_CULLING_INSTANCES;
+            memset(draws.mapped, 0xff, 4096);
+            spy_capture(renderer->graph, name, name, &draws);
+            test_render_frame(renderer, &frame);
+            spy_capture(NULL, NULL, NULL, NULL);
+            assert_int_equal(stats_of(renderer).dais.overflow > 0, cramped); /* and waits */
+            const struct gpu_draw *draw = draws.mapped;
+            uint32_t drawn = clusters ? *(const uint32_t *)draws.mapped : draw->instance_count;
+            if (!cramped) assert_int_equal(drawn, 0);
+            if (cramped && !clusters) assert_true(drawn > 0 && drawn < 1000);
+            fnl_renderer_destroy(&renderer);
+        }
+    assert_int_equal(gpu_wait_idle(test_device), FNL_OK);
+    spy_end();
+    gpu_buffer_destroy(test_device, &draws);
     fnl_scene_destroy(&scene);
 }
 
@@ -664,6 +696,7 @@ int main(void) {
         {"DI-13: textures are filtered as in forward shading", test_gradients, NULL, NULL, NULL},
         {"DI-13: levels of detail are those of the surface", test_levels, NULL, NULL, NULL},
         {"DI-6: what finds no room is shaded all the same", test_overflow, NULL, NULL, NULL},
+        {"DI-6: nothing is drawn again where there is room", test_gate, NULL, spy_tear_down, NULL},
         {"DI-7: materials choose what a record holds", test_layouts, NULL, NULL, NULL},
         {"DI-7: records hold what materials ask for", test_record_sizes, NULL, NULL, NULL},
         {"DI-9: as many triangles as pixels, ids without a counter", test_dense, NULL, NULL, NULL},
