@@ -147,6 +147,38 @@ static void test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22(void **state) {
 }
 
 /* Hard edges of cones and of the other shapes, wide cones, lights without end. */
+/* Narrow spots are drawn as pyramids: far fewer pixels than their spheres cover are asked. */
+static void test_narrow_spots_ES_16(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=0", 0);
+    for (uint32_t i = 0; i < 12; i++) {
+        fnl_light_params light = fnl_light_params_default();
+        fnl_light_id id;
+        light.kind = FNL_LIGHT_SPOT;
+        light.position = (fnl_vec3){-3.5f + 2.2f * (float)(i % 4), 3, -2.5f + 2 * (float)(i / 4)};
+        light.direction = vec3_normalize((vec3){0.1f, -1, 0.05f});
+        light.range = 4;
+        light.intensity = 10;
+        light.outer_cone_angle = 0.15f;
+        light.inner_cone_angle = 0.1f;
+        assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
+    }
+    fnl_frame frame = stage.frame;
+    frame.count_lights = true;
+    frame.lists = FNL_LISTS_ALL;
+    frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
+    struct shot solids = stage_shoot(&stage, &frame);
+    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+    struct shot quads = stage_shoot(&stage, &frame);
+    print_message("  %llu evaluations by pyramids, %llu by rectangles, %llu of use\n", (unsigned long long)solids.stats.evaluations,
+                  (unsigned long long)quads.stats.evaluations, (unsigned long long)solids.stats.evaluations_useful);
+    assert_true(solids.stats.evaluations_useful > 200);
+    assert_true(solids.stats.evaluations * 4 < quads.stats.evaluations);
+    shot_free(&solids);
+    shot_free(&quads);
+    stage_close(&stage);
+}
+
 static void test_shapes_TD_3_ES_16_MP_22(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=0", 0);
@@ -559,6 +591,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_scenes_ES_14_ES_15_ES_17_TD_3_MP_22, harness_check),
         cmocka_unit_test_teardown(test_cameras_TD_3_ES_14_ES_15_ES_16_ES_17_MP_22, harness_check),
         cmocka_unit_test_teardown(test_shapes_TD_3_ES_16_MP_22, harness_check),
+        cmocka_unit_test_teardown(test_narrow_spots_ES_16, harness_check),
         cmocka_unit_test_teardown(test_walls_in_view_TD_8, harness_check),
         cmocka_unit_test_teardown(test_rectangles_MP_22, harness_check),
         cmocka_unit_test_teardown(test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22, harness_check),
