@@ -127,11 +127,13 @@ static void test_round_trip(void **state) {
 
 /* ---- scenes ---- */
 
+static uint32_t chequer = 16; /* texels */
+
 static fnl_image_id add_image(fnl_scene *scene, uint32_t side, uint32_t seed, bool plain) {
     uint8_t *texels = malloc((size_t)side * side * 4);
     assert_non_null(texels);
     for (uint32_t i = 0; i < side * side; i++) {
-        bool dark = !plain && ((i % side / 16) ^ (i / side / 16)) & 1;
+        bool dark = !plain && ((i % side / chequer) ^ (i / side / chequer)) & 1;
         const uint8_t tint[4] = {(uint8_t)(40 + seed * 37 % 200), (uint8_t)(40 + seed * 91 % 200),
                                  (uint8_t)(40 + seed * 53 % 200), 255};
         for (uint32_t k = 0; k < 4; k++) texels[i * 4 + k] = (uint8_t)(dark && k < 3 ? tint[k] / 4 : tint[k]);
@@ -229,6 +231,30 @@ static void test_levels(void **state) {
     assert_int_equal(inside[1], seen);
     assert_true(inside[0] * 20 > seen * 19);
     shot_free(&shot);
+    stage_close(&stage);
+}
+
+/* Pages hold what mipmaps hold: chequers far away are the grey that forward shading shows, where one of their colours would alias. */
+static void test_pages_are_filtered(void **state) {
+    UNUSED(state);
+    chequer = 5; /* so that texels of coarse pages do not fall on single ones */
+    struct stage stage = open_squares(4, 2, 2048, false);
+    chequer = 16;
+    fnl_frame frame = stage.frame;
+    for (int i = 0; i < 3; i++) {
+        frame.camera.position.z = (const float[]){4, 12, 40}[i];
+        frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+        struct shot first = stage_shoot(&stage, &frame), atlas = stage_shoot(&stage, &frame);
+        frame.shading = FNL_SHADING_FORWARD;
+        struct shot forward = stage_shoot(&stage, &frame);
+        fnl_image_difference difference;
+        assert_int_equal(fnl_image_compare(NULL, &forward.color, &atlas.color, &difference), FNL_OK);
+        print_message("from %g m: %.1f dB\n", (double)frame.camera.position.z, difference.psnr);
+        assert_true(difference.psnr > 45);
+        shot_free(&first);
+        shot_free(&atlas);
+        shot_free(&forward);
+    }
     stage_close(&stage);
 }
 
@@ -557,6 +583,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         {"ES-70: coordinates in 2 x 16 bits and frames in 32, in 64 x 64 pages", test_round_trip, NULL, harness_check, NULL},
         {"ES-71: levels are the hardware's inside charts and at seams", test_levels, NULL, harness_check, NULL},
+        {"ES-70: pages are filtered as mipmaps are", test_pages_are_filtered, NULL, harness_check, NULL},
         {"ES-70, ES-71: a frame wants the pages that its pixels see", test_wanted_pages, NULL, harness_check, NULL},
         {"ES-70: pages follow the view", test_pages_follow_the_view, NULL, harness_check, NULL},
         {"ES-70: more pages than fit cost detail, never the material", test_overflow, NULL, harness_check, NULL},
