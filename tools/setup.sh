@@ -17,7 +17,7 @@ say() { echo "setup: $*"; }
 . /etc/os-release 2>/dev/null || ID=unknown
 for option in "$@"; do
     case $option in
-    --tests) packages+=(g++ libcmocka-dev vulkan-validationlayers libglfw3-dev xvfb) ;; # the last two: examples/window.c
+    --tests) packages+=(g++ libcmocka-dev vulkan-validationlayers jq libglfw3-dev xvfb) ;; # the last two: examples/window.c
     --clang) packages+=(clang libclang-rt-dev) ;;            # for the fuzzers and `test --clang`
     --page) [ "$ID" != debian ] || packages+=(chromium) ;;   # to test the page of 'fanal bench'; Ubuntu has none as a package
     esac

@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The experiments of `fanal bench --suite` at a small size: which way each ratio points. The numbers of the publications come from GPUs and large
+# pictures; those are printed by the suites and not demanded here. Usage: suites_test.sh FANAL
+#
+# Lines of the checklist, read by tools/checklist.sh:
+# shows TD-7: tests 1-4 of the thesis: lights in view as constructed; which of light volumes, tiles and back faces is faster, beyond the spread
+# shows FP-6: fine pruning makes deferred lighting faster, beyond the spread, by at least a quarter of the lights per pixel
+# shows FP-7: building lists with fine pruning takes at most 3.4 times as long, within the spread
+# shows CL-6: clusters of 24x12x128 have fewer lights per pixel than 96x48 tiles, clearly so with spot lights
+# shows CL-7: finer clusters get fewer entries than they are more, and entries grow at most as the lights do
+# shows CL-8: clusters of 48x24x128 evaluate fewer lights than 24x12x64, and take up to 7.5 times the memory
+# shows CP-15: the sweep over shading costs prints every column for both scenes
+# shows DI-15: the times of the passes of attribute interpolation for scenes of large and of small triangles, and where the orders cross
+set -u
+fanal=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+
+suite() { # NAME OPTIONS…: $work/NAME/results.json
+    local name=$1
+    shift
+    "$fanal" bench --suite "$name" "$@" -o "$work/$name" --overwrite >"$work/out" 2>&1 || fail "bench --suite $name: $(tail -c 600 "$work/out")"
+}
+holds() { # FILE MESSAGE FILTER: the filter is true of the file
+    jq -e "$3" "$1" >/dev/null || fail "$2: $(jq -c "${4:-$3}" "$1" 2>&1 | head -c 1200)"
+}
+
+# Of each row of a suite that RATIOS (an object of jq) names: [the least that `ours` must reach, or the most]. A row is wrong when it misses that by more
+# than its spread, and shown when it is on the right side by more than its spread. Times are taken next to whatever else the machine does, so a row
+# that is not shown gets a second, longer measurement before it counts.
+rows='def rows: .suite.rows[] | . as $row | $ratios[.quantity] | select(.) | $row + {bound: .};
+    def shown: if .comparison == ">=" then .ours - .spread > .bound else .ours + .spread < .bound end;'
+point() { # SUITE RATIOS OPTIONS…
+    local name=$1 ratios=$2
+    shift 2
+    for frames in 3 12; do
+        suite "$name" "$@" --frames $frames
+        jq -e --argjson ratios "$ratios" "$rows"' [rows] | length == ($ratios | length) and all(.ours != null and shown)' \
+            "$work/$name/results.json" >/dev/null && return
+    done
+    fail "$name: ratios that do not reach their bounds beyond the spread: $(jq -c --argjson ratios "$ratios" \
+        "$rows"' [rows | select(.ours == null or (shown | not)) | {quantity, ours, spread, bound}]' "$work/$name/results.json")"
+}
+
+# ---- Ishmukhametov: volumes against tiles against tiles that drop what is behind their surfaces ----
+# Test 1 has no light behind the walls, so dropping can only cost there: no more than half as much again. Its few lights are as fast as volumes on a CPU.
+point thesis '{
+    "test 1: tiled with back faces / tiled": 1.5,
+    "test 2: light volumes / tiled": 1, "test 2: light volumes / tiled with back faces": 1,
+    "test 3: light volumes / tiled": 1, "test 3: tiled with back faces / tiled": 1, "test 3: light volumes / tiled with back faces": 1,
+    "test 4: light volumes / tiled": 1, "test 4: tiled with back faces / tiled": 1, "test 4: light volumes / tiled with back faces": 1
+    }' --sizes 320x180
+results=$work/thesis/results.json
+holds "$results" 'thesis: lights in view are not 55, 183, 583, 1083' '[.results[].lights_in_view] | unique == [55, 183, 583, 1083]'
+# What makes them fast: the lights that a pixel looks at. A volume touches what lies behind or before its light as well; dropping takes all behind the walls.
+holds "$results" 'thesis: lights per pixel' '
+    [.results | group_by(.scene)[] | [.[] | {key: .lists, value: .per_pixel}] | from_entries] as $tests |
+    ([range(1; 4)] | all($tests[.] | .backface < 0.5 * .tiled)) and ($tests | all(.backface <= .tiled)) and $tests[3].backface < 0.1 * $tests[3].tiled'\
+    '[.results[] | {scene, lists, per_pixel}]'
+holds "$results" 'thesis: a picture differs' '[.results[].equal] | all'
+
+# ---- Mikkelsen: fine pruning ----
+point fine-pruned '{
+    "deferred lighting, coarse / fine, 80 lights": 1, "deferred lighting, coarse / fine, 120 lights": 1,
+    "lights per pixel, coarse / fine, 40 lights": 4, "lights per pixel, coarse / fine, 80 lights": 4,
+    "lights per pixel, coarse / fine, 120 lights": 4
+    }' --sizes 320x180
+results=$work/fine-pruned/results.json
+holds "$results" 'fine pruning: building is too slow' '[.suite.rows[] | select(.quantity | startswith("list build"))] | length == 3 and all(.ours - .spread <= 3.4)'
+holds "$results" 'fine pruning: a picture differs' '[.results[].equal] | all'
+
+# ---- Ortegren, Persson: clusters by rasterised meshes; that suite takes minutes, so these are counts of its grids at a half and a quarter of its size ----
+count() { # NAME SCENE SIZE OPTIONS…: adds the counts of a frame to $work/counts.json
+    local name=$1 scene=$2 size=$3
+    shift 3
+    "$fanal" render "$scene" --size "$size" --exposure 0 -q --stats "$work/stats.json" "$@" >"$work/out" 2>&1 || fail "render $name: $(tail -c 600 "$work/out")"
+    jq --arg name "$name" '{($name): .lights}' "$work/stats.json" >>"$work/counts"
+}
+clusters() { # NAME SCENE SIZE PIXELS SLICES OPTIONS…
+    local name=$1 scene=$2 size=$3 pixels=$4 slices=$5
+    shift 5
+    count "$name" "$scene" "$size" --lists raster --list-option "cluster-size=$pixels,slices=$slices" "$@"
+}
+points='builtin:hall?lights=4096' none='builtin:hall?lights=0'
+tiles=(--lists tiled --list-option tile-size=8) # 96x48 of them
+spots=(--lights 4096 --light-shapes spot)
+clusters points "$points" 768x384 32 128
+count points_in_tiles "$points" 768x384 "${tiles[@]}"
+clusters spots "$none" 768x384 32 128 "${spots[@]}"
+count spots_in_tiles "$none" 768x384 "${tiles[@]},cone-tests=off" "${spots[@]}" # spheres, as the tiles of the source test them
+clusters wide32 "$points" 384x192 16 32 # 24x12 clusters
+clusters wide64 "$points" 384x192 16 64
+clusters fine32 "$points" 384x192 8 32 # 48x24
+clusters fine128 "$points" 384x192 8 128
+# Scattered lights become smaller as they become more; scaled, they keep their size.
+clusters half "$none" 384x192 16 128 --lights 2048
+clusters whole "$none" 384x192 16 128 --lights 4096 --light-scale 1.26
+jq -s add "$work/counts" >"$work/counts.json"
+numbers='to_entries[] | [.key, .value.in_view, .value.list_entries, .value.list_used_bytes, .value.mean_per_pixel]'
+counted() { holds "$work/counts.json" "clusters: $1" "$2" "$numbers"; } # MESSAGE FILTER
+counted 'something overflowed' 'all(.overflow_cells == 0 and .dropped == 0)'
+counted 'lights per pixel against tiles' '.points.mean_per_pixel < .points_in_tiles.mean_per_pixel'
+counted 'lights per pixel against tiles, spots' '.spots.mean_per_pixel < 0.8 * .spots_in_tiles.mean_per_pixel'
+counted 'entries of four times the tiles' '.fine32.list_entries < 3.9 * .wide32.list_entries and .fine32.list_entries > .wide32.list_entries'
+counted 'entries of 16 times the clusters' '.fine128.list_entries < 14.5 * .wide32.list_entries'
+counted 'entries of twice the lights' '.whole.list_entries / .half.list_entries / (.whole.in_view / .half.in_view) | . > 0.85 and . < 1.15'
+counted 'evaluations of finer clusters' '.fine128.mean_per_pixel < 0.85 * .wide64.mean_per_pixel'
+counted 'memory of finer clusters' '.fine128.list_used_bytes / .wide64.list_used_bytes | . > 6 and . < 7.5'
+
+# ---- Sathe, Janczak: the sweep over what shading costs; Schied, Dachsbacher: the passes and the crossing ----
+suite coarse --sizes 128x72 --frames 4 --warm-up 1
+results=$work/coarse/results.json
+holds "$results" 'coarse: rows' '[.coarse[] | [.scene, .cost]] | unique == [("builtin:hall?lights=1024", "builtin:interior?lights=96") as $scene | (0, 100, 500) | [$scene, .]]'
+holds "$results" 'coarse: columns' '.coarse | length == 18 and all((.pixel_ms, .coarse_ms) > 0 and ([.saving, .gbuffer_ms, .net] | all(type == "number")) and
+    .shared > 5 and .shared < 95 and .evaluations_saved > 5 and .evaluations_saved < 95 and .psnr > 20 and .psnr < 60)'
+# What is shared does not depend on what shading costs; what shading takes does.
+holds "$results" 'coarse: sharing changes with the cost' '[.coarse | group_by([.scene, .way])[] | ([.[].shared] | unique | length == 1)] | all'
+holds "$results" 'coarse: dearer shading is no slower' '[.coarse | group_by([.scene, .way])[] | sort_by(.cost) | .[2].pixel_ms > .[0].pixel_ms] | all'
+grep -qE 'pixel, ms +coarse, ms +saving, % +source +blocks, % .*G-buffer, ms +net, % +PSNR' "$work/out" || fail "coarse: the table: $(head -c 600 "$work/out")"
+
+suite dais --sizes 96x54 --frames 1 --warm-up 1
+results=$work/dais/results.json
+holds "$results" 'dais: times of passes' '.dais | length == 10 and all([.prepass_ms, .visibility_ms, .derivatives_ms, .shade_ms] | all(. > 0)) and
+    ([.[] | select(.scene | startswith("builtin:hall")) | .shared_ms > 0] == [true, true])'
+holds "$results" 'dais: bytes of smaller and smaller triangles' '[.dais[] | select(.series == "spheres" and .msaa == 1)] |
+    [.[].samples_per_triangle] == ([.[].samples_per_triangle] | sort | reverse) and .[0].bytes_of_deferred < 1 and .[-1].bytes_of_deferred > 1'
+grep -q 'spheres, 96x54, 4 samples; time.*bytes even at [0-9.]* samples a triangle' "$work/out" || fail "dais: where the orders cross: $(tail -c 600 "$work/out")"
+
+[ $failures = 0 ] && echo 'all suites point where they should'
+exit $((failures > 0))
