@@ -105,7 +105,7 @@ counted 'something overflowed' 'all(.overflow_cells == 0 and .dropped == 0)'
 counted 'lights per pixel against tiles' '.points.mean_per_pixel < .points_in_tiles.mean_per_pixel'
 counted 'lights per pixel against tiles, spots' '.spots.mean_per_pixel < 0.8 * .spots_in_tiles.mean_per_pixel'
 counted 'entries of four times the tiles' '.fine32.list_entries < 3.9 * .wide32.list_entries and .fine32.list_entries > .wide32.list_entries'
-counted 'entries of 16 times the clusters' '.fine128.list_entries < 14.5 * .wide32.list_entries'
+counted 'entries of 16 times the clusters' '.fine128.list_entries / .wide32.list_entries | . > 8 and . < 14.5'
 counted 'entries of twice the lights' '.whole.list_entries / .half.list_entries / (.whole.in_view / .half.in_view) | . > 0.85 and . < 1.15'
 counted 'evaluations of finer clusters' '.fine128.mean_per_pixel < 0.85 * .wide64.mean_per_pixel'
 counted 'memory of finer clusters' '.fine128.list_used_bytes / .wide64.list_used_bytes | . > 6 and . < 7.5'
@@ -118,7 +118,7 @@ holds "$results" 'coarse: columns' '.coarse | length == 18 and all((.pixel_ms, .
     .shared > 5 and .shared < 95 and .evaluations_saved > 5 and .evaluations_saved < 95 and .psnr > 20 and .psnr < 60)'
 # What is shared does not depend on what shading costs; what shading takes does.
 holds "$results" 'coarse: sharing changes with the cost' '[.coarse | group_by([.scene, .way])[] | ([.[].shared] | unique | length == 1)] | all'
-holds "$results" 'coarse: dearer shading is no slower' '[.coarse | group_by([.scene, .way])[] | sort_by(.cost) | .[2].pixel_ms > .[0].pixel_ms] | all'
+holds "$results" 'coarse: dearer shading is no slower' '[.coarse | group_by([.scene, .way])[] | sort_by(.cost) | .[2].pixel_ms > 1.3 * .[0].pixel_ms] | all'
 grep -qE 'pixel, ms +coarse, ms +saving, % +source +blocks, % .*G-buffer, ms +net, % +PSNR' "$work/out" || fail "coarse: the table: $(head -c 600 "$work/out")"
 
 suite dais --sizes 96x54 --frames 1 --warm-up 1
