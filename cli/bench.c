@@ -88,12 +88,12 @@ static void print_help(void) {
          "\n"
          "View\n"
          "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
-         "  --camera-path FILE|orbit   frame i takes point i of a path; FILE has lines of\n"
+         "  --camera-path KIND|FILE    a path, one point for each frame: orbit, turntable (each with :N points once round), or a file with lines of\n"
          "                             'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
          "\n"
          "Run\n"
          "  -o, --output DIR           where the results go; made if it is not there. If it holds results: --resume or --overwrite\n"
-         "  --frames N                 timed frames of each (10; on a CPU 6)\n"
+         "  --frames N                 timed frames of each (10; on a CPU 4)\n"
          "  --warm-up N                frames of each before them (2)\n"
          "  --checks N                 points of the path whose pictures are compared; 0: none (1, with a path 3)\n"
          "  --reference KIND           the lists that the others are compared with (all: brute force)\n"
@@ -404,7 +404,7 @@ static bool check_scenes(const struct bench_options *o, const char *const *scene
 static bool complete_options(struct bench_options *o) {
     static const struct {
         uint32_t size[2], frames;
-    } usual[2] = {{{1280, 720}, 10}, {{640, 360}, 6}};
+    } usual[2] = {{{1280, 720}, 10}, {{640, 360}, 4}};
     struct bench_matrix *m = &o->matrix;
     struct bench_settings *s = &o->settings;
     fnl_device *device = NULL;
