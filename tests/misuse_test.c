@@ -39,7 +39,7 @@ static void capture(void) {
     dup2(fileno(w.kept), STDERR_FILENO);
 }
 
-static void expect(fnl_result result, const char *function, const char *words) {
+static void expect(fnl_result result, fnl_result wanted, const char *function, const char *words) {
     char text[4096], line[1024];
     fflush(stderr);
     dup2(w.terminal, STDERR_FILENO);
@@ -47,16 +47,17 @@ static void expect(fnl_result result, const char *function, const char *words) {
     ssize_t length = pread(fileno(w.kept), text, sizeof text - 1, 0);
     text[MAX(length, 0)] = 0;
     snprintf(line, sizeof line, "fanal: error: %s: %s\n", function, words);
-    if (result != FNL_ERROR_INVALID) fail_msg("%s: '%s' is no misuse, but %s", function, words, fnl_result_name(result));
+    if (result != wanted) fail_msg("%s: '%s' is no %s, but %s", function, words, fnl_result_name(wanted), fnl_result_name(result));
     if (strcmp(text, line) != 0) fail_msg("logged:\n%sinstead of:\n%s", text, line);
 }
 
-#define SAYS(function, words, call)                                                                                         \
+#define SAYS_OF(wanted, function, words, call)                                                                              \
     do {                                                                                                                    \
         capture();                                                                                                          \
         fnl_result result_ = (call);                                                                                        \
-        expect(result_, function, words);                                                                                   \
+        expect(result_, wanted, function, words);                                                                           \
     } while (0)
+#define SAYS(function, words, call) SAYS_OF(FNL_ERROR_INVALID, function, words, call)
 
 /* An argument that is NULL; functions without an fnl_result give `nothing`. */
 #define NULLED(argument, call) (w.tried++, null_begins(), null_ends(argument, call))
@@ -69,7 +70,7 @@ static void null_begins(void) { capture(); }
 static void null_ends(const char *argument, fnl_result result) {
     char words[100];
     snprintf(words, sizeof words, "%s is NULL", argument);
-    expect(result, w.function, words);
+    expect(result, FNL_ERROR_INVALID, w.function, words);
 }
 static void null_was_silent(void) {
     fflush(stderr);
@@ -576,6 +577,25 @@ static void test_fields_of_frames(void **state) {
          fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
 }
 
+/* What is valid by itself, but not together or not on this device, is told of in the same way. */
+static void test_unsupported_frames(void **state) {
+    UNUSED(state);
+#define UNSUPPORTED(words, ...)                                                                                             \
+    do {                                                                                                                    \
+        frame = small_frame();                                                                                              \
+        __VA_ARGS__;                                                                                                        \
+        SAYS_OF(FNL_ERROR_UNSUPPORTED, "fnl_renderer_render", words, fnl_renderer_render(w.renderer, &frame));              \
+        frame = small_frame();                                                                                              \
+    } while (0)
+    UNSUPPORTED("mesh lists do not go with deferred shading", frame.lists = FNL_LISTS_MESH);
+    UNSUPPORTED("mobile shading has no MSAA; use another order, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
+    UNSUPPORTED("deferred lighting in a fragment pass has no classes and 1 sample a pixel", frame.deferred_pass = FNL_DEFERRED_FRAGMENT,
+                frame.class_blocks = 8);
+    UNSUPPORTED("the view dais-addresses shows what dais shading stores", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
+    UNSUPPORTED("motion vectors and temporal antialiasing take one sample per pixel, not 4", frame.aa = FNL_ANTIALIASING_TAA,
+                frame.msaa = 4);
+}
+
 /* ---- the whole ---- */
 
 static int set_up(void **state) {
@@ -619,7 +639,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fields_of_lights),   cmocka_unit_test(test_fields_of_materials),
         cmocka_unit_test(test_fields_of_decals),   cmocka_unit_test(test_other_arguments),
-        cmocka_unit_test(test_fields_of_frames),   cmocka_unit_test(test_null_is_named_by_every_export),
+        cmocka_unit_test(test_fields_of_frames),   cmocka_unit_test(test_unsupported_frames),
+        cmocka_unit_test(test_null_is_named_by_every_export),
     };
     return cmocka_run_group_tests_name("misuse", tests, set_up, tear_down);
 }

@@ -1,14 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/check.h"
 
-fnl_result misuse(const struct call *call, const char *format, ...) {
+static void say(const struct call *call, const char *format, va_list arguments) {
     char text[1500];
+    vsnprintf(text, sizeof text, format, arguments);
+    log_error(call->host, "%s: %s", call->function, text);
+}
+
+fnl_result misuse(const struct call *call, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    say(call, format, arguments);
     va_end(arguments);
-    log_error(call->host, "%s: %s", call->function, text);
     return FNL_ERROR_INVALID;
+}
+
+fnl_result unsupported(const struct call *call, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(call, format, arguments);
+    va_end(arguments);
+    return FNL_ERROR_UNSUPPORTED;
 }
 
 fnl_result check_pointer(const struct call *call, const char *name, const void *pointer) {

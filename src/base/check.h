@@ -23,6 +23,9 @@ struct call {
 /** Logs "FUNCTION: …"; returns FNL_ERROR_INVALID. */
 fnl_result misuse(const struct call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/** The same for what is valid, but not here: on this device, or together with something else. Returns FNL_ERROR_UNSUPPORTED. */
+fnl_result unsupported(const struct call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /** A handle, which brings its host: one that is NULL is logged by the built-in log. */
 fnl_result check_handle(const char *function, const char *name, const void *handle);
 fnl_result check_pointer(const struct call *call, const char *name, const void *pointer);

@@ -34,7 +34,10 @@ static fnl_result upload_instances(struct device_scene *d) {
         d->node_instances.data[n] = draws ? (uint32_t)count : SCENE_NONE;
         if (draws) count += scene->nodes.data[n].instance_count;
     }
-    if (count > UINT32_MAX / sizeof(struct gpu_instance)) return FNL_ERROR_UNSUPPORTED;
+    if (count > UINT32_MAX / sizeof(struct gpu_instance)) {
+        log_error(&d->host, "%s: has %llu instances, more than a buffer of 4 GiB holds", scene->source, (unsigned long long)count);
+        return FNL_ERROR_UNSUPPORTED;
+    }
     TRY(gpu_buffer_create(d->device, "instances", MAX(count, 1u) * sizeof(struct gpu_instance), GPU_MEMORY_DEVICE,
                           &d->instances));
     struct gpu_instance chunk[256];
@@ -147,7 +150,11 @@ static fnl_result upload_groups(struct item_walk *w) {
         d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);
         keys[group_count++] = group; /* never overtakes `key` */
     }
-    if (item_count > UINT32_MAX - 1) return FNL_ERROR_UNSUPPORTED;
+    if (item_count > UINT32_MAX - 1) {
+        log_error(&d->host, "%s: has %llu instances of primitives, more than 32 bits can count", d->scene->source,
+                  (unsigned long long)item_count);
+        return FNL_ERROR_UNSUPPORTED;
+    }
     qsort(keys, group_count, sizeof *keys, compare_groups);
 
     struct gpu_group *groups = host_allocate_zero(&d->host, MAX(group_count, 1u) * sizeof *groups);

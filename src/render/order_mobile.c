@@ -23,11 +23,10 @@ static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, str
     return supported;
 }
 
-bool shading_supported(fnl_renderer *r, const fnl_frame *frame) {
+fnl_result mobile_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     struct mobile_params params;
-    if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return true;
-    log_error(&r->host, "this device cannot draw to the formats of layout %s", fnl_mobile_layout_name(frame->mobile.layout));
-    return false;
+    if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return FNL_OK;
+    return unsupported(call, "this device cannot draw to the formats of layout %s", fnl_mobile_layout_name(frame->mobile.layout));
 }
 
 void shading_scale_light(struct frame_state *f) {

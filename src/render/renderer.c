@@ -282,11 +282,9 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
                                        VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
     bool known = false;
     for (uint32_t i = 0; i < COUNT_OF(formats); i++) known = known || formats[i] == target->format;
-    if (!known) {
-        log_error(&r->host, "the target image has format %d, which is none of those that fnl_vulkan_target lists",
-                  (int)target->format);
-        return FNL_ERROR_UNSUPPORTED;
-    }
+    if (!known)
+        return unsupported(call, "the target image has format %d, which is none of those that fnl_vulkan_target lists",
+                           (int)target->format);
     struct gpu_image image;
     TRY(gpu_image_import(r->device, target->image, &params, &image));
     struct frame_target frame_target = {&image, target->initial_layout, target->final_layout};

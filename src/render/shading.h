@@ -37,8 +37,8 @@ void shading_scale_light(struct frame_state *f);
 fnl_result dais_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 /** From counters (DAIS_COUNTS words) of the last frame to its stats. */
 void dais_query(const fnl_renderer *r, const uint32_t *counts, struct fnl_dais_stats *out);
-/** Whether the device has formats for the frame's order; logs why not. */
-bool shading_supported(fnl_renderer *r, const fnl_frame *frame);
+/** Fails with a log line unless the device has formats for mobile shading, where the frame asks for it. */
+fnl_result mobile_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
 
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);

@@ -328,7 +328,10 @@ static fnl_result split_vertices(struct arena *arena, struct scene_primitive *p,
     size_t corners = (size_t)w->face_count * 3, vertices = p->vertex_count, most = corners + vertices,
            starts = (size_t)w->spaces.count + 3;
     size_t size = sizeof(uint32_t) * (corners + starts + 2 * vertices + 2 * most);
-    if (most >= UINT32_MAX) return FNL_ERROR_UNSUPPORTED;
+    if (most >= UINT32_MAX) {
+        log_error(w->host, "tangents of a primitive with %zu corners could need more vertices than 32 bits can count", corners);
+        return FNL_ERROR_UNSUPPORTED;
+    }
     uint32_t *block = host_allocate_zero(w->host, size);
     uint32_t *indices = arena_allocate(arena, sizeof(uint32_t) * MAX(p->index_count, 1));
     if (!block || !indices) {
