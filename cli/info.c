@@ -22,9 +22,9 @@ static void print_help(void) {
     puts("Usage: fanal info [OPTIONS] SCENE\n"
          "       fanal info --gbuffers [--size WxH] [--samples N] [--fps N]\n"
          "\n"
-         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the extensions it uses and "
-         "how\n"
-         "each is treated, and what is wrong with it. SCENE is a .gltf or .glb file or builtin:NAME?key=value&...\n"
+         "Prints what a scene consists of: counts, extent, images, lights, cameras, animations, the names of nodes, meshes and\n"
+         "materials, the extensions it uses and how each is treated, and what is wrong with it. SCENE is a .gltf or .glb file\n"
+         "or builtin:NAME?key=value&...\n"
          "\n"
          "  --json                     prints JSON\n" LOADING_HELP
          "  --gbuffers                 prints the layouts of the G-buffer instead: fields, bits, bytes, bandwidth\n"
@@ -123,6 +123,32 @@ static int column_width(const fnl_scene *scene, uint32_t count) {
     return width;
 }
 
+static const char *name_of(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
+    fnl_entity_info info = {.name = ""};
+    fnl_scene_query_entity(scene, kind, index, &info);
+    return info.name;
+}
+
+/** What is listed by name alone; things without a name are counted only. */
+static const struct {
+    fnl_entity kind;
+    const char *title, *key;
+} named[] = {{FNL_ENTITY_INSTANCE, "Nodes", "nodes"}, {FNL_ENTITY_MESH, "Meshes", "meshes"}, {FNL_ENTITY_MATERIAL, "Materials", "materials"}};
+enum { NAMED_COUNT = sizeof named / sizeof *named };
+
+static void print_names(const fnl_scene *scene) {
+    for (int k = 0; k < NAMED_COUNT; k++) {
+        uint32_t total = fnl_scene_count(scene, named[k].kind), count = 0;
+        for (uint32_t i = 0; i < total; i++) {
+            const char *name = name_of(scene, named[k].kind, i);
+            if (!*name || count++ >= LIST_MAX) continue;
+            if (count == 1) printf("\n%s\n", named[k].title);
+            printf("  %3u  %s\n", i, name);
+        }
+        print_rest(count);
+    }
+}
+
 static void print_images(const fnl_scene *scene, uint32_t count) {
     if (count) puts("\nImages");
     int width = column_width(scene, count);
@@ -159,15 +185,11 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         if (light.kind == FNL_LIGHT_WEDGE)
             printf("  half angles %.1f, %.1f degrees", (double)light.wedge_angles[0] * 180 / 3.14159265358979,
                    (double)light.wedge_angles[1] * 180 / 3.14159265358979);
+        const char *name = name_of(scene, FNL_ENTITY_LIGHT, i);
+        if (*name) printf("  %s", name);
         putchar('\n');
     }
     print_rest(count);
-}
-
-static const char *camera_name(const fnl_scene *scene, uint32_t index) {
-    fnl_entity_info info = {.name = ""};
-    fnl_scene_query_entity(scene, FNL_ENTITY_CAMERA, index, &info);
-    return info.name;
 }
 
 static void print_cameras(const fnl_scene *scene, uint32_t count) {
@@ -175,7 +197,7 @@ static void print_cameras(const fnl_scene *scene, uint32_t count) {
     for (uint32_t i = 0; i < count && i < LIST_MAX; i++) {
         fnl_camera camera;
         fnl_scene_query_camera(scene, i, &camera);
-        printf("  %3u  %-24s  ", i, camera_name(scene, i));
+        printf("  %3u  %-24s  ", i, name_of(scene, FNL_ENTITY_CAMERA, i));
         if (camera.orthographic)
             printf("orthographic, %.4g m high", (double)camera.vertical_extent);
         else
@@ -202,6 +224,7 @@ static void print_text(const fnl_scene *scene, const char *source, const fnl_sce
     print_lights(scene, info->light_count);
     print_cameras(scene, info->camera_count);
     print_animations(scene, info->animation_count);
+    print_names(scene);
     if (info->extension_count) puts("\nExtensions");
     for (uint32_t i = 0; i < info->extension_count; i++) {
         fnl_extension_info extension;
@@ -237,9 +260,9 @@ static json_t *json_counts(const fnl_scene_info *info) {
     return object;
 }
 
-static json_t *json_light(const fnl_light_params *light) {
+static json_t *json_light(const char *name, const fnl_light_params *light) {
     json_t *object =
-        json_pack("{s:s,s:f,s:[f,f,f]}", "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity,
+        json_pack("{s:s,s:s,s:f,s:[f,f,f]}", "name", name, "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));
@@ -267,7 +290,7 @@ static json_t *json_camera(const fnl_scene *scene, uint32_t index) {
     fnl_camera camera;
     fnl_scene_query_camera(scene, index, &camera);
     json_t *object = json_object();
-    json_object_set_new(object, "name", json_string(camera_name(scene, index)));
+    json_object_set_new(object, "name", json_string(name_of(scene, FNL_ENTITY_CAMERA, index)));
     json_object_set_new(object, "orthographic", json_boolean(camera.orthographic));
     json_object_set_new(object, camera.orthographic ? "vertical_extent" : "vertical_fov",
                         json_real((double)(camera.orthographic ? camera.vertical_extent : camera.vertical_fov)));
@@ -288,7 +311,7 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     for (uint32_t i = 0; i < info->light_count; i++) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
-        json_array_append_new(lights, json_light(&light));
+        json_array_append_new(lights, json_light(name_of(scene, FNL_ENTITY_LIGHT, i), &light));
     }
     for (uint32_t i = 0; i < info->camera_count; i++) json_array_append_new(cameras, json_camera(scene, i));
     for (uint32_t i = 0; i < info->animation_count; i++) {
@@ -316,6 +339,12 @@ static json_t *make_json(const fnl_scene *scene, const char *source, const fnl_s
     json_object_set_new(root, "lights", lights);
     json_object_set_new(root, "cameras", cameras);
     json_object_set_new(root, "animations", animations);
+    for (int k = 0; k < NAMED_COUNT; k++) {
+        json_t *names = json_array();
+        uint32_t count = fnl_scene_count(scene, named[k].kind);
+        for (uint32_t i = 0; i < count; i++) json_array_append_new(names, json_string(name_of(scene, named[k].kind, i)));
+        json_object_set_new(root, named[k].key, names);
+    }
     json_object_set_new(root, "extensions", extensions);
     json_object_set_new(root, "warnings", warnings);
     return root;

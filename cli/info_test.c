@@ -21,11 +21,12 @@ static void save(const char *name, const char *text) {
 
 static const char lights[] =
     "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\",\"ACME_odd\"],"
-    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\",\"spot\":{},\"intensity\":7,\"range\":3},{"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"bulb\",\"type\":\"spot\",\"spot\":{},\"intensity\":7,\"range\":3},{"
     "\"type\":\"point\"}]}},"
     "\"cameras\":[{\"name\":\"front\",\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
     "\"images\":[{\"uri\":\"none.png\"}],"
-    "\"nodes\":[{\"translation\":[1,2,3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+    "\"materials\":[{\"name\":\"oak\"},{}],"
+    "\"nodes\":[{\"name\":\"desk lamp\",\"translation\":[1,2,3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
     "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},{\"camera\":0}]}";
 
 static void test_text(void **state) {
@@ -37,11 +38,12 @@ static void test_text(void **state) {
         "  lights                  2  (0 directional, 1 point, 1 spot)\n",
         "  nodes                   3\n",
         "  spot                 7 cd ",
-        "range 3 m  cone 0.0 to 45.0 degrees\n",
+        "range 3 m  cone 0.0 to 45.0 degrees  bulb\n",
         "range derived\n",
         "front",
         "  KHR_lights_punctual                   used      full\n",
         "  ACME_odd                              used      ignored\n",
+        "\nNodes\n    0  desk lamp\n\nMaterials\n    0  oak\n\n", /* the others have no name, and there is no mesh */
         "Warnings\n",
         "lights.gltf: /images/0/uri: none.png: cannot be opened",
         "nothing is shown",
@@ -67,6 +69,12 @@ static void test_json(void **state) {
     assert_int_equal(json_array_size(json_object_get(root, "warnings")), 2);
     assert_string_equal(json_string_value(json_object_get(json_array_get(json_object_get(root, "cameras"), 0), "name")),
                         "front");
+    assert_string_equal(json_string_value(json_object_get(json_array_get(list, 0), "name")), "bulb");
+    assert_string_equal(json_string_value(json_array_get(json_object_get(root, "nodes"), 0)), "desk lamp");
+    assert_string_equal(json_string_value(json_array_get(json_object_get(root, "nodes"), 2)), "");
+    assert_int_equal(json_array_size(json_object_get(root, "materials")), 2);
+    assert_string_equal(json_string_value(json_array_get(json_object_get(root, "materials"), 0)), "oak");
+    assert_int_equal(json_array_size(json_object_get(root, "meshes")), 0);
     json_decref(root);
 }
 
