@@ -157,17 +157,11 @@ bool bench_scene_check(const struct bench_settings *settings, const char *name, 
 /** Lights of a scene that has `own` when a case asks for so many. */
 uint32_t bench_scene_lights(const char *name, uint32_t own, int64_t asked);
 
-/* ---- progress (bench_progress.c) ---- */
+/* ---- ending early (bench_interrupt.c) ---- */
 
 /** While on, Ctrl-C and SIGTERM only set what bench_interrupted tells; the second one ends the program at once. */
 void bench_catch_interrupts(bool on);
 bool bench_interrupted(void);
-/** From here on time counts; quiet: nothing is shown. */
-void bench_progress_begin(bool quiet);
-double bench_progress_elapsed(void); /* seconds */
-/** What is being done: as a bar on a terminal, elsewhere a line every few seconds. `left`: seconds; negative: not known. */
-__attribute__((format(printf, 2, 3))) void bench_progress_show(double left, const char *format, ...);
-void bench_progress_clear(void);
 
 /* ---- measuring (bench_run.c) ---- */
 

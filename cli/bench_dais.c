@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Deferred attribute interpolation against a G-buffer, pass by pass, as triangles get smaller: where one overtakes the other. */
 #include "bench_lane.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -78,7 +79,7 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
                 if (bench_interrupted() || !render(renderer, &subjects[i])) return false;
             } while (k == 0 && subjects[i].stats.dais.overflow && ++turns < GROWTH_MOST);
             double done = (part->index + (double)(k + 1) / rounds) / part->count;
-            bench_progress_show(bench_progress_elapsed() * (1 - done) / done, "part %d of %d: %s, MSAA %u, frame %u of %u", part->index + 1,
+            progress_tell(progress_seconds() * (1 - done) / done, "part %d of %d: %s, MSAA %u, frame %u of %u", part->index + 1,
                                 part->count, part->source, subjects[i].frame.msaa, k + 1, rounds);
             if (k >= settings->warm_up) note(&subjects[i]);
         }
@@ -177,9 +178,9 @@ bool bench_dais_measure(const struct bench_settings *settings, uint32_t width, u
     bool good = bench_create_device(settings, NULL, &device) && fnl_device_query_info(device, &info) == FNL_OK;
     uint32_t size[2] = {info.type == FNL_DEVICE_CPU ? 640 : 3840, info.type == FNL_DEVICE_CPU ? 360 : 2160};
     if (width) memcpy(size, (uint32_t[2]){width, height}, sizeof size);
-    bench_progress_begin(settings->quiet);
+    progress_begin(settings->quiet, PROGRESS_SECONDS);
     for (int i = 0; i < SCENE_COUNT && good; i++) good = run_scene(device, i, size, settings, rows);
-    bench_progress_clear();
+    progress_end();
     if (good && settings->validate && fnl_device_validation_count(device)) {
         fputs("fanal: error: Vulkan validation sent messages\n", stderr);
         good = false;

@@ -3,6 +3,7 @@
  * all alike; and compares every picture with the reference. */
 #include "bench.h"
 #include "bench_lane.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,7 +61,7 @@ static double case_work(const struct bench_case *c) { return (double)c->width * 
 /* Seconds: frames that are still to be timed, as long as those of their ways so far; ways still to be opened, as those that were; then other cases,
  * by their work. Negative: not known yet. */
 static double seconds_left(const struct bench_run *run) {
-    double frames = 0, walls = 0, left = 0, mean, elapsed = bench_progress_elapsed() - run->case_started, later = 0;
+    double frames = 0, walls = 0, left = 0, mean, elapsed = progress_seconds() - run->case_started, later = 0;
     for (uint32_t i = 0; i < run->lane_count; i++) {
         frames += run->lanes[i].measured > 0;
         walls += run->lanes[i].measured > 0 ? run->lanes[i].wall * 1e-3 : 0;
@@ -82,7 +83,7 @@ static void show_progress(const struct bench_run *run, const struct lane *lane, 
     char name[256], of_case[64] = "";
     bench_describe_candidate(lane->candidate, name, sizeof name);
     if (run->plan->case_count > 1) snprintf(of_case, sizeof of_case, "case %u of %u, ", run->case_index + 1, run->plan->case_count);
-    bench_progress_show(seconds_left(run), "%sway %u of %u: %s, %s", of_case, (unsigned)(lane - run->lanes) + 1, run->lane_count, name, what);
+    progress_tell(seconds_left(run), "%sway %u of %u: %s, %s", of_case, (unsigned)(lane - run->lanes) + 1, run->lane_count, name, what);
 }
 
 static bool is_measured(const struct bench_run *run, const struct bench_case *c, const struct bench_candidate *candidate) {
@@ -343,8 +344,8 @@ static void keep_result(struct bench_run *run, struct lane *lane) {
 /* Once a second is enough: between frames that take milliseconds writing would be what is measured. */
 static void save_results(struct bench_run *run, bool now) {
     if (json_array_size(json_object_get(run->data->root, "results")) == 0) return;
-    if (!now && bench_progress_elapsed() - run->saved < 1) return;
-    run->saved = bench_progress_elapsed();
+    if (!now && progress_seconds() - run->saved < 1) return;
+    run->saved = progress_seconds();
     if (!bench_save(run->settings->output, run->data, false)) run->failed = true;
 }
 
@@ -420,7 +421,7 @@ static void time_round(struct bench_run *run, uint32_t round) {
         time_frame(run, lane, round);
         any = true;
     }
-    if (!any || bench_progress_elapsed() - run->saved < 1) return;
+    if (!any || progress_seconds() - run->saved < 1) return;
     for (uint32_t i = 0; i < run->lane_count; i++) keep_result(run, &run->lanes[i]);
     save_results(run, false);
 }
@@ -457,7 +458,7 @@ static void announce_case(const struct bench_run *run, const struct bench_case *
 static void run_case(struct bench_run *run, const struct bench_case *c) {
     run->lanes = calloc(c->candidate_count + 1, sizeof *run->lanes);
     run->lane_count = run->opened = 0;
-    run->case_started = bench_progress_elapsed();
+    run->case_started = progress_seconds();
     if (!run->lanes) {
         run->failed = true;
         return;
@@ -569,10 +570,10 @@ enum bench_end bench_measure(const struct bench_settings *settings, const struct
     enum bench_end end = BENCH_REFUSED;
     if (create_device(&run) && begin_data(&run)) {
         if (!settings->resume) bench_drop_page(settings->output);
-        bench_progress_begin(settings->quiet);
+        progress_begin(settings->quiet, PROGRESS_SECONDS);
         for (run.case_index = 0; run.case_index < plan->case_count && !stopped(&run); run.case_index++)
             run_case(&run, &plan->cases[run.case_index]);
-        bench_progress_clear();
+        progress_end();
         end = run.failed ? BENCH_FAILED : bench_interrupted() ? BENCH_INTERRUPTED : BENCH_DONE;
         if (settings->validate && fnl_device_validation_count(run.device)) {
             fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",

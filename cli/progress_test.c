@@ -14,7 +14,7 @@
 
 static const char *line(const char *what, uint32_t done, uint32_t total, double elapsed, double spent, double current) {
     static char text[160];
-    progress_format(text, sizeof text, what, done, total, elapsed, spent, current);
+    progress_format(text, sizeof text, what, done, total, elapsed, progress_estimate(done, total, spent, current));
     return text;
 }
 
@@ -26,8 +26,13 @@ static void test_lines(void **state) {
     /* Three steps took 12 s, so seven take 28; one of those has been running for a second. */
     assert_string_equal(line("rendering", 3, 10, 20, 12, 1), "rendering 3/10, 20 s, about 27 s left");
     /* A step that takes longer than the others leaves less time, but never a negative one. */
-    assert_string_equal(line("rendering", 9, 10, 100, 9, 50), "rendering 9/10, 100 s, about 0 s left");
-    assert_string_equal(line("rendering", 10, 10, 100, 9, 0), "rendering 10/10, 100 s");
+    assert_string_equal(line("rendering", 9, 10, 100, 9, 50), "rendering 9/10, 1:40, about 0 s left");
+    assert_string_equal(line("rendering", 10, 10, 100, 9, 0), "rendering 10/10, 1:40");
+    assert_string_equal(line("rendering", 1, 100, 4000, 100, 0), "rendering 1/100, 1:06:40, about 2:45:00 left");
+    /* A narrow terminal keeps the numbers. */
+    char narrow[24];
+    progress_format(narrow, sizeof narrow, "rendering everything there is", 0, 0, 3, 2);
+    assert_string_equal(narrow, "re, 3 s, about 2 s left");
 }
 
 /* What a process prints that works for this long, away from a terminal. */

@@ -190,7 +190,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
         grep -q 'Interrupted' "$work/out" || fail "SIG$1 was not told of"
     }
     endless="builtin:spheres --sizes 16x9,17x9 --shading deferred --lists brute,tiled --frames 100000 --checks 0"
-    begin "$work/i" 'case 1 of 2, way [12] of 2: deferred with (brute force|tiled lists), frame [0-9]+ of 100000; about [0-9:]+ left' $endless
+    begin "$work/i" 'case 1 of 2, way [12] of 2: deferred with (brute force|tiled lists), frame [0-9]+ of 100000, .*about [0-9:]+( s)? left' $endless
     finish INT
     check "$work/i" RESULTS=2 SKIPPED=0 EQUAL=0
     [ -e "$work/i/report.html" ] || fail 'no page after Ctrl-C'

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/* Ctrl-C and SIGTERM while it measures. */
+#include "bench.h"
+
+#include <signal.h>
+
+static volatile sig_atomic_t interrupted;
+
+static void note_interrupt(int signal_number) {
+    (void)signal_number;
+    interrupted = 1;
+}
+
+void bench_catch_interrupts(bool on) {
+    struct sigaction action = {0};
+    action.sa_handler = on ? note_interrupt : SIG_DFL;
+    action.sa_flags = (int)SA_RESETHAND;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool bench_interrupted(void) { return interrupted; }
