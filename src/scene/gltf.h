@@ -239,6 +239,8 @@ uint32_t gltf_sparse_index(const struct gltf *g, const struct gltf_accessor *acc
 /** Bytes from one element to the next, of the view and of tightly packed ones. */
 uint32_t gltf_accessor_stride(const struct gltf *g, const struct gltf_accessor *accessor);
 uint32_t gltf_packed_stride(const struct gltf_accessor *accessor);
+/** As stored: "normalized" has no effect. Exact for all types. */
+double gltf_component_value(const unsigned char *bytes, enum gltf_component component);
 /** Where a component lies in its element. */
 uint32_t gltf_component_offset(const struct gltf_accessor *accessor, uint32_t component);
 /** Compares the elements of a valid accessor with its 'min' and 'max' and warns where they differ (gltf_bounds.c). */

@@ -197,7 +197,7 @@ void gltf_load_accessors(struct gltf *g) {
 
 /* ---- reading ---- */
 
-static float decode_float(const unsigned char *bytes, enum gltf_component component, bool normalized) {
+double gltf_component_value(const unsigned char *bytes, enum gltf_component component) {
     int8_t i8;
     int16_t i16;
     uint16_t u16;
@@ -206,43 +206,36 @@ static float decode_float(const unsigned char *bytes, enum gltf_component compon
     switch (component) {
     case GLTF_BYTE:
         memcpy(&i8, bytes, 1);
-        return normalized ? fmaxf((float)i8 / 127.0f, -1) : (float)i8;
-    case GLTF_UNSIGNED_BYTE:
-        return normalized ? (float)*bytes / 255.0f : (float)*bytes;
-    case GLTF_SHORT:
-        memcpy(&i16, bytes, 2);
-        return normalized ? fmaxf((float)i16 / 32767.0f, -1) : (float)i16;
-    case GLTF_UNSIGNED_SHORT:
-        memcpy(&u16, bytes, 2);
-        return normalized ? (float)u16 / 65535.0f : (float)u16;
-    case GLTF_UNSIGNED_INT:
-        memcpy(&u32, bytes, 4);
-        return (float)u32;
-    case GLTF_FLOAT:
-        memcpy(&value, bytes, 4);
-        return value;
-    }
-    return 0;
-}
-
-static uint32_t decode_uint(const unsigned char *bytes, enum gltf_component component) {
-    uint16_t u16;
-    uint32_t u32;
-    switch (component) {
+        return i8;
     case GLTF_UNSIGNED_BYTE:
         return *bytes;
+    case GLTF_SHORT:
+        memcpy(&i16, bytes, 2);
+        return i16;
     case GLTF_UNSIGNED_SHORT:
         memcpy(&u16, bytes, 2);
         return u16;
     case GLTF_UNSIGNED_INT:
         memcpy(&u32, bytes, 4);
         return u32;
-    case GLTF_BYTE:
-    case GLTF_SHORT:
     case GLTF_FLOAT:
-        break;
+        memcpy(&value, bytes, 4);
+        return (double)value;
     }
     return 0;
+}
+
+static float decode_float(const unsigned char *bytes, enum gltf_component component, bool normalized) {
+    float value = (float)gltf_component_value(bytes, component);
+    if (!normalized) return value;
+    static const float most[] = {[GLTF_BYTE - GLTF_BYTE] = 127, [GLTF_UNSIGNED_BYTE - GLTF_BYTE] = 255,
+                                 [GLTF_SHORT - GLTF_BYTE] = 32767, [GLTF_UNSIGNED_SHORT - GLTF_BYTE] = 65535};
+    return fmaxf(value / most[component - GLTF_BYTE], -1); /* others are never normalized */
+}
+
+static uint32_t decode_uint(const unsigned char *bytes, enum gltf_component component) {
+    bool is_unsigned = component == GLTF_UNSIGNED_BYTE || component == GLTF_UNSIGNED_SHORT || component == GLTF_UNSIGNED_INT;
+    return is_unsigned ? (uint32_t)gltf_component_value(bytes, component) : 0;
 }
 
 /** Decodes one element as floats or, when `uints` is there, as integers. */

@@ -9,39 +9,10 @@ struct bounds {
     double low[COMPONENTS_MAX], high[COMPONENTS_MAX];
 };
 
-/** As stored: "normalized" has no effect on the bounds. */
-static double read_component(const unsigned char *bytes, enum gltf_component component) {
-    int8_t i8;
-    int16_t i16;
-    uint16_t u16;
-    uint32_t u32;
-    float value;
-    switch (component) {
-    case GLTF_BYTE:
-        memcpy(&i8, bytes, 1);
-        return i8;
-    case GLTF_UNSIGNED_BYTE:
-        return *bytes;
-    case GLTF_SHORT:
-        memcpy(&i16, bytes, 2);
-        return i16;
-    case GLTF_UNSIGNED_SHORT:
-        memcpy(&u16, bytes, 2);
-        return u16;
-    case GLTF_UNSIGNED_INT:
-        memcpy(&u32, bytes, 4);
-        return u32;
-    case GLTF_FLOAT:
-        memcpy(&value, bytes, 4);
-        return (double)value;
-    }
-    return 0;
-}
-
 /** `bytes` NULL: zeros. Values that are not finite are complained of where they are used. */
 static void add_element(struct bounds *bounds, const struct gltf_accessor *accessor, const unsigned char *bytes) {
     for (uint32_t k = 0; k < bounds->count; k++) {
-        double value = bytes ? read_component(bytes + gltf_component_offset(accessor, k), accessor->component) : 0;
+        double value = bytes ? gltf_component_value(bytes + gltf_component_offset(accessor, k), accessor->component) : 0;
         if (!isfinite(value)) continue;
         bounds->low[k] = fmin(bounds->low[k], value);
         bounds->high[k] = fmax(bounds->high[k], value);
