@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* The scene of a case, lit as asked, and the cameras that look at it. */
 #include "bench.h"
+#include "loading.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bool is_builtin(const char *scene) { return strncmp(scene, "builtin:", 8) == 0; }
-
 /* builtin:city?lights=N&…: the built-in scenes take the number themselves. */
 static void scene_source(const char *scene, int64_t lights, char *text, size_t capacity) {
     snprintf(text, capacity, "%s", scene);
-    if (lights < 0 || !is_builtin(scene)) return;
+    if (lights < 0 || !loading_is_builtin(scene)) return;
     char rest[1024] = "";
     const char *query = strchr(scene, '?');
     int name = query ? (int)(query - scene) : (int)strlen(scene);
@@ -26,27 +25,12 @@ static void scene_source(const char *scene, int64_t lights, char *text, size_t c
     snprintf(text, capacity, "%.*s?lights=%lld%s", name, scene, (long long)lights, rest);
 }
 
-/* As `fanal render` does: a file without any light gets a sun and a sky. */
-static fnl_result add_default_light(const char *name, fnl_scene *scene) {
-    fnl_scene_info info;
-    fnl_light_params sun = fnl_light_params_default();
-    fnl_light_id id;
-    fnl_result result = fnl_scene_query_info(scene, &info);
-    if (result != FNL_OK || info.light_count > 0 || is_builtin(name)) return result;
-    sun.kind = FNL_LIGHT_DIRECTIONAL;
-    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
-    sun.intensity = 3;
-    result = fnl_scene_add_light(scene, &sun, &id);
-    return result != FNL_OK ? result
-                            : fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f});
-}
-
 bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, const char *name, int64_t lights, fnl_scene **out) {
     char source[2048];
     scene_source(name, lights, source, sizeof source);
     fnl_result result = fnl_scene_load(host, source, loading, out);
-    if (result == FNL_OK && lights > 0 && !is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
-    if (result == FNL_OK) result = add_default_light(name, *out);
+    if (result == FNL_OK && lights > 0 && !loading_is_builtin(name)) result = fnl_scene_scatter_lights(*out, (uint32_t)lights, 1);
+    if (result == FNL_OK) result = loading_add_default_light(name, *out, NULL);
     if (result != FNL_OK) fnl_scene_destroy(out);
     return result == FNL_OK;
 }
@@ -84,5 +68,5 @@ bool bench_scene_check(const struct bench_settings *settings, const char *name, 
 }
 
 uint32_t bench_scene_lights(const char *name, uint32_t own, int64_t asked) {
-    return asked < 0 ? own : (is_builtin(name) ? 0 : own) + (uint32_t)asked;
+    return asked < 0 ? own : (loading_is_builtin(name) ? 0 : own) + (uint32_t)asked;
 }

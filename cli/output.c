@@ -11,7 +11,8 @@
 
 /* ---- paths ---- */
 
-/** The file that a path leads to, without symbolic links; the file itself need not be there. */
+/** The file that a path leads to, without symbolic links; the file itself need not be there. (src/base/file.c does so for what the library writes; no
+ * public function would let the command use that.) */
 static bool follow_links(const char *path, char target[PATH_MAX]) {
     enum { LINKS_MAX = 40 };
     char link[PATH_MAX];

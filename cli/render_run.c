@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "loading.h"
 #include "output.h"
 #include "progress.h"
 #include "stream.h"
@@ -62,21 +63,6 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
     return true;
 }
 
-/* A file without any light would be black: it gets a sun over the viewer's shoulder and a sky. */
-static bool add_default_light(const struct render_options *o, fnl_scene *scene) {
-    fnl_scene_info info;
-    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
-    if (info.light_count > 0 || o->has_ambient || strncmp(o->scene, "builtin:", 8) == 0) return true;
-    fnl_light_params sun = fnl_light_params_default();
-    sun.kind = FNL_LIGHT_DIRECTIONAL;
-    sun.direction = (fnl_vec3){-0.4f, -0.8f, -0.5f};
-    sun.intensity = 3;
-    fnl_light_id id;
-    if (!o->quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
-    return fnl_scene_add_light(scene, &sun, &id) == FNL_OK &&
-           fnl_scene_set_ambient(scene, (fnl_vec3){0.5f, 0.55f, 0.65f}, (fnl_vec3){0.25f, 0.22f, 0.2f}) == FNL_OK;
-}
-
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
     if (fnl_scene_load(host, o->scene, &o->loading, scene) != FNL_OK) return false;
@@ -85,7 +71,9 @@ static bool load_scene(const struct render_options *o, const fnl_host *host, fnl
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
     if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
     if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
-    if (!add_default_light(o, *scene)) return false;
+    bool added = false;
+    if (!o->has_ambient && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
+    if (added && !o->quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
     if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
     if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
     if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
