@@ -13,43 +13,43 @@ extern "C" {
 
 typedef struct fnl_renderer fnl_renderer;
 
-/** The order in which surfaces are shaded. All give the same picture, but for those that say otherwise. */
+/** The order in which surfaces are shaded. All give the same picture, except those that say otherwise. */
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
     FNL_SHADING_DEFERRED, /**< G-buffer, then compute shading; transparent surfaces forward; MSAA by fnl_frame.msaa_method */
-    FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and added up: the traditional way; lists serve only
+    FNL_SHADING_DEFERRED_VOLUMES, /**< G-buffer, then a volume drawn for each light and blended additively, the traditional way; lists serve only
                                        transparent surfaces; no MSAA */
-    /** The light of each pixel is summed up from normals and roughness alone; a second pass over the geometry adds the materials; no MSAA. */
+    /** Sums the light of each pixel from normals and roughness alone; a second pass over the geometry applies the materials; no MSAA. */
     FNL_SHADING_LIGHT_PREPASS,
     /** The same, but the lights are drawn as rectangles and blended into a diffuse and a specular buffer; lists serve only transparent
         surfaces; no MSAA. */
     FNL_SHADING_PRE_LIGHTING,
-    /** The same at a part of the resolution, `light_scale`, and filtered by depth, normal and roughness. Close, not equal; no MSAA. */
+    /** The same at reduced resolution (`light_scale`), filtered by depth, normal and roughness. Close, not equal; no MSAA. */
     FNL_SHADING_LOW_RES,
     /**
-     * Normals, depth and items at a part of the resolution, `light_scale`, blended surfaces stippled in among the others; light for each of
-     * those texels; materials at full resolution, filtered by item, depth and normal. Close, not equal; no MSAA.
+     * Normals, depth and items at reduced resolution (`light_scale`), with blended surfaces stippled in among the others; light for each of
+     * those texels; materials at full resolution, which filter the light by item, depth and normal. Close, not equal; no MSAA.
      */
     FNL_SHADING_INFERRED,
     /** Depth first; volumes of lights write ids into each pixel, which forward shading reads; lists serve only transparent surfaces; no MSAA. */
     FNL_SHADING_LIGHT_INDEXED,
-    /** The same, but the volumes leave direction, colour and attenuation of each light, in layers. */
+    /** The same, but the volumes write the direction, colour and attenuation of each light, in layers. */
     FNL_SHADING_ZIOMA,
     FNL_SHADING_VISIBILITY, /**< ids of triangles, then compute shading that interpolates by itself; transparent surfaces forward */
     /**
-     * Texture coordinates with their gradients, the tangent frame and the material, then compute shading that reads the textures of what is
-     * seen; transparent surfaces forward; no MSAA. Normals are rounded as in a G-buffer.
+     * Texture coordinates with their gradients, the tangent frame and the material, then compute shading that reads textures only for visible
+     * surfaces; transparent surfaces forward; no MSAA. Normals are rounded as in a G-buffer.
      */
     FNL_SHADING_TEXTURING,
     /**
-     * The same with 8 bytes a pixel: a place in an atlas, which tells the material too, and the tangent frame. The atlas is filled with the pages
-     * that frames want; those that do not fit show less detail. Close, not equal. docs/techniques/deferred-texturing.md
+     * The same with 8 bytes a pixel: an atlas address, which also identifies the material, and the tangent frame. The atlas is filled with the pages
+     * that frames request; pages that do not fit show less detail. Close, not equal. docs/techniques/deferred-texturing.md
      */
     FNL_SHADING_VIRTUAL_TEXTURING,
     /** Deferred, but blocks of pixels whose surfaces are alike are lit once: fnl_frame.coarse. Close, not equal; no MSAA. */
     FNL_SHADING_COARSE,
-    /** References to triangles, and each triangle that is seen once; compute shading that interpolates by derivatives; transparent surfaces
+    /** References to triangles, and each visible triangle stored once; compute shading that interpolates by derivatives; transparent surfaces
         forward. fnl_frame.dais, docs/techniques/dais.md */
     FNL_SHADING_DAIS,
     FNL_SHADING_MOBILE, /**< for tile-based GPUs: G-buffer, lights and tone mapping in tile memory, of which only the picture is stored;
@@ -65,7 +65,7 @@ typedef enum fnl_light_lists {
     FNL_LISTS_CLUSTERED,     /**< 64 x 64 pixel tiles times exponential depth slices, built on the GPU */
     FNL_LISTS_CLUSTERED_CPU, /**< the same clusters, built by threads on the CPU */
     FNL_LISTS_MESH,          /**< a list for each drawn primitive; forward orders only */
-    FNL_LISTS_BATCHES, /**< the same, drawn in batches of like light counts by shaders of fixed loops; forward-prepass only */
+    FNL_LISTS_BATCHES, /**< the same, drawn in batches of similar light counts by shaders with fixed loop counts; forward-prepass only */
     FNL_LISTS_MULTIPASS, /**< one pass over the geometry per light, added up; forward-prepass only */
     FNL_LISTS_GRID2D,    /**< a world-space grid seen from above */
     FNL_LISTS_WORLD,     /**< world-space clusters, kept while the camera moves */
@@ -93,14 +93,14 @@ typedef enum fnl_tile_bounds {
 
 /** How depth is cut into the slices of clusters. */
 typedef enum fnl_slices {
-    FNL_SLICES_EXPONENTIAL = 0, /**< each slice is as many times deeper as the last */
+    FNL_SLICES_EXPONENTIAL = 0, /**< each slice is deeper than the last by a constant factor */
     FNL_SLICES_LINEAR,          /**< equal depths */
     FNL_SLICES_COUNT
 } fnl_slices;
 
 /** What draws the light meshes of raster lists. */
 typedef enum fnl_raster_path {
-    FNL_RASTER_AUTO = 0, /**< the hardware where it rasterises conservatively (fnl_device_info.conservative_raster) */
+    FNL_RASTER_AUTO = 0, /**< hardware where it can rasterise conservatively (fnl_device_info.conservative_raster) */
     FNL_RASTER_HARDWARE, /**< the same: there is nothing else that hardware could do without losing lights */
     FNL_RASTER_SOFTWARE, /**< compute shaders */
     FNL_RASTER_COUNT
@@ -125,7 +125,7 @@ typedef enum fnl_volume_shape {
     FNL_VOLUME_SHAPE_COUNT
 } fnl_volume_shape;
 
-/** What the orders that keep light apart from materials sum up for a pixel. */
+/** What the shading orders that keep light separate from materials accumulate per pixel. */
 typedef enum fnl_light_buffer {
     FNL_LIGHT_BUFFER_AUTO = 0, /**< two; four where light has a lower resolution than materials */
     FNL_LIGHT_BUFFER_RGBA, /**< four channels: diffuse light, and the luminance of highlights. Reflectance does not rise at grazing angles,
@@ -135,7 +135,7 @@ typedef enum fnl_light_buffer {
     FNL_LIGHT_BUFFER_COUNT
 } fnl_light_buffer;
 
-/** How light-indexed writes down the lights of a pixel. Pixels that more reach use all lights and count in overflow_cells. */
+/** How light-indexed stores the lights of a pixel. Pixels reached by more lights than fit use all lights and count in overflow_cells. */
 typedef enum fnl_light_packing {
     FNL_LIGHT_PACKING_IDS = 0, /**< four 16-bit ids a layer, by integer atomics */
     FNL_LIGHT_PACKING_SHIFT, /**< a layer for each 255 lights in view: four 8-bit ids in RGBA8, by blending that shifts bits */
@@ -167,32 +167,32 @@ typedef enum fnl_gbuffer {
     FNL_GBUFFER_COUNT
 } fnl_gbuffer;
 
-/** What runs deferred lighting. Both give the same bits. */
+/** The pass type of deferred lighting. Both give the same bits. */
 typedef enum fnl_deferred_pass {
-    FNL_DEFERRED_COMPUTE = 0, /**< a dispatch; each thread looks whether its pixel is to be lit */
-    FNL_DEFERRED_FRAGMENT, /**< a full-screen draw behind a stencil; compute where the device has no stencil format of its own */
+    FNL_DEFERRED_COMPUTE = 0, /**< a dispatch; each thread checks whether its pixel needs lighting */
+    FNL_DEFERRED_FRAGMENT, /**< a full-screen draw with a stencil test; compute where the device has no stencil format of its own */
     FNL_DEFERRED_PASS_COUNT
 } fnl_deferred_pass;
 
-/** How normals are stored in the G-buffer. Where each is good and how good: docs/techniques/gbuffer.md. */
+/** How normals are stored in the G-buffer. docs/techniques/gbuffer.md compares their precision. */
 typedef enum fnl_normal_encoding {
-    FNL_NORMALS_LAYOUT = 0, /**< as the layout has them */
+    FNL_NORMALS_LAYOUT = 0, /**< as the layout defines them */
     FNL_NORMALS_OCTAHEDRAL,
     FNL_NORMALS_XYZ,           /**< three components */
     FNL_NORMALS_XY,            /**< x and y in view space; wrong where a normal looks away along the axis of the view */
     FNL_NORMALS_SPHERICAL,     /**< two angles, one of them as its cosine */
     FNL_NORMALS_SPHERE_MAP,    /**< Lambert's azimuthal projection */
     FNL_NORMALS_STEREOGRAPHIC, /**< in view space; wrong where a normal looks away by more than 30 degrees */
-    FNL_NORMALS_VIEW,     /**< x and y as the viewer of the very pixel sees them; wrong where a normal looks away from it */
+    FNL_NORMALS_VIEW,     /**< x and y relative to the view direction of the pixel; wrong where a normal looks away from it */
     FNL_NORMALS_BEST_FIT, /**< three components of 8 bits, scaled to the length with the least error */
     FNL_NORMALS_FLOAT,    /**< 16 bytes in a target of its own: what the others are compared with */
     FNL_NORMALS_COUNT
 } fnl_normal_encoding;
 
-/** Settings of the light lists; each names the lists that heed it. None changes the picture, but for light_buffer and light_scale. */
+/** Settings of the light lists; each names the lists that use it. None changes the picture except light_buffer and light_scale. */
 typedef struct fnl_list_options {
     bool
-        frustum_cull; /**< lights out of the view are left out beforehand; default true. Lists made on the GPU from the view, and
+        frustum_cull; /**< lights outside the view are culled first; default true. Lists made on the GPU from the view, and
                             deferred-volumes; without it lights_in_view counts all */
     uint32_t tile_size;          /**< pixels, 8, 16, 32 or 64; default 16. Lists of tiles */
     fnl_tile_bounds tile_bounds; /**< default FNL_TILE_BOUNDS_BOX. tiled, halfz, 2.5d */
@@ -207,7 +207,7 @@ typedef struct fnl_list_options {
     bool
         normal_cones; /**< lights behind all surfaces of a cluster are left out; default true. sparse, with deferred shading */
     fnl_backface_axis backface_axis; /**< default samples. backface */
-    bool tree_hybrid;      /**< lights stand in a plain row where a tree is not expected to save tests; default true. tree */
+    bool tree_hybrid;      /**< lights are kept in a flat array where a tree is not expected to save tests; default true. tree */
     uint32_t cluster_size; /**< pixels, 8 .. 256; default 64. Lists of clusters */
     uint32_t slices;       /**< 1 .. 1024; default 32. Lists of clusters */
     fnl_slices distribution; /**< default exponential. Lists of clusters */
@@ -257,32 +257,32 @@ typedef struct fnl_dais_options {
 
 FNL_API fnl_dais_options fnl_dais_options_default(void);
 
-/** How blended surfaces (FNL_ALPHA_BLEND) that lie behind one another in a pixel are put together. */
+/** How blended surfaces (FNL_ALPHA_BLEND) that overlap in a pixel are composed. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED =
-        0, /**< objects are drawn back to front by their centres: wrong where they reach into one another */
+        0, /**< objects are drawn back to front by their centres: wrong where they intersect */
     FNL_TRANSPARENCY_WEIGHTED, /**< in no order: a mean weighted by distance; exact where one surface covers a pixel */
     FNL_TRANSPARENCY_LINKED,   /**< exact: the fragments of each pixel are listed and sorted */
     FNL_TRANSPARENCY_COUNT
 } fnl_transparency;
-/** What smooths the stairs of edges, besides `msaa`. docs/techniques/antialiasing.md compares them. */
+/** Antialiasing of edges, besides `msaa`. docs/techniques/antialiasing.md compares them. */
 typedef enum fnl_antialiasing {
     FNL_ANTIALIASING_NONE = 0,
     FNL_ANTIALIASING_MLAA, /**< morphological: from the shapes of edges in the picture, by the rules of its first publication */
-    FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and contrast that counts by its surroundings */
-    FNL_ANTIALIASING_TAA, /**< temporal: frames sample pixels at changing places, and surfaces collect their samples; no MSAA */
+    FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and local contrast adaptation */
+    FNL_ANTIALIASING_TAA, /**< temporal: sample positions change from frame to frame, and surfaces accumulate their samples; no MSAA */
     FNL_ANTIALIASING_COUNT
 } fnl_antialiasing;
 
-/** How box and volume decals get onto surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
+/** How box and volume decals are applied to surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
 typedef enum fnl_decals {
     FNL_DECALS_LISTS = 0, /**< surfaces look them up in a list while they are drawn, blended ones too */
     FNL_DECALS_GBUFFER, /**< boxes are drawn over the finished G-buffer (mobile: close, not equal); blended surfaces, orders without a G-buffer and MSAA
                                use lists all the same */
-    FNL_DECALS_OFF,     /**< none, of no kind but those that are baked */
+    FNL_DECALS_OFF,     /**< none, except those that are baked */
     FNL_DECALS_COUNT
 } fnl_decals;
-/** How finely what cannot be seen is left out before it is drawn. The picture is the same. docs/techniques/culling.md compares them. */
+/** The granularity of culling. The picture is the same. docs/techniques/culling.md compares them. */
 typedef enum fnl_culling {
     FNL_CULLING_INSTANCES = 0, /**< primitives of instances out of the view */
     FNL_CULLING_CLUSTERS,  /**< of the others, clusters of up to 124 triangles that are out of it, face away, or lie between samples */
@@ -290,7 +290,7 @@ typedef enum fnl_culling {
     FNL_CULLING_COUNT
 } fnl_culling;
 
-/** What draws the clusters that fnl_culling leaves. The picture is the same. docs/techniques/culling.md compares them. */
+/** What draws the clusters that remain after fnl_culling. The picture is the same. docs/techniques/culling.md compares them. */
 typedef enum fnl_geometry {
     FNL_GEOMETRY_VERTEX = 0, /**< vertex shaders, by indices that culling writes */
     FNL_GEOMETRY_MESH, /**< mesh shaders, a work group for each cluster; needs fnl_device_info.mesh_shader and culling by clusters or triangles */
@@ -298,7 +298,7 @@ typedef enum fnl_geometry {
     FNL_GEOMETRY_COUNT
 } fnl_geometry;
 
-/** What the order mobile keeps at a pixel, and in how many bits. */
+/** What the shading order mobile stores per pixel, and in how many bits. */
 typedef enum fnl_mobile_layout {
     FNL_MOBILE_METALLIC_128 = 0, /**< light, depth, normal and roughness, colour and metalness; dielectrics reflect 4 % */
     FNL_MOBILE_SPECULAR_160,     /**< light, depth, normal and roughness, diffuse colour, specular colour */
@@ -315,7 +315,7 @@ typedef enum fnl_mobile_gamma {
     FNL_MOBILE_GAMMA_COUNT
 } fnl_mobile_gamma;
 
-/** What light adds up in, in the layouts of 128 and 160 bits. */
+/** The format in which light accumulates, in the layouts of 128 and 160 bits. */
 typedef enum fnl_mobile_light {
     FNL_MOBILE_LIGHT_FLOAT = 0, /**< 11, 11 and 10 bits of floating point: nothing clips */
     FNL_MOBILE_LIGHT_UNORM, /**< 10 bits each, up to `range` of white; needs an exposure that is known beforehand, else float */
@@ -356,14 +356,14 @@ typedef struct fnl_mobile_target {
 /** Fills in at most `capacity` and returns how many there are; with light in 10 bits. 0 for a value out of range. */
 FNL_API uint32_t fnl_mobile_layout_targets(fnl_mobile_layout layout, fnl_mobile_target *out, uint32_t capacity);
 
-/** Where the order texturing has the gradients of texture coordinates from. */
+/** Where the shading order texturing gets texture gradients from. */
 typedef enum fnl_gradients {
     FNL_GRADIENTS_STORED = 0, /**< the geometry pass writes them: 8 bytes a pixel, 16 with a second set of coordinates */
     FNL_GRADIENTS_DERIVED, /**< from neighbours that stored slopes of depth, 4 bytes a pixel, show to lie on the same surface. Approximate: where no
                                 neighbour does, the level of textures is a guess */
     FNL_GRADIENTS_COUNT
 } fnl_gradients;
-/** What says that the pixels of a block lie on one surface; normals and materials are compared besides. */
+/** What decides that the pixels of a block lie on one surface, in addition to comparing normals and materials. */
 typedef enum fnl_coarse_criterion {
     FNL_COARSE_CRITERION_Z = 0, /**< view depths differ from the first pixel's by no more than its gradient explains */
     FNL_COARSE_CRITERION_ID,    /**< one triangle of one object; needs fnl_device_info.primitive_ids */
@@ -371,7 +371,7 @@ typedef enum fnl_coarse_criterion {
     FNL_COARSE_CRITERION_COUNT
 } fnl_coarse_criterion;
 
-/** What of the light a block shares; the rest is made for each pixel. */
+/** Which part of the light a block shares; the rest is computed per pixel. */
 typedef enum fnl_coarse_split {
     FNL_COARSE_SPLIT_NONE = 0,   /**< all of it, by a base colour that is filtered over the block: fnl_coarse_filter */
     FNL_COARSE_SPLIT_ALBEDO,     /**< all of it, before base colours: each pixel has its own */
@@ -388,7 +388,7 @@ typedef enum fnl_coarse_filter {
     FNL_COARSE_FILTER_COUNT
 } fnl_coarse_filter;
 
-/** Settings of the order coarse. docs/techniques/coarse.md tells what they do to time and picture. */
+/** Settings of the order coarse. docs/techniques/coarse.md describes their effect on time and picture. */
 typedef struct fnl_coarse_options {
     uint32_t size; /**< pixels along a side of a block: 2, 4, or 1: every pixel is lit, which gives the picture of deferred; default 2 */
     fnl_coarse_criterion criterion; /**< default z */
@@ -571,7 +571,7 @@ typedef struct fnl_frame {
      * is then shaded as the first of them. 0 (default): what is stored must be equal. FNL_SHADING_DEFERRED, but for FNL_MSAA_ALL.
      */
     float msaa_tolerance;
-    fnl_culling culling;           /**< of opaque surfaces and cutouts; default instances, which adds no passes: on the CPU driver it is as fast
+    fnl_culling culling;           /**< of opaque and alpha-masked surfaces; default instances, which adds no passes: on the CPU driver it is as fast
                                         as any in scenes such as builtin:hall; larger ones gain by triangles, and most with occlusion */
     /**
      * Default vertex. Frames in which some pass has vertices in a way of its own are drawn by vertex shaders whatever this says: motion and taa, stored
@@ -579,7 +579,7 @@ typedef struct fnl_frame {
      */
     fnl_geometry geometry;
     /**
-     * Opaque surfaces and cutouts that others hide are left out too, by depths of this very frame; the picture is the same, the debug view
+     * Occluded opaque and alpha-masked surfaces are culled too, by the depth of this very frame; the picture is the same, the debug view
      * overdraw shows less. Default false. Without effect with low-res, inferred and the grid of visibility, and with MSAA where a debug view or an output of
      * surfaces looks at the centres of pixels.
      */
@@ -628,7 +628,7 @@ typedef struct fnl_frame {
     fnl_gradients gradients;   /**< of FNL_SHADING_TEXTURING; default stored */
     fnl_coarse_options coarse; /**< of FNL_SHADING_COARSE */
     /**
-     * Turns of a loop that each evaluation of shading takes besides, 0 .. 100000, for comparing methods as if shading were dearer; the
+     * Extra loop iterations per light evaluation, 0 .. 100000, to imitate a more expensive material; the
      * picture stays the same. Orders that keep light apart from materials and mobile take no notice. Default 0.
      */
     uint32_t shade_cost;
@@ -700,10 +700,10 @@ typedef struct fnl_frame_stats {
     uint64_t atlas_bytes;
     uint64_t
         items_forward; /**< visible items that the G-buffer's layout cannot hold and a forward pass lights; known with count_lights */
-    uint64_t triangles_visible; /**< of opaque surfaces and cutouts; known with count_lights */
+    uint64_t triangles_visible; /**< of opaque and alpha-masked surfaces; known with count_lights */
     /**
-     * Opaque triangles and cutouts of all instances, and with clusters or triangles of fnl_culling what became of them: drawn, out of the view,
-     * facing away, between samples, hidden by others (with occlusion). Those of objects that one list or another draws in its own way (batches, multipass) count all the same.
+     * Opaque and alpha-masked triangles of all instances, and with clusters or triangles of fnl_culling what became of them: drawn, out of the view,
+     * facing away, between samples, occluded (with occlusion). Those of objects that one list or another draws in its own way (batches, multipass) count all the same.
      */
     uint64_t triangles_total, triangles_drawn, triangles_outside, triangles_back, triangles_small, triangles_occluded;
     uint64_t clusters_total, clusters_drawn; /**< clusters of all instances, those of which something is drawn */

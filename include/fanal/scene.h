@@ -43,22 +43,22 @@ FNL_API fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out);
 typedef struct fnl_resource {
     const void *data; /**< NULL only with size 0 */
     size_t size;      /**< bytes */
-    /** Called once, with `user`, `data` and `size`, when nothing reads the bytes any more. NULL: nothing is to be done. */
+    /** Called once, with `user`, `data` and `size`, when nothing reads the bytes any more. NULL: no call. */
     void (*release)(void *user, const void *data, size_t size);
     void *user;
 } fnl_resource;
 
-/** How files are loaded; built-in scenes heed none of it. */
+/** How files are loaded; built-in scenes ignore all of it. */
 typedef struct fnl_load_params {
     /**
-     * Shows what can be shown of a file that is otherwise refused, with a warning for what is left out: one that requires an
-     * extension whose materials are shown by their core properties, whose data is missing, or that refers to files it may
-     * not read (they are not read). Default false.
+     * Loads what can be shown of a file that would otherwise be refused, with a warning for what is left out: a file that requires
+     * a material extension, whose materials are then shown by their core properties; a file whose data is missing; or one that
+     * refers to files it may not read (they are not read). Default false.
      */
     bool lenient;
     /**
-     * Refuses files outside of the folder of the loaded one; else they are read with a warning. Symbolic links are followed
-     * before that is decided. Absolute paths and "file:" are refused in any case. Default false.
+     * Refuses files outside the folder of the loaded one; otherwise they are read with a warning. Symbolic links are resolved
+     * first. Absolute paths and "file:" are refused in any case. Default false.
      */
     bool confine;
     /**
@@ -126,14 +126,15 @@ FNL_API fnl_material_params fnl_material_params_default(void);
 FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
 /**
  * Changes a material, also one of a file (fnl_scene_query_material has what it is). Textures whose image stays keep their coordinates and
- * filters; those that fnl_material_params does not name, of specular reflection, stay. Renderers upload the scene anew, but for its
- * images: not for every frame.
+ * filters; specular textures, which fnl_material_params does not name, stay too. Renderers upload the scene again, except for its
+ * images, so this is not a call for every frame.
  */
 FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
 
 /**
- * Lets the metal in metallic-roughness textures reach `texels` (0 .. 64) farther. Where the mask of a metal fades over a texel, a light colour
- * and a half-dielectric surface meet, which shines as a halo; metal that ends beyond its colour shows none. Before the scene is rendered.
+ * Grows the metallic areas of metallic-roughness textures by `texels` (0 .. 64). At the border of a metal the mask is blurred over a texel; there
+ * a bright base colour is shaded as half a dielectric, which shows as a bright halo. Growing the metal beyond its colour avoids it. To be called
+ * before the scene is rendered.
  */
 FNL_API fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels);
 
