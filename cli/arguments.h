@@ -5,8 +5,6 @@
 
 #include "fanal/fanal.h"
 
-#include <jansson.h>
-
 /** Prints "--option: 'value' is not wanted"; returns false. */
 bool argument_bad(const char *option, const char *value, const char *wanted);
 bool argument_integer(const char *option, const char *text, long long low, long long high, long long *out);
@@ -19,13 +17,5 @@ bool argument_size(const char *option, const char *text, uint32_t *out_width, ui
 bool argument_name(const char *option, const char *text, const char *(*name_of)(int), int *out);
 /** "point,spot,box" or, with shares, "point=3,spot=1": which lights are scattered; kinds that are not named get none. */
 bool argument_light_shapes(const char *option, const char *text, fnl_scatter_params *out);
-/** "KEY=VALUE,KEY=VALUE…" of the light lists; "help" prints all keys and ends the program. */
-bool argument_list_options(const char *option, const char *text, fnl_list_options *out);
-/** The settings by their keys, - as _. */
-json_t *argument_list_options_json(const fnl_list_options *options);
-/** "separate,light=unorm,range=16…" of the order mobile. */
-bool argument_mobile(const char *option, const char *text, fnl_mobile_options *out);
-/** The same for the order coarse: "size=4,split=albedo". */
-bool argument_coarse(const char *option, const char *text, fnl_coarse_options *out);
 
 #endif

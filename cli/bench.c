@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "loading.h"
+#include "options.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -21,30 +22,8 @@ struct bench_options {
     bool all; /* every order and every kind of lists, where none is named */
 };
 
-static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
-static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
-
-static const char *gbuffer_name(int i) { return bench_way_name(BENCH_WAY_GBUFFER, i); }
-static const char *transparency_name(int i) { return bench_way_name(BENCH_WAY_TRANSPARENCY, i); }
-static const char *decals_name(int i) { return bench_way_name(BENCH_WAY_DECALS, i); }
-static const char *msaa_method_name(int i) { return bench_way_name(BENCH_WAY_MSAA_METHOD, i); }
-static const char *visibility_sort_name(int i) { return bench_way_name(BENCH_WAY_VISIBILITY_SORT, i); }
-static const char *barycentrics_name(int i) { return bench_way_name(BENCH_WAY_BARYCENTRICS, i); }
-static const char *grid_name(int i) { return bench_way_name(BENCH_WAY_GRID, i); }
-static const char *mobile_layout_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LAYOUT, i); }
-static const char *mobile_lights_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_LIGHTS, i); }
-static const char *mobile_gamma_name(int i) { return bench_way_name(BENCH_WAY_MOBILE_GAMMA, i); }
-static const char *dais_name(int i) { return bench_way_name(BENCH_WAY_DAIS, i); }
-static const char *dais_multirate_name(int i) { return bench_way_name(BENCH_WAY_DAIS_MULTIRATE, i); }
-static const char *culling_name(int i) { return bench_way_name(BENCH_WAY_CULL, i); }
-static const char *geometry_name(int i) { return bench_way_name(BENCH_WAY_GEOMETRY, i); }
-static const char *occlusion_name(int i) { return bench_way_name(BENCH_WAY_OCCLUSION, i); }
-static const char *(*const way_names[BENCH_WAY_COUNT])(int) = {gbuffer_name,       transparency_name,    decals_name,
-                                                               msaa_method_name,   visibility_sort_name, barycentrics_name,
-                                                               grid_name,
-                                                               mobile_layout_name, mobile_lights_name,   mobile_gamma_name,
-                                                               dais_name,          dais_multirate_name,
-                                                               culling_name,       geometry_name,        occlusion_name};
+static const char *shading_name(int i) { return fnl_value_name(FNL_ENUM_SHADING, (uint32_t)i); }
+static const char *lists_name(int i) { return fnl_value_name(FNL_ENUM_LISTS, (uint32_t)i); }
 
 static void print_names(const char *(*name_of)(int)) {
     for (int i = 0; name_of(i); i++) printf(" %s", name_of(i));
@@ -67,20 +46,11 @@ static void print_help(void) {
          "  --lights N,...             number of lights (as the scene has); a glTF scene gets N scattered lights in addition\n"
          "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
-         "  --gbuffer KINDS|all        G-buffer layouts, for orders that have one (default)\n"
-         "  --transparency KINDS|all   how blended surfaces are composed (sorted)\n"
-         "  --decals WAYS|all          how decals are applied: lists gbuffer off (lists)\n"
-         "  --mobile-layout, --mobile-lights, --mobile-gamma KINDS|all    for mobile (metallic-128; lists; srgb)\n"
-         "  --msaa-method KINDS        for deferred with MSAA; 'all' is the name of one (compact)\n"
-         "  --visibility-sort KINDS|all    for visibility: off class material (off)\n"
-         "  --visibility-barycentrics KINDS|all    for visibility with 1 sample: off on (off)\n"
-         "  --visibility-grid KINDS|all    for visibility with 1 sample: off on (off)\n"
-         "  --dais KINDS|all           for dais: where references to triangles are stored: target list (target)\n"
-         "  --dais-multirate KINDS|all for dais: ambient light once per four pixels of a triangle: off on (off)\n"
-         "  --cull KINDS|all           granularity of culling: instances clusters triangles (instances)\n"
-         "  --geometry KINDS|all       draws the remaining clusters by vertex shaders or mesh shaders: vertex mesh (vertex)\n"
-         "  --occlusion KINDS|all      culling of occluded geometry: off on (off)\n"
-         "  --list-option KEY=VALUE    a setting of the lists, as for 'fanal render'; may be given several times\n"
+         "  --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
+         "                             of the same names in 'fanal render'\n"
+         "  --vary KEY=VALUES|all      any option of a frame, such as tiles.size=8,16,32; can be given several times.\n"
+         "                             'fanal render --options' prints them; paths and lists that ignore one get it once\n"
+         "  --set KEY=VALUE            an option for all; can be given several times\n"
          "  --suite NAME               runs the experiments of a publication and prints its ratios beside ours; the suites\n"
          "                             geometry and visibility only preset scenes and options, which may be overridden\n"
          "\n"
@@ -106,12 +76,6 @@ static void print_help(void) {
     print_names(shading_name);
     fputs("Lists:", stdout);
     print_names(lists_name);
-    fputs("G-buffers:", stdout);
-    print_names(gbuffer_name);
-    fputs("Transparency:", stdout);
-    print_names(transparency_name);
-    fputs("MSAA methods:", stdout);
-    print_names(msaa_method_name);
     fputs("Suites:", stdout);
     print_names(bench_suite_name);
     puts("\nCtrl-C or SIGTERM stops measuring; what was measured so far is written, and --resume continues from there.\n"
@@ -142,7 +106,7 @@ static bool parse_value(struct bench_options *o, const char *option, const char 
         if (!argument_name(option, text, shading_name, &value)) return false;
         o->matrix.shading[o->matrix.shading_count++] = (uint32_t)value;
     } else if (strcmp(option, "lists") == 0) {
-        if (strcmp(text, "brute") == 0) text = fnl_light_lists_name(FNL_LISTS_ALL);
+        if (strcmp(text, "brute") == 0) text = fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_ALL);
         if (!argument_name(option, text, lists_name, &value)) return false;
         o->matrix.lists[o->matrix.lists_count++] = (uint32_t)value;
     } else if (strcmp(option, "lights") == 0) {
@@ -151,10 +115,6 @@ static bool parse_value(struct bench_options *o, const char *option, const char 
         uint32_t *samples = &o->matrix.msaa[o->matrix.msaa_count++];
         if (!parse_count(option, text, 1, 8, samples)) return false;
         if (*samples & (*samples - 1)) return argument_bad(option, text, "one of 1 2 4 8");
-    } else if (strcmp(option, "sizes") != 0) {
-        int way = 0;
-        while (strcmp(option, bench_way_key((enum bench_way)way)) != 0) way++;
-        return argument_name(option, text, way_names[way], &o->matrix.ways[way][o->matrix.way_counts[way]++]);
     } else {
         uint32_t *size = o->matrix.sizes[o->matrix.size_count++];
         return argument_size(option, text, &size[0], &size[1]);
@@ -177,22 +137,22 @@ static bool parse_values(struct bench_options *o, const char *option, const char
     return true;
 }
 
-/* "all" means every value, unless it is the name of one. */
-static bool parse_way(struct bench_options *o, enum bench_way way, const char *text) {
-    uint32_t *count = &o->matrix.way_counts[way];
-    bool every = strcmp(text, "all") == 0;
-    for (int i = 0; bench_way_name(way, i) && every; i++) every = strcmp(bench_way_name(way, i), text) != 0;
-    if (!every) return parse_values(o, bench_way_key(way), text, count);
-    for (*count = 0; bench_way_name(way, (int)*count); ++*count) o->matrix.ways[way][*count] = (int)*count;
-    return true;
+/* "KEY=VALUES" */
+static bool parse_vary(struct bench_options *o, const char *text) {
+    char key[64];
+    size_t length = strcspn(text, "=");
+    if (!text[length] || length >= sizeof key) return argument_bad("vary", text, "KEY=VALUES");
+    snprintf(key, sizeof key, "%.*s", (int)length, text);
+    return bench_vary_add(&o->matrix, "vary", key, text + length + 1);
 }
 
-static bool add_list_option(struct bench_options *o, const char *text) {
-    fnl_list_options parsed = fnl_list_options_default();
-    size_t length = strlen(o->matrix.list_options), left = sizeof o->matrix.list_options - length;
-    if (!argument_list_options("list-option", text, &parsed)) return false;
-    return snprintf(o->matrix.list_options + length, left, "%s%s", length ? "," : "", text) < (int)left ||
-           argument_bad("list-option", text, "short enough");
+static bool parse_set(struct bench_options *o, const char *text) {
+    fnl_frame scratch = fnl_frame_default();
+    size_t length = strlen(o->matrix.set), left = sizeof o->matrix.set - length;
+    if (strchr(text, ',')) return argument_bad("set", text, "one KEY=VALUE");
+    if (!bench_ways_apply("set", text, &scratch)) return false;
+    return snprintf(o->matrix.set + length, left, "%s%s", length ? "," : "", text) < (int)left ||
+           argument_bad("set", text, "short enough");
 }
 
 enum {
@@ -201,22 +161,8 @@ enum {
     O_LIGHTS,
     O_SIZES,
     O_MSAA,
-    O_GBUFFER,
-    O_TRANSPARENCY,
-    O_DECALS,
-    O_MSAA_METHOD,
-    O_VISIBILITY_SORT,
-    O_VISIBILITY_BARYCENTRICS,
-    O_VISIBILITY_GRID,
-    O_MOBILE_LAYOUT,
-    O_MOBILE_LIGHTS,
-    O_MOBILE_GAMMA,
-    O_DAIS,
-    O_DAIS_MULTIRATE,
-    O_CULL,
-    O_GEOMETRY,
-    O_OCCLUSION,
-    O_LIST_OPTION,
+    O_VARY,
+    O_SET,
     O_SUITE,
     O_CAMERA,
     O_CAMERA_PATH,
@@ -228,10 +174,11 @@ enum {
     O_OVERWRITE,
     O_ALL,
     O_DEVICE,
-    O_VALIDATE
+    O_VALIDATE,
+    O_NAMED = 512 /* and up: options_named() */
 };
 
-static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+static const struct option own_options[] = {{"output", required_argument, NULL, 'o'},
                                              {"quiet", no_argument, NULL, 'q'},
                                              {"help", no_argument, NULL, 'h'},
                                              {"shading", required_argument, NULL, O_SHADING},
@@ -239,22 +186,8 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"lights", required_argument, NULL, O_LIGHTS},
                                              {"sizes", required_argument, NULL, O_SIZES},
                                              {"msaa", required_argument, NULL, O_MSAA},
-                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
-                                             {"transparency", required_argument, NULL, O_TRANSPARENCY},
-                                             {"decals", required_argument, NULL, O_DECALS},
-                                             {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
-                                             {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
-                                             {"visibility-barycentrics", required_argument, NULL, O_VISIBILITY_BARYCENTRICS},
-                                             {"visibility-grid", required_argument, NULL, O_VISIBILITY_GRID},
-                                             {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
-                                             {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
-                                             {"mobile-gamma", required_argument, NULL, O_MOBILE_GAMMA},
-                                             {"dais", required_argument, NULL, O_DAIS},
-                                             {"dais-multirate", required_argument, NULL, O_DAIS_MULTIRATE},
-                                             {"cull", required_argument, NULL, O_CULL},
-                                             {"geometry", required_argument, NULL, O_GEOMETRY},
-                                             {"occlusion", required_argument, NULL, O_OCCLUSION},
-                                             {"list-option", required_argument, NULL, O_LIST_OPTION},
+                                             {"vary", required_argument, NULL, O_VARY},
+                                             {"set", required_argument, NULL, O_SET},
                                              {"suite", required_argument, NULL, O_SUITE},
                                              LOADING_OPTIONS,
                                              {"camera", required_argument, NULL, O_CAMERA},
@@ -267,12 +200,30 @@ static const struct option long_options[] = {{"output", required_argument, NULL,
                                              {"overwrite", no_argument, NULL, O_OVERWRITE},
                                              {"all", no_argument, NULL, O_ALL},
                                              {"device", required_argument, NULL, O_DEVICE},
-                                             {"validate", no_argument, NULL, O_VALIDATE},
-                                             {NULL, 0, NULL, 0}};
+                                             {"validate", no_argument, NULL, O_VALIDATE},};
+enum { OWN_COUNT = sizeof own_options / sizeof *own_options, LONG_MAX_COUNT = OWN_COUNT + 32 };
+
+/* shading, lists and msaa make the cases; the other options that have names may be varied by them. */
+static bool is_own(const char *name) {
+    for (int i = 0; i < OWN_COUNT; i++)
+        if (strcmp(own_options[i].name, name) == 0) return true;
+    return strcmp(name, "debug") == 0;
+}
+
+static void make_long_options(struct option out[LONG_MAX_COUNT]) {
+    const char *name;
+    int count = OWN_COUNT;
+    memcpy(out, own_options, sizeof own_options);
+    for (uint32_t i = 0; (name = options_named(i, NULL)); i++)
+        if (!is_own(name)) out[count++] = (struct option){name, required_argument, NULL, O_NAMED + (int)i};
+    out[count] = (struct option){0};
+}
 
 static bool parse_option(struct bench_options *o, int option, const char *value) {
     struct bench_settings *s = &o->settings;
+    const char *key, *name = option >= O_NAMED ? options_named((uint32_t)(option - O_NAMED), &key) : NULL;
     int index;
+    if (name) return bench_vary_add(&o->matrix, name, key, value);
     switch (option) {
     case 'o':
         s->output = value;
@@ -292,38 +243,10 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return parse_values(o, "sizes", value, &o->matrix.size_count);
     case O_MSAA:
         return parse_values(o, "msaa", value, &o->matrix.msaa_count);
-    case O_GBUFFER:
-        return parse_way(o, BENCH_WAY_GBUFFER, value);
-    case O_TRANSPARENCY:
-        return parse_way(o, BENCH_WAY_TRANSPARENCY, value);
-    case O_DECALS:
-        return parse_way(o, BENCH_WAY_DECALS, value);
-    case O_MSAA_METHOD:
-        return parse_way(o, BENCH_WAY_MSAA_METHOD, value);
-    case O_VISIBILITY_SORT:
-        return parse_way(o, BENCH_WAY_VISIBILITY_SORT, value);
-    case O_VISIBILITY_BARYCENTRICS:
-        return parse_way(o, BENCH_WAY_BARYCENTRICS, value);
-    case O_VISIBILITY_GRID:
-        return parse_way(o, BENCH_WAY_GRID, value);
-    case O_MOBILE_LAYOUT:
-        return parse_way(o, BENCH_WAY_MOBILE_LAYOUT, value);
-    case O_MOBILE_LIGHTS:
-        return parse_way(o, BENCH_WAY_MOBILE_LIGHTS, value);
-    case O_MOBILE_GAMMA:
-        return parse_way(o, BENCH_WAY_MOBILE_GAMMA, value);
-    case O_DAIS:
-        return parse_way(o, BENCH_WAY_DAIS, value);
-    case O_DAIS_MULTIRATE:
-        return parse_way(o, BENCH_WAY_DAIS_MULTIRATE, value);
-    case O_CULL:
-        return parse_way(o, BENCH_WAY_CULL, value);
-    case O_GEOMETRY:
-        return parse_way(o, BENCH_WAY_GEOMETRY, value);
-    case O_OCCLUSION:
-        return parse_way(o, BENCH_WAY_OCCLUSION, value);
-    case O_LIST_OPTION:
-        return add_list_option(o, value);
+    case O_VARY:
+        return parse_vary(o, value);
+    case O_SET:
+        return parse_set(o, value);
     case O_SUITE:
         o->suite = bench_suite_find(value);
         return o->suite || argument_name("suite", value, bench_suite_name, &index);
@@ -369,7 +292,7 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
 static uint64_t combination_count(const struct bench_matrix *m) {
     uint64_t count = m->shading_count && !m->every_shading ? m->shading_count : FNL_SHADING_COUNT;
     count *= m->lists_count && !m->every_lists ? m->lists_count : FNL_LISTS_COUNT;
-    for (int w = 0; w < BENCH_WAY_COUNT && count <= COMBINATIONS_MAX; w++) count *= m->way_counts[w] ? m->way_counts[w] : 1;
+    for (uint32_t v = 0; v < m->vary_count && count <= COMBINATIONS_MAX; v++) count *= m->varied[v].count;
     return count;
 }
 
@@ -379,10 +302,8 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     bool closed = o->suite && bench_suite_kind_of(o->suite) != BENCH_SUITE_MATRIX;
     if (closed && scene_count > 0) problem = "--suite brings its own scenes: give none";
     if (closed && (o->matrix.shading_count || o->matrix.lists_count || o->matrix.every_shading || o->matrix.every_lists || o->all || o->matrix.light_count ||
-                     o->matrix.msaa_count || *o->matrix.list_options || o->matrix.camera || o->settings.camera_path))
+                     o->matrix.msaa_count || *o->matrix.set || o->matrix.vary_count || o->matrix.camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
-    for (int w = 0; w < BENCH_WAY_COUNT && closed; w++)
-        if (o->matrix.way_counts[w]) problem = "--suite chooses G-buffers, transparency, decals and MSAA methods itself";
     if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
     if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
@@ -457,6 +378,8 @@ static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t 
 
 /* The status to end with, or -1 to go on. */
 static int read_arguments(struct bench_options *o, int argc, char **argv) {
+    struct option long_options[LONG_MAX_COUNT];
+    make_long_options(long_options);
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {
@@ -481,6 +404,8 @@ static struct bench_options default_options(void) {
 static int read_over_suite(struct bench_options *o, int argc, char **argv) {
     const struct bench_suite *suite = o->suite;
     const char *const *preset;
+    struct option long_options[LONG_MAX_COUNT];
+    make_long_options(long_options);
     *o = default_options();
     for (int i = 0; (preset = bench_suite_option(suite, i)) != NULL; i++) {
         const struct option *option = long_options;

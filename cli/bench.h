@@ -11,7 +11,7 @@
 struct bench_candidate {
     fnl_shading shading;
     fnl_light_lists lists;
-    char *options; /* "gbuffer=siege,slices=64": ways and list options other than the defaults, in this order; "" for none */
+    char *options; /* "clusters.slices=64,gbuffer.layout=siege": those that are not the defaults, in the order of the library; "" for none */
 };
 
 /** One picture to render in several ways: what is kept equal while candidates are compared. */
@@ -61,63 +61,24 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
 
 void bench_plan_free(struct bench_plan *plan);
 
-/* ---- ways (bench_ways.c) ---- */
-
-/** What candidates may vary beside shading and lists; each is an option of its own. */
-enum bench_way {
-    BENCH_WAY_GBUFFER,
-    BENCH_WAY_TRANSPARENCY,
-    BENCH_WAY_DECALS,
-    BENCH_WAY_MSAA_METHOD,
-    BENCH_WAY_VISIBILITY_SORT,
-    BENCH_WAY_BARYCENTRICS,
-    BENCH_WAY_GRID,
-    BENCH_WAY_MOBILE_LAYOUT,
-    BENCH_WAY_MOBILE_LIGHTS,
-    BENCH_WAY_MOBILE_GAMMA,
-    BENCH_WAY_DAIS,
-    BENCH_WAY_DAIS_MULTIRATE,
-    BENCH_WAY_CULL,
-    BENCH_WAY_GEOMETRY,
-    BENCH_WAY_OCCLUSION,
-    BENCH_WAY_COUNT
-};
-
-struct bench_ways {
-    int values[BENCH_WAY_COUNT]; /* of fnl_gbuffer and so on */
-};
-
-struct bench_ways bench_ways_default(void);
-/** The name of the option and key, and of a value; NULL beyond the last. */
-const char *bench_way_key(enum bench_way way);
-const char *bench_way_name(enum bench_way way, int value);
-/** Whether a value makes a difference to a shading order; where it does not, the default stands for it. */
-bool bench_way_heeded(enum bench_way way, int value, fnl_shading shading, uint32_t msaa);
-/** Writes candidate options: the ways that are not the defaults, then the list options. */
-void bench_ways_print(const struct bench_ways *chosen, const char *list_options, char *text, size_t capacity);
-/** Takes candidate options apart. False with a message. */
-bool bench_ways_parse(const char *options, struct bench_ways *chosen, char *list_options, size_t capacity);
-/** Sets a frame after candidate options. False with a message. */
-bool bench_ways_apply(const char *options, fnl_frame *frame);
-/**
- * The ways alone of candidate options, but for those that leave the picture as it is (cull and occlusion): what is equal here and in shading
- * is compared with one reference picture.
- */
-void bench_ways_of(const char *options, char *text, size_t capacity);
-/** Adds "ways", as bench_ways_of gives them, and each way by its name ("" where the order does not heed it). */
-void bench_ways_describe(const struct bench_candidate *candidate, uint32_t msaa, json_t *result);
-
 /* ---- the matrix of the command (bench_plan.c) ---- */
 
-enum { BENCH_VALUES_MAX = 64 };
+enum { BENCH_VALUES_MAX = 64, BENCH_VARY_MAX = 16 };
+
+/** An option of the frame, and the values that it takes in turn. */
+struct bench_vary {
+    fnl_option option;
+    uint32_t count;
+    char values[BENCH_VALUES_MAX][32];
+};
 
 /** What the options name. Orders and lists that are not named and not every_…: the likely ones. */
 struct bench_matrix {
     const char *camera;
-    char list_options[512]; /* "key=value,key=value" */
+    char set[512]; /* options of every candidate: "key=value,key=value" */
     bool every_shading, every_lists;
-    uint32_t way_counts[BENCH_WAY_COUNT];
-    int ways[BENCH_WAY_COUNT][BENCH_VALUES_MAX];
+    uint32_t vary_count;
+    struct bench_vary varied[BENCH_VARY_MAX];
     uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
     uint32_t shading[BENCH_VALUES_MAX], lists[BENCH_VALUES_MAX], lights[BENCH_VALUES_MAX], sizes[BENCH_VALUES_MAX][2], msaa[BENCH_VALUES_MAX];
 };
@@ -125,6 +86,23 @@ struct bench_matrix {
 /** Adds the cases of the matrix, which names a size and samples; scene_lights as bench_scene_check gives them. False when memory ran out. */
 bool bench_plan_matrix(const struct bench_matrix *matrix, const char *const *scenes, const uint32_t *scene_lights, int scene_count,
                        struct bench_plan *plan);
+
+/* ---- ways (bench_ways.c): options besides shading and lists ---- */
+
+/** Finds an option that candidates may set. False with a message that begins with --`option`. */
+bool bench_ways_find(const char *option, const char *key, fnl_option *out);
+/** Lets an option take values in turn: "a,b,c" or "all". False with a message. */
+bool bench_vary_add(struct bench_matrix *matrix, const char *option, const char *key, const char *values);
+/** Whether a value makes a difference with this path, these lists and samples; where it does not, the default stands for it. */
+bool bench_way_heeded(const fnl_option *option, const char *value, fnl_shading shading, fnl_light_lists lists, uint32_t msaa);
+/** Writes the options of a frame that are not the defaults; those that leave the picture as it is only with `exact`. */
+void bench_ways_print(const fnl_frame *frame, bool exact, char *text, size_t capacity);
+/** Sets "key=value,key=value" in a frame. False with a message. */
+bool bench_ways_apply(const char *option, const char *text, fnl_frame *frame);
+/** Of candidate options those that change the picture: what is equal here and in shading is compared with one reference picture. */
+void bench_ways_of(const char *options, char *text, size_t capacity);
+/** Adds "ways", as bench_ways_of gives them, and "settings", an object of all options that are not the defaults. */
+void bench_ways_describe(const struct bench_candidate *candidate, json_t *result);
 
 /* ---- cameras (bench_camera.c) ---- */
 

@@ -150,7 +150,7 @@ static bool run_scene(fnl_device *device, const char *source, uint32_t width, ui
         s->frame.shading = methods[m].shading;
         s->frame.msaa = methods[m].msaa;
         s->frame.aa = methods[m].aa;
-        s->frame.msaa_method = methods[m].msaa_method;
+        s->frame.deferred.msaa_method = methods[m].msaa_method;
         s->times = calloc(settings->frames + 1, sizeof *s->times);
         s->own = calloc(settings->frames + 1, sizeof *s->own);
         good = s->times && s->own && fnl_renderer_create(device, scene, &s->renderer) == FNL_OK;

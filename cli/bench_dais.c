@@ -91,7 +91,7 @@ static void prepare(const fnl_frame *frame, struct dais_subject subjects[SUBJECT
         fnl_frame *f = &subjects[i].frame;
         *f = *frame;
         f->shading = i == DEFERRED || i == DEFERRED_PREPASS ? FNL_SHADING_DEFERRED : FNL_SHADING_DAIS;
-        f->gbuffer_prepass = i == DEFERRED_PREPASS;
+        f->gbuffer.prepass = i == DEFERRED_PREPASS;
         f->dais.mode = i == LIST ? FNL_DAIS_LIST : FNL_DAIS_TARGET;
         f->dais.multirate = i == MULTIRATE;
     }

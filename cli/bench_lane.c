@@ -59,7 +59,7 @@ bool lane_init(struct lane *lane, const struct bench_case *where, const struct b
     lane->frame.lists = candidate->lists;
     /* Metering would take tone mapping out of its scope. */
     if (candidate->shading == FNL_SHADING_MOBILE) lane->frame.exposure = FNL_EXPOSURE_NONE;
-    bool good = bench_ways_apply(candidate->options, &lane->frame);
+    bool good = bench_ways_apply("set", candidate->options, &lane->frame);
     for (int m = 0; m < LANE_METRIC_COUNT; m++) {
         lane->times[m] = calloc(frames, sizeof(double));
         good = good && lane->times[m];
@@ -255,7 +255,7 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
                      uint32_t wanted_frames) {
     set_integer(result, "triangles", scene->triangle_count);
     set_integer(result, "instances", scene->instance_count);
-    bench_ways_describe(lane->candidate, lane->frame.msaa, result);
+    bench_ways_describe(lane->candidate, result);
     if (lane->counted) add_counts(lane, result);
     if (!lane->kept) add_comparison(lane, result);
     set_integer(result, "frames", lane->measured);

@@ -2,6 +2,8 @@
 /* What is measured: cases, and of each the ways to render that are compared. */
 #include "bench.h"
 
+#include "options.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,9 +54,9 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
         return skip(plan, to, candidate, "these lists do not go with this shading order");
     if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
         return skip(plan, to, candidate, "this shading order has no MSAA");
-    if (strstr(candidate->options, "visibility-barycentrics=on") && strstr(candidate->options, "visibility-grid=on"))
+    if (strstr(candidate->options, "visibility.barycentrics=on") && strstr(candidate->options, "visibility.grid=on"))
         return skip(plan, to, candidate, "the grid stores no barycentrics");
-    if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "cull="))
+    if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "culling="))
         return skip(plan, to, candidate, "mesh shaders draw what culling by clusters or triangles leaves");
     struct bench_candidate *bigger = realloc(to->candidates, (to->candidate_count + 1) * sizeof *bigger);
     if (!bigger) return false;
@@ -87,23 +89,41 @@ static bool lists_matter(fnl_shading shading) {
            shading != FNL_SHADING_LIGHT_INDEXED && shading != FNL_SHADING_ZIOMA;
 }
 
-/* Every combination of the ways that were asked for; those that an order does not heed add nothing. */
+/* Sets what makes a difference. */
+static bool set_heeded(fnl_frame *frame, const fnl_option *option, const char *value, fnl_shading shading, fnl_light_lists lists,
+                       uint32_t msaa) {
+    return !bench_way_heeded(option, value, shading, lists, msaa) || options_set(frame, "set", option->key, value);
+}
+
+static bool set_fixed(fnl_frame *frame, const char *set, fnl_shading shading, fnl_light_lists lists, uint32_t msaa) {
+    char copy[512], *rest = copy;
+    fnl_option option;
+    snprintf(copy, sizeof copy, "%s", set);
+    for (char *part; *set && (part = strsep(&rest, ","));) {
+        char *value = strchr(part, '=');
+        *value++ = 0; /* bench.c has tried them */
+        if (!fnl_option_find(part, &option) || !set_heeded(frame, &option, value, shading, lists, msaa)) return false;
+    }
+    return true;
+}
+
+/* Every combination of the options that were asked for; those that a path or list does not heed add nothing. */
 static bool plan_ways(const struct bench_matrix *m, struct bench_plan *plan, struct bench_case *to, fnl_shading shading,
                       fnl_light_lists lists) {
     uint32_t combinations = 1;
-    for (int w = 0; w < BENCH_WAY_COUNT; w++) combinations *= m->way_counts[w] ? m->way_counts[w] : 1;
+    for (uint32_t v = 0; v < m->vary_count; v++) combinations *= m->varied[v].count;
     for (uint32_t i = 0; i < combinations; i++) {
-        struct bench_ways chosen = bench_ways_default();
-        char options[sizeof m->list_options + 256];
-        for (uint32_t w = 0, rest = i; w < BENCH_WAY_COUNT; w++) {
-            if (!m->way_counts[w]) continue;
-            int value = m->ways[w][rest % m->way_counts[w]];
-            rest /= m->way_counts[w];
-            if (bench_way_heeded((enum bench_way)w, value, shading, to->msaa)) chosen.values[w] = value;
+        fnl_frame frame = fnl_frame_default();
+        char options[1024];
+        bool good = set_fixed(&frame, m->set, shading, lists, to->msaa);
+        for (uint32_t v = 0, rest = i; v < m->vary_count && good; v++) {
+            const struct bench_vary *vary = &m->varied[v];
+            good = set_heeded(&frame, &vary->option, vary->values[rest % vary->count], shading, lists, to->msaa);
+            rest /= vary->count;
         }
-        bench_ways_print(&chosen, m->list_options, options, sizeof options);
+        bench_ways_print(&frame, true, options, sizeof options);
         struct bench_candidate candidate = {shading, lists, options};
-        if (!bench_plan_candidate(plan, to, &candidate)) return false;
+        if (!good || !bench_plan_candidate(plan, to, &candidate)) return false;
     }
     return true;
 }
@@ -120,8 +140,8 @@ static uint32_t values_of(uint32_t count, const uint32_t *named, const char *(*n
     return count;
 }
 
-static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
-static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
+static const char *shading_name(int i) { return fnl_value_name(FNL_ENUM_SHADING, (uint32_t)i); }
+static const char *lists_name(int i) { return fnl_value_name(FNL_ENUM_LISTS, (uint32_t)i); }
 
 static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, const struct bench_case *wanted,
                       uint32_t lights) {

@@ -223,10 +223,15 @@ static void make_reference(struct bench_run *run, struct lane *lane, uint32_t po
     struct lane drawn = *lane; /* a failure is the reference's, not the lane's */
     fnl_frame frame = frame_at(run, lane, point);
     frame.lists = run->settings->reference;
-    frame.list_options = fnl_frame_default().list_options;
+    const fnl_frame usual = fnl_frame_default();
+    frame.list = usual.list;
+    frame.tiles = usual.tiles;
+    frame.clusters = usual.clusters;
+    frame.fine = usual.fine;
+    frame.raster = usual.raster;
     /* Vertex and mesh shaders may differ in the last bits of places, so the latter are compared with their own. */
-    frame.culling = frame.geometry == FNL_GEOMETRY_VERTEX ? fnl_frame_default().culling : FNL_CULLING_CLUSTERS;
-    frame.occlusion = fnl_frame_default().occlusion;
+    frame.culling = frame.geometry == FNL_GEOMETRY_VERTEX ? usual.culling : FNL_CULLING_CLUSTERS;
+    frame.occlusion = usual.occlusion;
     frame.outputs |= FNL_OUTPUT_RADIANCE;
     out->made = render(run, &drawn, &frame, &stats) && read_pictures(run, &drawn, &out->radiance, &out->color);
     if (!out->made) snprintf(out->reason, sizeof out->reason, "%.255s", drawn.reason);
@@ -375,7 +380,7 @@ static void check_group(struct bench_run *run, struct lane *first, uint32_t poin
     const struct lane *end = run->lanes + run->lane_count;
     bool wanted = false;
     for (const struct lane *lane = first; lane < end; lane++) wanted = wanted || (!lane->kept && same_reference(first, lane));
-    if (strcmp(fnl_shading_name(first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
+    if (strcmp(fnl_value_name(FNL_ENUM_SHADING, first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
         snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
     } else if (compare && wanted) {
         show_progress(run, first, "drawing the reference picture");
@@ -488,14 +493,14 @@ static json_t *describe_device(const fnl_device_info *info) {
     char api[32];
     snprintf(api, sizeof api, "%u.%u", info->api_version_major, info->api_version_minor);
     return json_pack("{s:s,s:s,s:s,s:s,s:I}", "name", info->name, "driver", info->driver, "type",
-                     fnl_device_type_name(info->type), "vulkan", api, "memory_bytes", (json_int_t)info->memory_bytes);
+                     fnl_value_name(FNL_ENUM_DEVICE_TYPE, info->type), "vulkan", api, "memory_bytes", (json_int_t)info->memory_bytes);
 }
 
 static json_t *describe_settings(const struct bench_run *run) {
     const struct bench_settings *s = run->settings;
     const char *camera = run->plan->case_count && run->plan->cases[0].camera ? run->plan->cases[0].camera : "";
     return json_pack("{s:I,s:I,s:I,s:s,s:s,s:s}", "frames", (json_int_t)s->frames, "warm_up", (json_int_t)s->warm_up,
-                     "checks", (json_int_t)s->checks, "reference", fnl_light_lists_name(s->reference), "camera", camera,
+                     "checks", (json_int_t)s->checks, "reference", fnl_value_name(FNL_ENUM_LISTS, s->reference), "camera", camera,
                      "camera_path", s->camera_path ? s->camera_path : "");
 }
 

@@ -61,7 +61,7 @@ static const struct row thesis_rows[] = {
 
 /* Grids at 1536 x 768: clusters of 64 pixels make 24 x 12 tiles, of 32 pixels 48 x 24. */
 #define GRID(size, slices, distribution)                                                                                     \
-    {FNL_SHADING_DEFERRED, FNL_LISTS_RASTER, "cluster-size=" #size ",slices=" #slices ",distribution=" distribution}
+    {FNL_SHADING_DEFERRED, FNL_LISTS_RASTER, "clusters.size=" #size ",clusters.slices=" #slices ",clusters.distribution=" distribution}
 #define RASTER(size, slices) GRID(size, slices, "exponential")
 #define LINEAR(size, slices) GRID(size, slices, "linear")
 #define HALL(quantity, metric, lights_a, lights_b, a, b, source, limit)                                                      \
@@ -90,7 +90,7 @@ static const struct row clustered_rows[] = {
 /* ---- Mikkelsen: Fine Pruned Tiled Light Lists, GPU Pro 7 ---- */
 
 /* Coarse: the box of a light on the screen and in depth against that of a tile, by the same passes. */
-#define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine-pruning=off"}
+#define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine.pruning=off"}
 #define FINE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, ""}
 #define INTERIOR(quantity, metric, lights, a, b, at_least, source)                                                           \
     {quantity ", " #lights " lights", metric, "builtin:interior?overlap=3", lights, lights, a, b, at_least, source, source}
@@ -190,10 +190,10 @@ static struct bench_candidate candidate_of(const struct bench_suite *suite, cons
     unsigned size;
     int used = 0;
     snprintf(options, 128, "%s", setup->options);
-    if (width && sscanf(setup->options, "cluster-size=%u%n", &size, &used) == 1) {
+    if (width && sscanf(setup->options, "clusters.size=%u%n", &size, &used) == 1) {
         unsigned scaled = (unsigned)((uint64_t)size * width / suite->width);
         scaled = scaled < 8 ? 8 : scaled > 256 ? 256 : scaled;
-        snprintf(options, 128, "cluster-size=%u%s", scaled, setup->options + used);
+        snprintf(options, 128, "clusters.size=%u%s", scaled, setup->options + used);
     }
     return (struct bench_candidate){setup->shading, setup->lists, options};
 }
@@ -321,7 +321,7 @@ void bench_suite_conclude(const struct bench_suite *suite, uint32_t width, uint3
         json_array_append_new(rows, conclude_row(suite, &suite->rows[i], width, height, data));
     json_t *suite_json = json_pack("{s:s,s:s,s:o,s:o}", "name", suite->name, "title", suite->title, "headline", headline(rows), "rows", rows);
     const char *type = json_string_value(json_object_get(json_object_get(data->root, "device"), "type"));
-    if (type && strcmp(type, fnl_device_type_name(FNL_DEVICE_CPU)) == 0)
+    if (type && strcmp(type, fnl_value_name(FNL_ENUM_DEVICE_TYPE, FNL_DEVICE_CPU)) == 0)
         json_object_set_new(suite_json, "warning",
                             json_string("This device is a CPU. The source measured a GPU, where memory and parallel work cost otherwise: "
                                         "a ratio that is missed or reached here may not be so there."));

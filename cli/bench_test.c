@@ -265,7 +265,7 @@ static void test_files_round_trip(void **state) {
         json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
-    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,,,,,,,,,,,,,,,,9,"));
+    assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
@@ -293,77 +293,95 @@ static void test_files_round_trip(void **state) {
 
 /* ---- ways ---- */
 
-static void test_ways_and_list_options_are_one_text(void **state) {
+static void test_candidate_options(void **state) {
     (void)state;
-    struct bench_ways ways = bench_ways_default(), again;
-    char text[256], list_options[256];
-    bench_ways_print(&ways, "", text, sizeof text);
+    fnl_frame frame = fnl_frame_default();
+    char text[1024], ways[1024];
+    bench_ways_print(&frame, true, text, sizeof text);
     assert_string_equal(text, "");
-    bench_ways_print(&ways, "slices=16", text, sizeof text);
-    assert_string_equal(text, "slices=16");
-    ways.values[BENCH_WAY_GBUFFER] = FNL_GBUFFER_SIEGE;
-    ways.values[BENCH_WAY_TRANSPARENCY] = FNL_TRANSPARENCY_LINKED;
-    ways.values[BENCH_WAY_DECALS] = FNL_DECALS_OFF;
-    ways.values[BENCH_WAY_MSAA_METHOD] = FNL_MSAA_ALL;
-    bench_ways_print(&ways, "slices=16,tile-size=8", text, sizeof text);
-    assert_string_equal(text, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all,slices=16,tile-size=8");
-    assert_true(bench_ways_parse(text, &again, list_options, sizeof list_options));
-    assert_memory_equal(&again, &ways, sizeof ways);
-    assert_string_equal(list_options, "slices=16,tile-size=8");
-    fnl_frame frame = fnl_frame_default();
-    assert_true(bench_ways_apply(text, &frame));
-    assert_true(frame.gbuffer == FNL_GBUFFER_SIEGE && frame.transparency == FNL_TRANSPARENCY_LINKED &&
-                frame.decals == FNL_DECALS_OFF && frame.msaa_method == FNL_MSAA_ALL && frame.list_options.slices == 16 &&
-                frame.list_options.tile_size == 8);
-    ways = bench_ways_default();
-    ways.values[BENCH_WAY_DAIS] = FNL_DAIS_LIST;
-    ways.values[BENCH_WAY_DAIS_MULTIRATE] = 1;
-    char dais[256];
-    bench_ways_print(&ways, "", dais, sizeof dais);
-    assert_string_equal(dais, "dais=list,dais-multirate=on");
-    frame = fnl_frame_default();
-    assert_true(bench_ways_apply(dais, &frame));
-    assert_true(frame.dais.mode == FNL_DAIS_LIST && frame.dais.multirate && frame.gbuffer == FNL_GBUFFER_DEFAULT);
-    bench_ways_of(text, list_options, sizeof list_options);
-    assert_string_equal(list_options, "gbuffer=siege,transparency=linked,decals=off,msaa-method=all");
-    bench_ways_of("gbuffer=siege,cull=triangles,occlusion=on,slices=16", list_options, sizeof list_options);
-    assert_string_equal(list_options, "gbuffer=siege"); /* culling leaves the picture as it is */
-    assert_false(bench_ways_parse("gbuffer=nonsense", &again, list_options, sizeof list_options));
-    assert_false(bench_ways_parse("decals", &again, list_options, 4)); /* no setting of ours, and too long */
+    frame.gbuffer.layout = FNL_GBUFFER_SIEGE;
+    frame.transparency = FNL_TRANSPARENCY_LINKED;
+    frame.deferred.msaa_method = FNL_MSAA_ALL;
+    frame.clusters.slices = 16;
+    frame.clusters.far = 50;
+    frame.occlusion = true;
+    frame.coarse.tolerance = 0.1f;
+    frame.width = 7; /* of the case, not of the candidate */
+    frame.shading = FNL_SHADING_DAIS;
+    bench_ways_print(&frame, true, text, sizeof text);
+    assert_string_equal(text, "transparency=linked,occlusion=on,clusters.slices=16,clusters.far=50,gbuffer.layout=siege,"
+                              "deferred.msaa-method=all,coarse.tolerance=0.1");
+    fnl_frame again = fnl_frame_default();
+    assert_true(bench_ways_apply("set", text, &again));
+    again.width = frame.width;
+    again.shading = frame.shading;
+    bench_ways_print(&again, true, ways, sizeof ways);
+    assert_string_equal(ways, text);
+    assert_true(again.coarse.tolerance == 0.1f && again.clusters.far == 50 && isinf(again.clusters.near));
+    bench_ways_of(text, ways, sizeof ways); /* what leaves the picture as it is, is left out */
+    assert_string_equal(ways, "transparency=linked,gbuffer.layout=siege,deferred.msaa-method=all,coarse.tolerance=0.1");
+    assert_false(bench_ways_apply("set", "gbuffer.layout=nonsense", &again));
+    assert_false(bench_ways_apply("set", "nonsense=1", &again));
+    assert_false(bench_ways_apply("set", "width=8", &again));
+    assert_false(bench_ways_apply("set", "decals", &again));
+    struct bench_candidate candidate = {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, (char[]){"occlusion=on,decals=off"}};
+    json_t *result = json_object();
+    bench_ways_describe(&candidate, result);
+    assert_string_equal(json_string_value(json_object_get(result, "ways")), "decals=off");
+    assert_string_equal(json_string_value(json_object_get(json_object_get(result, "settings"), "occlusion")), "on");
+    assert_int_equal(json_object_size(json_object_get(result, "settings")), 2);
+    json_decref(result);
 }
 
-static void test_geometry_way(void **state) {
+static void test_varied_options(void **state) {
     (void)state;
-    struct bench_ways ways = bench_ways_default();
-    ways.values[BENCH_WAY_CULL] = FNL_CULLING_CLUSTERS;
-    ways.values[BENCH_WAY_GEOMETRY] = FNL_GEOMETRY_MESH;
-    char text[256];
-    bench_ways_print(&ways, "", text, sizeof text);
-    assert_string_equal(text, "cull=clusters,geometry=mesh");
-    fnl_frame frame = fnl_frame_default();
-    assert_true(frame.geometry == FNL_GEOMETRY_VERTEX && bench_ways_apply(text, &frame));
-    assert_true(frame.geometry == FNL_GEOMETRY_MESH && frame.culling == FNL_CULLING_CLUSTERS);
-    assert_false(bench_ways_apply("geometry=nonsense", &frame));
+    struct bench_matrix *m = calloc(1, sizeof *m);
+    assert_true(bench_vary_add(m, "vary", "tiles.size", "all"));
+    assert_int_equal(m->varied[0].count, 4);
+    assert_string_equal(m->varied[0].values[3], "64");
+    assert_true(bench_vary_add(m, "msaa-method", "deferred.msaa-method", "all")); /* the name of one */
+    assert_int_equal(m->varied[1].count, 1);
+    assert_true(bench_vary_add(m, "geometry", "geometry", "all")); /* without auto, which is one of the others */
+    assert_int_equal(m->varied[2].count, 2);
+    assert_true(bench_vary_add(m, "vary", "tiles.size", "8,32")); /* replaces */
+    assert_true(m->vary_count == 3 && m->varied[0].count == 2);
+    assert_true(bench_vary_add(m, "occlusion", "occlusion", "all"));
+    assert_int_equal(m->varied[3].count, 2);
+    assert_true(bench_vary_add(m, "vary", "coarse.tolerance", "0,0.5"));
+    assert_false(bench_vary_add(m, "vary", "coarse.tolerance", "all"));
+    assert_false(bench_vary_add(m, "vary", "coarse.tolerance", "2"));
+    assert_false(bench_vary_add(m, "vary", "shading", "deferred"));
+    assert_false(bench_vary_add(m, "vary", "nonsense", "1"));
+    free(m);
 }
 
-static void test_ways_that_an_order_heeds(void **state) {
+static bool heeded(const char *key, const char *value, fnl_shading shading, fnl_light_lists lists, uint32_t msaa) {
+    fnl_option option;
+    assert_true(bench_ways_find("vary", key, &option));
+    return bench_way_heeded(&option, value, shading, lists, msaa);
+}
+
+static void test_options_are_heeded(void **state) {
     (void)state;
-    assert_true(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_DEFERRED, 1));
-    assert_true(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_DEFERRED_VOLUMES, 1));
-    assert_false(bench_way_heeded(BENCH_WAY_GBUFFER, FNL_GBUFFER_SIEGE, FNL_SHADING_FORWARD, 1));
-    assert_true(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_DEFERRED, 4));
-    assert_false(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_DEFERRED, 1));
-    assert_false(bench_way_heeded(BENCH_WAY_MSAA_METHOD, FNL_MSAA_ALL, FNL_SHADING_FORWARD, 4));
-    assert_true(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_MOBILE, 1));
-    assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_FORWARD, 1));
-    assert_false(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_GBUFFER, FNL_SHADING_DEFERRED, 4));
-    assert_true(bench_way_heeded(BENCH_WAY_DECALS, FNL_DECALS_OFF, FNL_SHADING_FORWARD, 4));
-    assert_true(bench_way_heeded(BENCH_WAY_DAIS, FNL_DAIS_LIST, FNL_SHADING_DAIS, 1));
-    assert_true(bench_way_heeded(BENCH_WAY_DAIS_MULTIRATE, 1, FNL_SHADING_DAIS, 4));
-    assert_false(bench_way_heeded(BENCH_WAY_DAIS, FNL_DAIS_LIST, FNL_SHADING_DEFERRED, 1));
-    assert_false(bench_way_heeded(BENCH_WAY_DAIS_MULTIRATE, 1, FNL_SHADING_VISIBILITY, 4));
-    assert_true(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_FORWARD, 4));
-    assert_false(bench_way_heeded(BENCH_WAY_TRANSPARENCY, FNL_TRANSPARENCY_LINKED, FNL_SHADING_INFERRED, 1));
+    const fnl_light_lists tiled = FNL_LISTS_TILED, clustered = FNL_LISTS_CLUSTERED;
+    assert_true(heeded("gbuffer.layout", "siege", FNL_SHADING_DEFERRED, tiled, 1));
+    assert_true(heeded("gbuffer.layout", "siege", FNL_SHADING_DEFERRED_VOLUMES, tiled, 1));
+    assert_false(heeded("gbuffer.layout", "siege", FNL_SHADING_FORWARD, tiled, 1));
+    assert_true(heeded("deferred.msaa-method", "all", FNL_SHADING_DEFERRED, tiled, 4));
+    assert_false(heeded("deferred.msaa-method", "all", FNL_SHADING_DEFERRED, tiled, 1));
+    assert_false(heeded("deferred.msaa-method", "all", FNL_SHADING_FORWARD, tiled, 4));
+    assert_true(heeded("decals", "gbuffer", FNL_SHADING_MOBILE, tiled, 1));
+    assert_false(heeded("decals", "gbuffer", FNL_SHADING_FORWARD, tiled, 1));
+    assert_false(heeded("decals", "gbuffer", FNL_SHADING_DEFERRED, tiled, 4));
+    assert_true(heeded("decals", "off", FNL_SHADING_FORWARD, tiled, 4));
+    assert_true(heeded("dais.mode", "list", FNL_SHADING_DAIS, tiled, 1));
+    assert_false(heeded("dais.multirate", "on", FNL_SHADING_VISIBILITY, tiled, 4));
+    assert_true(heeded("visibility.grid", "on", FNL_SHADING_VISIBILITY, tiled, 1));
+    assert_false(heeded("visibility.grid", "on", FNL_SHADING_VISIBILITY, tiled, 4));
+    assert_false(heeded("transparency", "linked", FNL_SHADING_INFERRED, tiled, 1));
+    assert_true(heeded("tiles.size", "8", FNL_SHADING_DEFERRED, tiled, 1));
+    assert_false(heeded("tiles.size", "8", FNL_SHADING_DEFERRED, clustered, 1));
+    assert_true(heeded("clusters.slices", "8", FNL_SHADING_DEFERRED, clustered, 1));
 }
 
 /* ---- the plan ---- */
@@ -511,7 +529,7 @@ static void test_verdicts_heed_the_spread(void **state) {
     assert_string_equal(bench_verdict(1, 0, 1, false), "reached");
     const struct bench_suite *suite = bench_suite_find("fine-pruned");
     struct bench_plan plan = {.skipped = json_array()};
-    struct bench_data data = {json_pack("{s:[],s:{s:s}}", "results", "device", "type", fnl_device_type_name(FNL_DEVICE_CPU)), NULL};
+    struct bench_data data = {json_pack("{s:[],s:{s:s}}", "results", "device", "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, FNL_DEVICE_CPU)), NULL};
     assert_true(bench_suite_plan(suite, 0, 0, &plan));
     assert_int_equal(plan.case_count, 3);
     for (uint32_t c = 0; c < plan.case_count; c++)
@@ -538,7 +556,7 @@ static void test_verdicts_heed_the_spread(void **state) {
     assert_string_equal(json_string_value(json_object_get(found, "headline")),
                         "2 of 9 ratios reached, 1 missed, 3 undecided: within the spread, 3 of wrong pictures.");
     assert_non_null(strstr(json_string_value(json_object_get(found, "warning")), "is a CPU"));
-    json_object_set_new(json_object_get(data.root, "device"), "type", json_string(fnl_device_type_name(FNL_DEVICE_DISCRETE)));
+    json_object_set_new(json_object_get(data.root, "device"), "type", json_string(fnl_value_name(FNL_ENUM_DEVICE_TYPE, FNL_DEVICE_DISCRETE)));
     bench_suite_conclude(suite, 0, 0, &data);
     assert_null(json_object_get(json_object_get(data.root, "suite"), "warning"));
     bench_plan_free(&plan);
@@ -572,9 +590,9 @@ static void test_suites_scale_their_clusters(void **state) {
     for (uint32_t c = 0; c < plan.case_count; c++)
         for (uint32_t i = 0; i < plan.cases[c].candidate_count; i++) {
             const char *options = plan.cases[c].candidates[i].options;
-            coarse += strncmp(options, "cluster-size=16,slices=", 23) == 0;
-            fine += strncmp(options, "cluster-size=8,slices=", 22) == 0;
-            assert_null(strstr(options, "cluster-size=64"));
+            coarse += strncmp(options, "clusters.size=16,clusters.slices=", 33) == 0;
+            fine += strncmp(options, "clusters.size=8,clusters.slices=", 32) == 0;
+            assert_null(strstr(options, "clusters.size=64"));
         }
     assert_int_equal(coarse, 18);
     assert_int_equal(fine, 18);
@@ -680,9 +698,9 @@ int main(void) {
                                        cmocka_unit_test(test_circles),
         cmocka_unit_test(test_conclusions),
         cmocka_unit_test(test_files_round_trip),
-        cmocka_unit_test(test_ways_and_list_options_are_one_text),
-        cmocka_unit_test(test_ways_that_an_order_heeds),
-        cmocka_unit_test(test_geometry_way),
+        cmocka_unit_test(test_candidate_options),
+        cmocka_unit_test(test_varied_options),
+        cmocka_unit_test(test_options_are_heeded),
         cmocka_unit_test(test_scenes_go_by_short_names),
         cmocka_unit_test(test_frames_are_taken_up_again),
         cmocka_unit_test(test_likely_ways_are_those_of_auto),

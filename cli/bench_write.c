@@ -23,8 +23,8 @@ json_t *bench_key(const struct bench_case *where, const struct bench_candidate *
                             where->lights < 0 ? json_null() : json_integer(where->lights), "width", (int)where->width,
                             "height", (int)where->height, "msaa", (int)where->msaa);
     if (key && what) {
-        json_object_set_new(key, "shading", json_string(fnl_shading_name(what->shading)));
-        json_object_set_new(key, "lists", json_string(fnl_light_lists_name(what->lists)));
+        json_object_set_new(key, "shading", json_string(fnl_value_name(FNL_ENUM_SHADING, what->shading)));
+        json_object_set_new(key, "lists", json_string(fnl_value_name(FNL_ENUM_LISTS, what->lists)));
         json_object_set_new(key, "options", json_string(what->options));
     }
     return key;
@@ -66,7 +66,7 @@ void bench_describe(const json_t *result, char *text, size_t capacity) {
 }
 
 void bench_describe_candidate(const struct bench_candidate *candidate, char *text, size_t capacity) {
-    describe(fnl_shading_name(candidate->shading), fnl_light_lists_name(candidate->lists), candidate->options, text, capacity);
+    describe(fnl_value_name(FNL_ENUM_SHADING, candidate->shading), fnl_value_name(FNL_ENUM_LISTS, candidate->lists), candidate->options, text, capacity);
 }
 
 void bench_describe_case(const json_t *results, const json_t *result, char *text, size_t capacity) {
@@ -200,8 +200,7 @@ static void append_field(struct text *t, const json_t *value) {
 /* A column is a key, or "times.statistic". */
 /* clang-format off */
 static const char *const columns[] = {
-    "scene", "width", "height", "msaa", "shading", "lists", "options", "gbuffer", "transparency", "decals", "msaa_method",
-    "visibility_sort", "visibility_barycentrics", "visibility_grid", "mobile_layout", "mobile_lights", "mobile_gamma", "dais", "dais_multirate", "cull", "geometry", "occlusion", "lights", "lights_in_view", "frames",
+    "scene", "width", "height", "msaa", "shading", "lists", "options", "lights", "lights_in_view", "frames",
     "frame_ms.median", "frame_ms.min", "frame_ms.p5", "frame_ms.p95", "frame_ms.mad",
     "gpu_ms.median", "gpu_ms.min", "gpu_ms.p5", "gpu_ms.p95", "gpu_ms.mad",
     "cpu_ms.median", "cpu_ms.min", "cpu_ms.p5", "cpu_ms.p95", "cpu_ms.mad",
@@ -212,17 +211,50 @@ static const char *const columns[] = {
     "equal", "differing_pixels", "max_difference"};
 /* clang-format on */
 
+/* The options that some result sets: a column each. An array of keys, in the order in which they appear. */
+static json_t *setting_columns(const json_t *root) {
+    json_t *keys = json_array(), *seen = json_object();
+    const json_t *result, *value;
+    const char *key;
+    size_t i;
+    json_array_foreach(json_object_get(root, "results"), i, result) {
+        json_object_foreach(json_object_get(result, "settings"), key, value) {
+            if (json_object_get(seen, key)) continue;
+            json_object_set_new(seen, key, json_true());
+            json_array_append_new(keys, json_string(key));
+        }
+    }
+    json_decref(seen);
+    return keys;
+}
+
+/* What a result sets, or the default. */
+static void append_setting(struct text *t, const json_t *result, const char *key) {
+    const fnl_frame usual = fnl_frame_default();
+    const json_t *value = json_object_get(json_object_get(result, "settings"), key);
+    char text[64] = "";
+    if (!value) fnl_frame_get(&usual, key, text, sizeof text);
+    append(t, ",", 1);
+    if (value) append_field(t, value);
+    else append(t, text, strlen(text));
+}
+
 static bool save_csv(const char *folder, const json_t *root) {
     enum { COUNT = sizeof columns / sizeof *columns };
     struct text t = {0};
+    json_t *settings = setting_columns(root), *key;
     const json_t *result;
-    size_t i;
+    size_t i, k;
     for (int c = 0; c < COUNT; c++) {
         char name[64];
         snprintf(name, sizeof name, "%s", columns[c]);
         for (char *dot = strchr(name, '.'); dot; dot = NULL) *dot = '_';
         if (c) append(&t, ",", 1);
         append(&t, name, strlen(name));
+    }
+    json_array_foreach(settings, k, key) {
+        append(&t, ",", 1);
+        append_field(&t, key);
     }
     append(&t, "\r\n", 2);
     json_array_foreach(json_object_get(root, "results"), i, result) {
@@ -238,9 +270,11 @@ static bool save_csv(const char *folder, const json_t *root) {
             else
                 append_field(&t, statistic ? json_object_get(value, statistic) : value);
         }
+        json_array_foreach(settings, k, key) append_setting(&t, result, json_string_value(key));
         append(&t, "\r\n", 2);
     }
     bool good = !t.failed && bench_save_file(folder, "results.csv", t.bytes, t.length);
+    json_decref(settings);
     free(t.bytes);
     return good;
 }

@@ -56,7 +56,7 @@ static bool has(const fnl_device_info *info, int i) { return *(const bool *)((co
 static void print_text(const fnl_device_info *infos, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         const fnl_device_info *d = &infos[i];
-        printf("%u  %s  (%s, %s, Vulkan %u.%u, %.1f GiB, MSAA up to %ux)\n", i, d->name, fnl_device_type_name(d->type),
+        printf("%u  %s  (%s, %s, Vulkan %u.%u, %.1f GiB, MSAA up to %ux)\n", i, d->name, fnl_value_name(FNL_ENUM_DEVICE_TYPE, d->type),
                d->driver, d->api_version_major, d->api_version_minor, (double)d->memory_bytes / (1 << 30), d->max_msaa);
         if (!d->usable) printf("   cannot be used: lacks %s\n", d->missing);
         for (int f = 0; f < FEATURE_COUNT; f++)
@@ -72,7 +72,7 @@ static int print_json(const fnl_device_info *infos, uint32_t count) {
         for (int f = 0; f < FEATURE_COUNT; f++) json_object_set_new(optional, features[f].name, json_boolean(has(d, f)));
         json_array_append_new(
             list, json_pack("{s:i,s:s,s:s,s:s,s:s#,s:b,s:s,s:I,s:i,s:i,s:o}", "index", (int)i, "name", d->name, "driver",
-                            d->driver, "type", fnl_device_type_name(d->type), "vulkan",
+                            d->driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, d->type), "vulkan",
                             (char[]){(char)('0' + d->api_version_major % 10), '.', (char)('0' + d->api_version_minor % 10)},
                             3, "usable", d->usable, "missing", d->missing, "memory_bytes", (json_int_t)d->memory_bytes,
                             "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "features", optional));

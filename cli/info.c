@@ -82,14 +82,14 @@ static void print_counts(const fnl_scene_info *info) {
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i <= FNL_LIGHT_SPOT || kinds[i])
             used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", i ? ", " : "(", kinds[i],
-                             fnl_light_kind_name((fnl_light_kind)i));
+                             fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     print_count("lights", info->light_count, info->light_count ? note : "");
     used = 0;
     for (int i = 0; i < FNL_DECAL_KIND_COUNT; i++)
         if (info->decal_kind_counts[i])
             used += snprintf(note + used, sizeof note - (size_t)used, "%s%u %s", used ? ", " : "(",
-                             info->decal_kind_counts[i], fnl_decal_kind_name((fnl_decal_kind)i));
+                             info->decal_kind_counts[i], fnl_value_name(FNL_ENUM_DECAL_KIND, (fnl_decal_kind)i));
     snprintf(note + used, sizeof note - (size_t)used, ")");
     if (info->decal_count) print_count("decals", info->decal_count, note);
     print_count("cameras", info->camera_count, "");
@@ -166,7 +166,7 @@ static void print_lights(const fnl_scene *scene, uint32_t count) {
         fnl_light_params light;
         fnl_scene_query_light(scene, i, &light);
         bool directional = light.kind == FNL_LIGHT_DIRECTIONAL, box = light.kind == FNL_LIGHT_BOX;
-        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_light_kind_name(light.kind), (double)light.intensity,
+        printf("  %-11s  %9.4g %-3s  color %.3f %.3f %.3f", fnl_value_name(FNL_ENUM_LIGHT_KIND, light.kind), (double)light.intensity,
                directional || box ? "lx" : "cd", (double)light.color[0], (double)light.color[1], (double)light.color[2]);
         if (!directional) {
             printf("  at %8.3f %8.3f %8.3f", (double)light.position.x, (double)light.position.y, (double)light.position.z);
@@ -262,7 +262,7 @@ static json_t *json_counts(const fnl_scene_info *info) {
 
 static json_t *json_light(const char *name, const fnl_light_params *light) {
     json_t *object =
-        json_pack("{s:s,s:s,s:f,s:[f,f,f]}", "name", name, "kind", fnl_light_kind_name(light->kind), "intensity", (double)light->intensity,
+        json_pack("{s:s,s:s,s:f,s:[f,f,f]}", "name", name, "kind", fnl_value_name(FNL_ENUM_LIGHT_KIND, light->kind), "intensity", (double)light->intensity,
                   "color", (double)light->color[0], (double)light->color[1], (double)light->color[2]);
     if (light->kind != FNL_LIGHT_DIRECTIONAL) {
         json_object_set_new(object, "position", json_vec3(light->position));

@@ -17,7 +17,7 @@ static void print_cost(const char *what, uint32_t bits, const struct gbuffer_que
 static void print_layout(fnl_gbuffer layout, const struct gbuffer_question *q) {
     fnl_gbuffer_info info;
     if (fnl_gbuffer_query_info(layout, &info) != FNL_OK) return;
-    printf("\n%s\n", fnl_gbuffer_name(layout));
+    printf("\n%s\n", fnl_value_name(FNL_ENUM_GBUFFER, layout));
     for (uint32_t t = 0; t < info.target_count; t++) {
         printf("  target %u, %u bits:", t, info.target_bits[t]);
         const char *separator = " ";
@@ -28,9 +28,9 @@ static void print_layout(fnl_gbuffer layout, const struct gbuffer_question *q) {
         }
         putchar('\n');
     }
-    printf("  normals: %s; can be", fnl_normal_encoding_name(info.normals));
+    printf("  normals: %s; can be", fnl_value_name(FNL_ENUM_NORMALS, info.normals));
     for (int e = FNL_NORMALS_OCTAHEDRAL; e < FNL_NORMALS_COUNT; e++)
-        if (info.encodings >> e & 1) printf(" %s", fnl_normal_encoding_name((fnl_normal_encoding)e));
+        if (info.encodings >> e & 1) printf(" %s", fnl_value_name(FNL_ENUM_NORMALS, (fnl_normal_encoding)e));
     putchar('\n');
     if (info.material_count) printf("  material IDs: %u\n", info.material_count);
     print_cost("here", info.bits, q);
@@ -41,7 +41,7 @@ static void print_layout(fnl_gbuffer layout, const struct gbuffer_question *q) {
 static void print_mobile(fnl_mobile_layout layout, const struct gbuffer_question *q) {
     fnl_mobile_target targets[8];
     uint32_t count = fnl_mobile_layout_targets(layout, targets, 8), bits = 0, used = 0;
-    printf("\nmobile %s\n", fnl_mobile_layout_name(layout));
+    printf("\nmobile %s\n", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, layout));
     for (uint32_t i = 0; i < count; i++) {
         printf("  target %u, %u bits: %s %u\n", i, targets[i].bits, targets[i].name, targets[i].used_bits);
         bits += targets[i].bits;

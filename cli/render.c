@@ -6,6 +6,7 @@
 #include "bench.h" /* camera paths */
 #include "commands.h"
 #include "loading.h"
+#include "options.h"
 #include "output.h"
 
 #include <errno.h>
@@ -17,104 +18,75 @@
 #include <strings.h>
 #include <unistd.h>
 
+/* The names that an option takes, in lines of their own behind its help; the default in brackets. */
+static void print_named(void) {
+    const fnl_frame usual = fnl_frame_default();
+    const char *key, *name;
+    for (uint32_t i = 0; (name = options_named(i, &key)); i++) {
+        fnl_option o;
+        char head[32], range[512], value[64];
+        if (!fnl_option_find(key, &o)) continue;
+        options_print_range(&o, range, sizeof range);
+        fnl_frame_get(&usual, key, value, sizeof value);
+        bool is_switch = o.kind == FNL_OPTION_SWITCH;
+        snprintf(head, sizeof head, "--%s%s", name, is_switch ? "" : o.kind == FNL_OPTION_NAME ? " KIND" : " N");
+        printf("  %-26s %s (%s)\n", head, o.help, value);
+        if (is_switch) continue;
+        /* Words of the range, wrapped. */
+        int column = 0;
+        for (char *word = strtok(range, " "); word; word = strtok(NULL, " ")) {
+            int length = (int)strlen(word);
+            if (column == 0 || column + 1 + length > 118) column = printf("%s%29s%s", column ? "\n" : "", "", word) - (column ? 1 : 0);
+            else column += printf(" %s", word);
+        }
+        putchar('\n');
+    }
+}
+
 static void print_help(void) {
     puts("Usage: fanal render SCENE -o OUT.png|OUT.exr|- [-o ...] [OPTIONS]\n"
+         "       fanal render --options [--json|--markdown]\n"
          "\n"
-         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole "
-         "lamps grass "
-         "onetile\n"
-         "nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
+         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole lamps\n"
+         "grass onetile nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
+         "Defaults are in brackets.\n"
          "\n"
          "Picture\n"
-         "  -o, --output FILE|-        file to write, or - for stdout; may be given several times\n"
-         "  --format KIND              format of -o -: png exr raw y4m (png; for a sequence y4m)\n"
+         "  -o, --output FILE|-        the file to write, - for stdout; can be given several times\n"
+         "  --format KIND              what -o - writes: png exr raw y4m (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
-         "  --camera NAME|INDEX        a camera of the scene (its first one, else one that frames the scene)\n"
-         "  --camera-path KIND|FILE    renders a sequence along a path: orbit or turntable (:N sets the pictures per turn), or a\n"
-         "                             file with lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
+         "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
+         "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a file\n"
+         "                             of lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
          "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
          "  --exposure EV|auto|none    EV100 (auto)\n"
-         "  --tonemap KIND             none khronos-neutral aces agx (khronos-neutral)\n"
-         "  --background R,G,B         radiance of the background, cd/m^2\n"
-         "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without lights gets some, and a sun)\n"
-         "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
-         "  --debug VIEW               shows this instead of the picture: albedo normal depth roughness lights cells\n"
-         "                             overdraw overshading tile-normals backfaces layers motion decals gbuffer-0 … gbuffer-4\n"
-         "                             material-id lit-forward edges halos coarse coarse-reason\n"
-         "                             dais-addresses dais-triangles dais-failures clusters atlas pages\n"
-         "  --aov LIST                 extra channels of the .exr: depth,normal,albedo,roughness,id,position,motion\n"
+         "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"
+         "  --ambient R,G,B            light from all directions, cd/m^2 (a scene without any light gets some, and a sun)\n"
+         "  --anisotropy N             most samples along the longer axis of a pixel's footprint in a texture, 1 to 16 (8)\n"
+         "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion\n"
+         "  --supersample N            the mean of N frames with different sample positions: ground truth\n"
          "\n"
          "Scene\n"
          "  --lights N                 scatters N point and spot lights through the scene\n"
-         "  --grow-metal N             grows the metallic areas of textures by N texels, against halos at their edges (0)\n"
-         "  --light-seed S             random seed of --lights (1)\n"
-         "  --light-shapes LIST        kinds of --lights: point,spot,capsule,wedge,box, each optionally with =SHARE (point=3,spot=1)\n"
-         "  --light-scale X            multiplies their radius by X (1)\n"
-         "  --range-roughness R        lights without a range reach as far as highlights on roughness R are visible (1)\n"
+         "  --light-seed S             the random seed for their places (1)\n"
+         "  --light-shapes LIST        which: point,spot,capsule,wedge,box, each with =SHARE or not (point=3,spot=1)\n"
+         "  --light-scale X            multiplies their radius (1)\n"
+         "  --range-roughness R        lights without a range reach as far as the highlights of roughness R do (1)\n"
+         "  --grow-metal N             grows metal areas of textures by N texels, against halos at their edges (0)\n"
          "  --time SECONDS             time of the animation (0)\n"
-         "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP);
-    puts(
-        "Method\n"
-        "  --shading KIND             forward forward-prepass deferred deferred-volumes light-prepass pre-lighting\n"
-        "                             low-res inferred light-indexed zioma visibility texturing\n"
-        "                             virtual-texturing coarse dais mobile auto\n"
-        "                             (deferred; with MSAA forward-prepass)\n"
-        "  --lists KIND               how a pixel finds its lights; auto measures them and takes the fastest (auto)\n"
-        "                             all tiled clustered clustered-cpu mesh batches multipass grid2d world halfz 2.5d\n"
-        "                             enhanced tree backface fine sparse bvh raster zbin\n"
-        "  --list-option KEY=VALUE,…  settings of the light lists; 'fanal render --list-option help' prints them\n"
-        "  --light-lod PIXELS         lights with a smaller radius on screen are drawn as points and light nothing\n"
-        "                             (0: off)\n"
-        "  --deferred-pass KIND       pass type of deferred lighting: compute, or fragment with a stencil test (compute)\n"
-        "  --gbuffer LAYOUT           for deferred orders: default siege killzone2 frostbite2 stalker clear-sky engel "
-        "destiny;\n"
-        "                             'fanal info --gbuffers' prints what each holds (default)\n"
-        "  --normals ENCODING         in the G-buffer: layout octahedral xyz xy spherical sphere-map stereographic view\n"
-        "                             best-fit float (layout: as the layout defines)\n"
-        "  --chroma                   stores luma and alternating chroma instead of base colour in the default layout\n"
-        "  --atlas-size N             virtual-texturing: maximum side of its atlas in texels (8192)\n"
-        "  --gradients KIND           texturing: texture gradients: stored, or derived from neighbouring pixels, which is\n"
-        "                             approximate (stored)\n"
-        "  --gbuffer-prepass          orders with a G-buffer, texturing, mobile: depth prepass, so that hidden\n"
-        "                             surfaces read no textures\n"
-        "  --class-blocks N           deferred: sorts blocks of NxN pixels (8 or 4) by the shader features that they need (0: off)\n"
-        "  --mobile-layout NAME       mobile: metallic-128 specular-160 metallic-256 specular-256 (metallic-128)\n"
-        "  --visibility-sort KIND     visibility: what pixels are sorted by before shading: off class material (off)\n"
-        "  --visibility-barycentrics  visibility, 1 sample: stores barycentrics, so that shading fetches no positions\n"
-        "  --visibility-grid          visibility, 1 sample: draws ids at half the size with 4 samples, a quarter of the fragments;\n"
-        "                             samples lie a quarter of a pixel off the pixel centres\n"
-        "  --mobile-lights KIND       mobile: how a pixel finds its lights: lists volumes (lists)\n"
-        "  --mobile LIST              mobile: any of gamma=srgb|sqrt|power, light=float|unorm, range=X, separate, recycle\n"
-        "  --dais KIND                dais: where references to triangles are stored: target list (target)\n"
-        "  --dais-multirate           dais: shades ambient light once per four pixels of a triangle: close, not equal\n"
-        "  --dais-cache N             dais: buckets of the triangle cache, a power of two up to 4194304 (65536)");
-    puts(
-        "  --coarse LIST              coarse: any of size=2|4|1, criterion=z|id|minmax, depth-factor=X (1), normal-degrees=X (2),\n"
-        "                             tolerance=X (0.05), albedo-tolerance=X (1), split=none|albedo|highlights|sharp,\n"
-        "                             filter=mean|sampled|none, ao=METRES (0: off), gather; the first of each is the default\n"
-        "  --shade-cost N             extra loop iterations per light evaluation, to imitate a more expensive material (0)\n"
-        "  --msaa N                   samples per pixel: 1 2 4 8 (1)\n"
-        "  --msaa-method KIND         deferred: which samples are shaded: all tiles stencil compact coverage aggregate\n"
-        "                             (compact)\n"
-        "  --msaa-groups N            aggregate: maximum number of surfaces per pixel, 2 or 3 (2)\n"
-        "  --msaa-tolerance X         deferred: samples that differ by less than this, 0 to 1, count as one surface (0)");
-    puts("  --decals KIND              how decals are applied: lists gbuffer off (lists); gbuffer is for deferred,\n"
-         "                             deferred-volumes and mobile with one sample per pixel, everything else uses lists;\n"
-         "                             'gbuffer,no-mip-fix' shows the fringe without the fix\n"
-         "  --cull KIND                granularity of culling: instances clusters triangles (instances)\n"
-         "  --geometry KIND            draws the remaining clusters by vertex shaders or mesh shaders: vertex mesh auto (vertex)\n"
-         "  --occlusion                culls occluded geometry, by hierarchical depth in two phases\n"
-         "  --transparency KIND        how blended surfaces are composed: sorted weighted linked (sorted)\n"
-         "  --aa KIND                  antialiasing of edges: none mlaa smaa taa (none); taa collects 16 frames\n"
-         "  --supersample N            averages N frames with different sample positions: ground truth\n"
+         "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP "\n"
+         "Method");
+    print_named();
+    puts("  --set KEY=VALUE            any option of a frame; can be given several times. 'fanal render --options' prints\n"
+         "                             all of them, with what they take and who heeds them; with --json for programs\n"
          "\n"
          "Run\n"
-         "  --frame-time SECONDS       time between the pictures of a sequence; an output with %d or %04d in its name is a\n"
-         "                             sequence of --frames pictures (1/30)\n"
-         "  --start-frame N            number of the first picture of a sequence (0); it ends where --frames says\n"
-         "  --choose-seconds S         with --frames 2 or more: how long auto may measure first (20)\n"
          "  --frames N                 renders N frames and reports medians (1); 0: only the picture, as fast as possible\n"
-         "  --stats FILE|-             writes the numbers as JSON; for a sequence one line per picture\n"
+         "  --frame-time SECONDS       outputs with %d or %04d in their names are a sequence of --frames pictures; the\n"
+         "                             animation advances by this much between them (1/30)\n"
+         "  --start-frame N            starts a sequence at picture N (0); it ends where --frames says\n"
+         "  --choose-seconds S         with --frames 2 or more: how long auto may measure before them (20)\n"
+         "  --stats FILE|-             writes the numbers as JSON, for a sequence a line per picture\n"
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
@@ -122,38 +94,19 @@ static void print_help(void) {
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n"
          "\n"
-         "With -o - or --stats - all that is printed otherwise goes to stderr.\n"
-         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind, of a sequence only\n"
-         "whole pictures.\n"
+         "With -o - or --stats - everything else is printed to stderr.\n"
+         "Exit status: 0 when everything was written, 2 on an error; then no output file is left behind, and of a sequence\n"
+         "only whole pictures.\n"
          "\n"
          "Examples:\n"
          "  fanal render builtin:hall --lights 500 -o hall.png\n"
-         "  fanal render \"builtin:city?lights=65536\" --shading deferred --lists tiled --frames 20 --stats city.json -o "
-         "city.png\n"
-         "  fanal render \"builtin:hall\" --aov depth,normal -o hall.exr --debug lights -o hall-lights.png\n"
+         "  fanal render 'builtin:city?lights=65536' --shading deferred --lists tiled --frames 20 --stats city.json -o city.png\n"
+         "  fanal render builtin:hall --shading coarse --set coarse.size=4 -o coarse.png\n"
+         "  fanal render builtin:hall --aov depth,normal -o hall.exr --debug lights -o hall-lights.png\n"
          "  fanal render builtin:spheres --camera-path orbit:90 -o - --format y4m | ffmpeg -i - spheres.mp4");
 }
 
 /* ---- reading arguments ---- */
-
-static const char *shading_name(int i) { return fnl_shading_name((fnl_shading)i); }
-static const char *lists_name(int i) { return fnl_light_lists_name((fnl_light_lists)i); }
-static const char *msaa_method_name(int i) { return fnl_msaa_method_name((fnl_msaa_method)i); }
-static const char *dais_mode_name(int i) { return fnl_dais_mode_name((fnl_dais_mode)i); }
-static const char *transparency_name(int i) { return fnl_transparency_name((fnl_transparency)i); }
-static const char *decals_name(int i) { return fnl_decals_name((fnl_decals)i); }
-static const char *mobile_lights_name(int i) { return fnl_mobile_lights_name((fnl_mobile_lights)i); }
-static const char *culling_name(int i) { return fnl_culling_name((fnl_culling)i); }
-static const char *geometry_name(int i) { return fnl_geometry_name((fnl_geometry)i); }
-static const char *mobile_layout_name(int i) { return fnl_mobile_layout_name((fnl_mobile_layout)i); }
-static const char *antialiasing_name(int i) { return fnl_antialiasing_name((fnl_antialiasing)i); }
-static const char *visibility_sort_name(int i) { return fnl_visibility_sort_name((fnl_visibility_sort)i); }
-static const char *deferred_pass_name(int i) { return fnl_deferred_pass_name((fnl_deferred_pass)i); }
-static const char *gbuffer_name(int i) { return fnl_gbuffer_name((fnl_gbuffer)i); }
-static const char *normals_name(int i) { return fnl_normal_encoding_name((fnl_normal_encoding)i); }
-static const char *gradients_name(int i) { return fnl_gradients_name((fnl_gradients)i); }
-static const char *tonemap_name(int i) { return fnl_tonemap_name((fnl_tonemap)i); }
-static const char *debug_name(int i) { return fnl_debug_view_name((fnl_debug_view)i); }
 
 static bool parse_aov(const char *text, uint32_t *aovs) {
     char copy[128];
@@ -185,58 +138,27 @@ static bool add_output(struct render_options *o, const char *path) {
     return true;
 }
 
-enum { OPTION_FIRST = 256 };
 enum {
-    O_SIZE = OPTION_FIRST,
+    O_SIZE = 256,
     O_CAMERA,
     O_EYE,
     O_LOOK_AT,
     O_FOV,
-    O_SHADING,
-    O_LISTS,
-    O_LIST_OPTION,
-    O_MSAA,
-    O_MSAA_METHOD,
-    O_MSAA_GROUPS,
-    O_MSAA_TOLERANCE,
-    O_AA,
-    O_GBUFFER_PREPASS,
-    O_MOBILE,
-    O_VISIBILITY_SORT,
-    O_VISIBILITY_BARYCENTRICS,
-    O_COARSE,
-    O_SHADE_COST,
-    O_VISIBILITY_GRID,
+    O_SET,
+    O_OPTIONS,
+    O_JSON,
+    O_MARKDOWN,
     O_GROW_METAL,
-    O_MOBILE_LAYOUT,
-    O_MOBILE_LIGHTS,
-    O_DAIS,
-    O_DAIS_MULTIRATE,
-    O_DAIS_CACHE,
     O_TRAFFIC,
-    O_TRANSPARENCY,
-    O_DEFERRED_PASS,
-    O_GBUFFER,
-    O_NORMALS,
-    O_CHROMA,
-    O_GRADIENTS,
-    O_ATLAS_SIZE,
     O_SUPERSAMPLE,
     O_FRAME_TIME,
-    O_DECALS,
-    O_CULL,
-    O_OCCLUSION,
-    O_GEOMETRY,
-    O_CLASS_BLOCKS,
     O_LIGHTS,
     O_LIGHT_SEED,
     O_LIGHT_SHAPES,
     O_LIGHT_SCALE,
     O_RANGE_ROUGHNESS,
-    O_LIGHT_LOD,
     O_CHOOSE_SECONDS,
     O_EXPOSURE,
-    O_TONEMAP,
     O_BACKGROUND,
     O_AMBIENT,
     O_ANISOTROPY,
@@ -245,35 +167,45 @@ enum {
     O_FRAMES,
     O_DEVICE,
     O_VALIDATE,
-    O_DEBUG,
     O_AOV,
     O_STATS,
     O_PLAN,
     O_CAMERA_PATH,
     O_START_FRAME,
     O_FORMAT,
-    OPTION_END
+    O_NAMED = 512 /* and up: options_named() */
 };
 
-/* "gbuffer,no-mip-fix": the way, and a switch that shows what it would be without. */
-static bool parse_decals(const char *text, fnl_frame *frame) {
-    static const char suffix[] = ",no-mip-fix";
-    char way[32];
-    size_t length = strlen(text), without = length >= sizeof suffix - 1 ? length - (sizeof suffix - 1) : 0;
-    bool plain = !without || strcmp(text + without, suffix) != 0;
-    snprintf(way, sizeof way, "%.*s", (int)(plain ? length : without), text);
-    int index;
-    if (!argument_name("decals", way, decals_name, &index)) return false;
-    frame->decals = (fnl_decals)index;
-    frame->decal_mip_fix = plain;
+/* Options of the frame by their keys, and whose use may be worth a warning. */
+static bool set_option(struct render_options *o, const char *option, const char *key, const char *value) {
+    if (o->given_count == RENDER_MAX_GIVEN) return argument_bad(option, value, "among the first 128 options");
+    o->given[o->given_count++] = key;
+    return options_set(&o->frame, option, key, value);
+}
+
+static bool set_text(struct render_options *o, const char *text) {
+    const char *key = NULL;
+    if (o->given_count == RENDER_MAX_GIVEN) return argument_bad("set", text, "among the first 128 options");
+    if (!options_set_text(&o->frame, "set", text, &key)) return false;
+    o->given[o->given_count++] = key;
     return true;
+}
+
+static bool was_given(const struct render_options *o, const char *key) {
+    for (int i = 0; i < o->given_count; i++)
+        if (strcmp(o->given[i], key) == 0) return true;
+    return false;
 }
 
 static bool parse_option(struct render_options *o, int option, const char *value) {
     long long integer;
     double number;
     int index;
+    const char *key, *name = option >= O_NAMED ? options_named((uint32_t)(option - O_NAMED), &key) : NULL;
+    if (name) return set_option(o, name, key, value ? value : "on");
     switch (option) {
+    case O_SET:
+        return set_text(o, value);
     case 'o':
         return add_output(o, value);
     case 'q':
@@ -295,124 +227,12 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
         o->fov = (float)(number * 3.14159265358979323846 / 180);
         return true;
-    case O_SHADING:
-        o->has_shading = true;
-        if (!argument_name("shading", value, shading_name, &index)) return false;
-        o->frame.shading = (fnl_shading)index;
-        return true;
-    case O_LISTS:
-        if (!argument_name("lists", value, lists_name, &index)) return false;
-        o->frame.lists = (fnl_light_lists)index;
-        return true;
-    case O_LIST_OPTION:
-        return argument_list_options("list-option", value, &o->frame.list_options);
-    case O_MSAA:
-        if (!argument_integer("msaa", value, 1, 8, &integer)) return false;
-        if (integer & (integer - 1)) return argument_bad("msaa", value, "one of 1 2 4 8");
-        o->frame.msaa = (uint32_t)integer;
-        return true;
-    case O_MSAA_METHOD:
-        if (!argument_name("msaa-method", value, msaa_method_name, &index)) return false;
-        o->frame.msaa_method = (fnl_msaa_method)index;
-        return true;
-    case O_MSAA_GROUPS:
-        if (!argument_integer("msaa-groups", value, 2, 3, &integer)) return false;
-        o->frame.msaa_groups = (uint32_t)integer;
-        return true;
-    case O_MSAA_TOLERANCE:
-        if (!argument_number("msaa-tolerance", value, &number)) return false;
-        if (!(number >= 0 && number <= 1)) return argument_bad("msaa-tolerance", value, "a number from 0 to 1");
-        o->frame.msaa_tolerance = (float)number;
-        return true;
     case O_GROW_METAL:
         if (!argument_integer("grow-metal", value, 0, 64, &integer)) return false;
         o->grow_metal = (uint32_t)integer;
         return true;
-    case O_MOBILE:
-        return argument_mobile("mobile", value, &o->frame.mobile);
-    case O_VISIBILITY_GRID:
-        o->frame.visibility.grid = true;
-        return true;
-    case O_VISIBILITY_BARYCENTRICS:
-        o->frame.visibility.barycentrics = true;
-        return true;
-    case O_VISIBILITY_SORT:
-        if (!argument_name("visibility-sort", value, visibility_sort_name, &index)) return false;
-        o->frame.visibility.sort = (fnl_visibility_sort)index;
-        return true;
-    case O_COARSE:
-        return argument_coarse("coarse", value, &o->frame.coarse);
-    case O_SHADE_COST:
-        if (!argument_integer("shade-cost", value, 0, 100000, &integer)) return false;
-        o->frame.shade_cost = (uint32_t)integer;
-        return true;
-    case O_MOBILE_LAYOUT:
-        if (!argument_name("mobile-layout", value, mobile_layout_name, &index)) return false;
-        o->frame.mobile.layout = (fnl_mobile_layout)index;
-        return true;
-    case O_MOBILE_LIGHTS:
-        if (!argument_name("mobile-lights", value, mobile_lights_name, &index)) return false;
-        o->frame.mobile.lights = (fnl_mobile_lights)index;
-        return true;
-    case O_DAIS:
-        if (!argument_name("dais", value, dais_mode_name, &index)) return false;
-        o->frame.dais.mode = (fnl_dais_mode)index;
-        return true;
-    case O_DAIS_MULTIRATE:
-        o->frame.dais.multirate = true;
-        return true;
-    case O_DAIS_CACHE:
-        if (!argument_integer("dais-cache", value, 1, 1 << 22, &integer)) return false;
-        if (integer & (integer - 1)) return argument_bad("dais-cache", value, "a power of two");
-        o->frame.dais.cache_buckets = (uint32_t)integer;
-        return true;
     case O_TRAFFIC:
         o->traffic = true;
-        return true;
-    case O_TRANSPARENCY:
-        if (!argument_name("transparency", value, transparency_name, &index)) return false;
-        o->frame.transparency = (fnl_transparency)index;
-        return true;
-    case O_DECALS:
-        return parse_decals(value, &o->frame);
-    case O_OCCLUSION:
-        o->frame.occlusion = true;
-        return true;
-    case O_GEOMETRY:
-        if (!argument_name("geometry", value, geometry_name, &index)) return false;
-        o->frame.geometry = (fnl_geometry)index;
-        return true;
-    case O_CULL:
-        if (!argument_name("cull", value, culling_name, &index)) return false;
-        o->frame.culling = (fnl_culling)index;
-        return true;
-    case O_AA:
-        if (!argument_name("aa", value, antialiasing_name, &index)) return false;
-        o->frame.aa = (fnl_antialiasing)index;
-        return true;
-    case O_DEFERRED_PASS:
-        if (!argument_name("deferred-pass", value, deferred_pass_name, &index)) return false;
-        o->frame.deferred_pass = (fnl_deferred_pass)index;
-        return true;
-    case O_GBUFFER:
-        if (!argument_name("gbuffer", value, gbuffer_name, &index)) return false;
-        o->frame.gbuffer = (fnl_gbuffer)index;
-        return true;
-    case O_NORMALS:
-        if (!argument_name("normals", value, normals_name, &index)) return false;
-        o->frame.normals = (fnl_normal_encoding)index;
-        return true;
-    case O_ATLAS_SIZE:
-        if (!argument_integer("atlas-size", value, 256, 8192, &integer)) return false;
-        if (integer % 256) return argument_bad("atlas-size", value, "a multiple of 256");
-        o->frame.atlas_size = (uint32_t)integer;
-        return true;
-    case O_GRADIENTS:
-        if (!argument_name("gradients", value, gradients_name, &index)) return false;
-        o->frame.gradients = (fnl_gradients)index;
-        return true;
-    case O_CHROMA:
-        o->frame.chroma = true;
         return true;
     case O_SUPERSAMPLE:
         if (!argument_integer("supersample", value, 1, 4096, &integer)) return false;
@@ -421,14 +241,6 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_FRAME_TIME:
         if (!argument_number("frame-time", value, &o->frame_time)) return false;
         return (o->has_frame_time = o->frame_time >= 0) || argument_bad("frame-time", value, "a number of seconds");
-    case O_GBUFFER_PREPASS:
-        o->frame.gbuffer_prepass = true;
-        return true;
-    case O_CLASS_BLOCKS:
-        if (!argument_integer("class-blocks", value, 0, 8, &integer)) return false;
-        if (integer % 4) return argument_bad("class-blocks", value, "one of 0 4 8");
-        o->frame.class_blocks = (uint32_t)integer;
-        return true;
     case O_LIGHTS:
         if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
         o->scatter.count = (uint32_t)integer;
@@ -444,11 +256,6 @@ static bool parse_option(struct render_options *o, int option, const char *value
         if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
         o->scatter.radius_scale = (float)number;
         return true;
-    case O_LIGHT_LOD:
-        if (!argument_number("light-lod", value, &number)) return false;
-        if (!(number >= 0 && number <= 1e6)) return argument_bad("light-lod", value, "a number of pixels");
-        o->frame.light_lod = (float)number;
-        return true;
     case O_CHOOSE_SECONDS:
         if (!argument_number("choose-seconds", value, &number)) return false;
         if (!(number >= 0 && number <= 1e6)) return argument_bad("choose-seconds", value, "a number of seconds");
@@ -462,10 +269,6 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_EXPOSURE:
         return parse_exposure(value, &o->frame);
-    case O_TONEMAP:
-        if (!argument_name("tonemap", value, tonemap_name, &index)) return false;
-        o->frame.tonemap = (fnl_tonemap)index;
-        return true;
     case O_ANISOTROPY:
         if (!argument_number("anisotropy", value, &number)) return false;
         if (!(number >= 1 && number <= 16)) return argument_bad("anisotropy", value, "a number from 1 to 16");
@@ -494,10 +297,6 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_VALIDATE:
         o->validate = true;
         return true;
-    case O_DEBUG:
-        if (!argument_name("debug", value, debug_name, &index)) return false;
-        o->frame.debug = (fnl_debug_view)index;
-        return true;
     case O_AOV:
         return parse_aov(value, &o->aovs);
     case O_STATS:
@@ -523,76 +322,57 @@ static bool parse_option(struct render_options *o, int option, const char *value
     }
 }
 
-static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
-                                             {"quiet", no_argument, NULL, 'q'},
-                                             {"help", no_argument, NULL, 'h'},
-                                             {"size", required_argument, NULL, O_SIZE},
-                                             {"camera", required_argument, NULL, O_CAMERA},
-                                             {"eye", required_argument, NULL, O_EYE},
-                                             {"look-at", required_argument, NULL, O_LOOK_AT},
-                                             {"fov", required_argument, NULL, O_FOV},
-                                             {"shading", required_argument, NULL, O_SHADING},
-                                             {"lists", required_argument, NULL, O_LISTS},
-                                             {"list-option", required_argument, NULL, O_LIST_OPTION},
-                                             {"msaa", required_argument, NULL, O_MSAA},
-                                             {"msaa-method", required_argument, NULL, O_MSAA_METHOD},
-                                             {"msaa-groups", required_argument, NULL, O_MSAA_GROUPS},
-                                             {"msaa-tolerance", required_argument, NULL, O_MSAA_TOLERANCE},
-                                             {"aa", required_argument, NULL, O_AA},
-                                             {"coarse", required_argument, NULL, O_COARSE},
-                                             {"shade-cost", required_argument, NULL, O_SHADE_COST},
-                                             {"deferred-pass", required_argument, NULL, O_DEFERRED_PASS},
-                                             {"gbuffer", required_argument, NULL, O_GBUFFER},
-                                             {"normals", required_argument, NULL, O_NORMALS},
-                                             {"chroma", no_argument, NULL, O_CHROMA},
-                                             {"atlas-size", required_argument, NULL, O_ATLAS_SIZE},
-                                             {"gradients", required_argument, NULL, O_GRADIENTS},
-                                             {"supersample", required_argument, NULL, O_SUPERSAMPLE},
-                                             {"frame-time", required_argument, NULL, O_FRAME_TIME},
-                                             {"gbuffer-prepass", no_argument, NULL, O_GBUFFER_PREPASS},
-                                             {"transparency", required_argument, NULL, O_TRANSPARENCY},
-                                             {"decals", required_argument, NULL, O_DECALS},
-                                             {"occlusion", no_argument, NULL, O_OCCLUSION},
-                                             {"cull", required_argument, NULL, O_CULL},
-                                             {"geometry", required_argument, NULL, O_GEOMETRY},
-                                             {"mobile", required_argument, NULL, O_MOBILE},
-                                             {"visibility-sort", required_argument, NULL, O_VISIBILITY_SORT},
-                                             {"visibility-barycentrics", no_argument, NULL, O_VISIBILITY_BARYCENTRICS},
-                                             {"visibility-grid", no_argument, NULL, O_VISIBILITY_GRID},
-                                             {"grow-metal", required_argument, NULL, O_GROW_METAL},
-                                             {"mobile-layout", required_argument, NULL, O_MOBILE_LAYOUT},
-                                             {"mobile-lights", required_argument, NULL, O_MOBILE_LIGHTS},
-                                             {"dais", required_argument, NULL, O_DAIS},
-                                             {"dais-multirate", no_argument, NULL, O_DAIS_MULTIRATE},
-                                             {"dais-cache", required_argument, NULL, O_DAIS_CACHE},
-                                             {"traffic", no_argument, NULL, O_TRAFFIC},
-                                             {"class-blocks", required_argument, NULL, O_CLASS_BLOCKS},
-                                             {"lights", required_argument, NULL, O_LIGHTS},
-                                             {"light-seed", required_argument, NULL, O_LIGHT_SEED},
-                                             {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
-                                             {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
-                                             {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
-                                             {"light-lod", required_argument, NULL, O_LIGHT_LOD},
-                                             {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},
-                                             {"exposure", required_argument, NULL, O_EXPOSURE},
-                                             {"tonemap", required_argument, NULL, O_TONEMAP},
-                                             {"anisotropy", required_argument, NULL, O_ANISOTROPY},
-                                             {"background", required_argument, NULL, O_BACKGROUND},
-                                             {"ambient", required_argument, NULL, O_AMBIENT},
-                                             {"time", required_argument, NULL, O_TIME},
-                                             {"animation", required_argument, NULL, O_ANIMATION},
-                                             {"frames", required_argument, NULL, O_FRAMES},
-                                             {"device", required_argument, NULL, O_DEVICE},
-                                             {"validate", no_argument, NULL, O_VALIDATE},
-                                             {"debug", required_argument, NULL, O_DEBUG},
-                                             {"aov", required_argument, NULL, O_AOV},
-                                             {"stats", required_argument, NULL, O_STATS},
-                                             {"plan", no_argument, NULL, O_PLAN},
-                                             {"camera-path", required_argument, NULL, O_CAMERA_PATH},
-                                             {"start-frame", required_argument, NULL, O_START_FRAME},
-                                             {"format", required_argument, NULL, O_FORMAT},
-                                             LOADING_OPTIONS,
-                                             {NULL, 0, NULL, 0}};
+static const struct option own_options[] = {
+    {"output", required_argument, NULL, 'o'},
+    {"quiet", no_argument, NULL, 'q'},
+    {"help", no_argument, NULL, 'h'},
+    {"size", required_argument, NULL, O_SIZE},
+    {"camera", required_argument, NULL, O_CAMERA},
+    {"eye", required_argument, NULL, O_EYE},
+    {"look-at", required_argument, NULL, O_LOOK_AT},
+    {"fov", required_argument, NULL, O_FOV},
+    {"set", required_argument, NULL, O_SET},
+    {"options", no_argument, NULL, O_OPTIONS},
+    {"json", no_argument, NULL, O_JSON},
+    {"markdown", no_argument, NULL, O_MARKDOWN},
+    {"grow-metal", required_argument, NULL, O_GROW_METAL},
+    {"traffic", no_argument, NULL, O_TRAFFIC},
+    {"supersample", required_argument, NULL, O_SUPERSAMPLE},
+    {"frame-time", required_argument, NULL, O_FRAME_TIME},
+    {"lights", required_argument, NULL, O_LIGHTS},
+    {"light-seed", required_argument, NULL, O_LIGHT_SEED},
+    {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
+    {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
+    {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
+    {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},
+    {"exposure", required_argument, NULL, O_EXPOSURE},
+    {"background", required_argument, NULL, O_BACKGROUND},
+    {"ambient", required_argument, NULL, O_AMBIENT},
+    {"anisotropy", required_argument, NULL, O_ANISOTROPY},
+    {"time", required_argument, NULL, O_TIME},
+    {"animation", required_argument, NULL, O_ANIMATION},
+    {"frames", required_argument, NULL, O_FRAMES},
+    {"device", required_argument, NULL, O_DEVICE},
+    {"validate", no_argument, NULL, O_VALIDATE},
+    {"aov", required_argument, NULL, O_AOV},
+    {"stats", required_argument, NULL, O_STATS},
+    {"plan", no_argument, NULL, O_PLAN},
+    {"camera-path", required_argument, NULL, O_CAMERA_PATH},
+    {"start-frame", required_argument, NULL, O_START_FRAME},
+    {"format", required_argument, NULL, O_FORMAT},
+    LOADING_OPTIONS,
+};
+enum { OWN_COUNT = sizeof own_options / sizeof *own_options, LONG_MAX_COUNT = OWN_COUNT + 32 };
+
+/* Its own, and those of a frame that have names. */
+static void make_long_options(struct option out[LONG_MAX_COUNT]) {
+    const char *name;
+    memcpy(out, own_options, sizeof own_options);
+    int count = OWN_COUNT;
+    for (uint32_t i = 0; (name = options_named(i, NULL)); i++)
+        out[count++] = (struct option){name, strcmp(name, "occlusion") == 0 ? no_argument : required_argument, NULL, O_NAMED + (int)i};
+    out[count] = (struct option){0};
+}
 
 /* Of two outputs that are one file the first would be lost. Patterns of sequences count without the widths of their numbers. */
 static bool is_same_file(const char *a, const char *b) {
@@ -657,43 +437,18 @@ static bool check_options(struct render_options *o) {
     return !problem;
 }
 
-/* Settings of orders that are not rendered with are harmless, but hardly what was meant. auto may take any order, so it may need any. */
-static void warn_of_unused(const struct render_options *o, const bool *given) {
-#define ORDER(order) (1u << FNL_SHADING_##order)
-    static const struct {
-        const char *name;
-        int option;
-        uint32_t orders;
-    } settings[] = {{"visibility-sort", O_VISIBILITY_SORT, ORDER(VISIBILITY)},
-                    {"visibility-barycentrics", O_VISIBILITY_BARYCENTRICS, ORDER(VISIBILITY)},
-                    {"visibility-grid", O_VISIBILITY_GRID, ORDER(VISIBILITY)},
-                    {"gradients", O_GRADIENTS, ORDER(TEXTURING)},
-                    {"atlas-size", O_ATLAS_SIZE, ORDER(VIRTUAL_TEXTURING)},
-                    {"coarse", O_COARSE, ORDER(COARSE)},
-                    {"dais", O_DAIS, ORDER(DAIS)},
-                    {"dais-multirate", O_DAIS_MULTIRATE, ORDER(DAIS)},
-                    {"dais-cache", O_DAIS_CACHE, ORDER(DAIS)},
-                    {"mobile", O_MOBILE, ORDER(MOBILE)},
-                    {"mobile-layout", O_MOBILE_LAYOUT, ORDER(MOBILE)},
-                    {"mobile-lights", O_MOBILE_LIGHTS, ORDER(MOBILE)},
-                    {"class-blocks", O_CLASS_BLOCKS, ORDER(DEFERRED)},
-                    {"deferred-pass", O_DEFERRED_PASS, ORDER(DEFERRED)},
-                    {"msaa-method", O_MSAA_METHOD, ORDER(DEFERRED)},
-                    {"msaa-groups", O_MSAA_GROUPS, ORDER(DEFERRED)},
-                    {"msaa-tolerance", O_MSAA_TOLERANCE, ORDER(DEFERRED)},
-                    {"gbuffer", O_GBUFFER, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
-                    {"normals", O_NORMALS, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
-                    {"chroma", O_CHROMA, ORDER(DEFERRED) | ORDER(DEFERRED_VOLUMES)},
-                    {"gbuffer-prepass", O_GBUFFER_PREPASS,
-                     ~(ORDER(FORWARD) | ORDER(FORWARD_PREPASS) | ORDER(INFERRED) | ORDER(LIGHT_INDEXED) | ORDER(ZIOMA) |
-                       ORDER(VISIBILITY) | ORDER(DAIS))},
-                    {"occlusion", O_OCCLUSION, ~(ORDER(LOW_RES) | ORDER(INFERRED))}};
-#undef ORDER
-    if (o->frame.shading == FNL_SHADING_AUTO || o->quiet) return;
-    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
-        if (given[settings[i].option - OPTION_FIRST] && !(settings[i].orders >> o->frame.shading & 1))
-            fprintf(stderr, "fanal: warning: --%s has no effect with --shading %s\n", settings[i].name,
-                    fnl_shading_name(o->frame.shading));
+/* Options that this frame ignores are harmless, but hardly what was meant. auto may take any path or list, so it may need any. */
+static void warn_of_unused(const struct render_options *o) {
+    fnl_option option;
+    for (int i = 0; i < o->given_count && !o->quiet; i++) {
+        if (!fnl_option_find(o->given[i], &option)) continue;
+        if (o->frame.shading != FNL_SHADING_AUTO && !(option.shadings >> o->frame.shading & 1))
+            fprintf(stderr, "fanal: warning: %s has no effect with --shading %s\n", option.key,
+                    fnl_value_name(FNL_ENUM_SHADING, o->frame.shading));
+        if (o->frame.lists != FNL_LISTS_AUTO && !(option.lists >> o->frame.lists & 1))
+            fprintf(stderr, "fanal: warning: %s has no effect with --lists %s\n", option.key,
+                    fnl_value_name(FNL_ENUM_LISTS, o->frame.lists));
+    }
 }
 
 int command_render(int argc, char **argv) {
@@ -703,10 +458,12 @@ int command_render(int argc, char **argv) {
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
-    bool given[OPTION_END - OPTION_FIRST] = {false};
+    struct option long_options[LONG_MAX_COUNT];
+    bool prints_options = false;
+    enum options_form form = OPTIONS_TEXT;
+    make_long_options(long_options);
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
-        if (option >= OPTION_FIRST) given[option - OPTION_FIRST] = true;
         if (option == 'h') {
             print_help();
             return 0;
@@ -715,7 +472,19 @@ int command_render(int argc, char **argv) {
             fputs("fanal: see 'fanal render --help'\n", stderr);
             return 2;
         }
+        if (option == O_OPTIONS) prints_options = true;
+        if (option == O_JSON) form = OPTIONS_JSON;
+        if (option == O_MARKDOWN) form = OPTIONS_MARKDOWN;
+        if (option == O_OPTIONS || option == O_JSON || option == O_MARKDOWN) continue;
         if (!(loading_has(option) ? loading_parse(option, optarg, &o.loading) : parse_option(&o, option, optarg))) return 2;
+    }
+    if (prints_options) {
+        options_print(form);
+        return 0;
+    }
+    if (form != OPTIONS_TEXT) {
+        fputs("fanal: error: --json and --markdown belong to --options; --stats FILE writes the numbers of a frame as JSON\n", stderr);
+        return 2;
     }
     if (argc - optind != 1) {
         fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal render --help'\n", argc - optind);
@@ -723,7 +492,7 @@ int command_render(int argc, char **argv) {
     }
     o.scene = argv[optind];
     if (!check_options(&o) || !check_files(&o)) return 2;
-    if (!o.has_shading && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
-    warn_of_unused(&o, given);
+    if (!was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
+    warn_of_unused(&o);
     return render_run(&o);
 }

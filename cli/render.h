@@ -5,7 +5,7 @@
 
 #include "fanal/fanal.h"
 
-enum { RENDER_MAX_OUTPUTS = 16 };
+enum { RENDER_MAX_OUTPUTS = 16, RENDER_MAX_GIVEN = 128 };
 enum render_aov {
     RENDER_AOV_DEPTH,
     RENDER_AOV_NORMAL,
@@ -22,8 +22,10 @@ enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 struct render_options {
     const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *camera_path, *animation, *device, *stats;
     int output_count;
+    const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
+    int given_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_shading, has_background, has_ambient, has_anisotropy, validate, quiet, plan, traffic;
+    bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, validate, quiet, plan, traffic;
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy;
     float fov;                  /* radians; 0: the camera's */

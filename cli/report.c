@@ -34,7 +34,7 @@ static struct report_summary pass_summary(const struct render_report *r, uint32_
 
 void report_print_picture(const struct render_report *r, double seconds) {
     printf("%ux%u, %s, %s lists, %u lights: the frame took %.2f s on %s, everything %.2f s\n", r->frame.width,
-           r->frame.height, fnl_shading_name(r->stats.shading), fnl_light_lists_name(r->stats.lists), r->stats.lights_total,
+           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, r->stats.shading), fnl_value_name(FNL_ENUM_LISTS, r->stats.lists), r->stats.lights_total,
            r->stats.gpu_milliseconds * 1e-3, r->device.name, seconds);
 }
 
@@ -42,7 +42,7 @@ void report_print(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     printf("%s, %s\n", r->device.name, r->device.driver);
     printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
-           r->frame.height, fnl_shading_name(s->shading), fnl_light_lists_name(s->lists), r->frame.msaa,
+           r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), r->frame.msaa,
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
     if (s->choice[0]) printf("auto: %s\n", s->choice);
     struct report_summary gpu = report_summarise(r->gpu_times, r->frame_count), cpu = report_summarise(r->cpu_times, r->frame_count);
@@ -77,13 +77,13 @@ void report_print(const struct render_report *r) {
                "; whole items %u; by %s shaders\n",
                s->triangles_drawn, s->triangles_total, (double)s->triangles_drawn * whole,
                (double)s->triangles_outside * whole, (double)s->triangles_back * whole, (double)s->triangles_small * whole,
-               s->clusters_drawn, s->clusters_total, s->items_whole, fnl_geometry_name(s->geometry));
+               s->clusters_drawn, s->clusters_total, s->items_whole, fnl_value_name(FNL_ENUM_GEOMETRY, s->geometry));
     }
     if (r->frame.occlusion)
         printf("  items hidden by others %" PRIu64 "; triangles, by clusters and items: %" PRIu64 "\n", s->items_occluded,
                s->triangles_occluded);
-    if (r->frame.class_blocks) {
-        printf("  blocks of %u pixels by class:", r->frame.class_blocks);
+    if (r->frame.deferred.class_blocks) {
+        printf("  blocks of %u pixels by class:", r->frame.deferred.class_blocks);
         for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
         puts(" (the last: nothing to shade)");
     }
@@ -107,7 +107,7 @@ void report_print(const struct render_report *r) {
         printf("  light apart from materials: %.1f KiB, %.0f bytes a pixel\n", (double)s->light_bytes / 1024,
                (double)s->light_bytes / ((double)r->frame.width * r->frame.height));
     if (s->gbuffer_bytes) {
-        printf("  G-buffer %s: %.1f KiB, %.0f bytes a pixel", fnl_gbuffer_name(r->frame.gbuffer),
+        printf("  G-buffer %s: %.1f KiB, %.0f bytes a pixel", fnl_value_name(FNL_ENUM_GBUFFER, r->frame.gbuffer.layout),
                (double)s->gbuffer_bytes / 1024, (double)s->gbuffer_bytes / ((double)r->frame.width * r->frame.height));
         if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
         putchar('\n');
@@ -117,7 +117,7 @@ void report_print(const struct render_report *r) {
                s->coarse_shared, s->coarse_blocks, 100.0 * s->coarse_shared / s->coarse_blocks, s->coarse_by_depth,
                s->coarse_by_normal, s->coarse_by_material, s->coarse_shaded, s->coarse_pixels);
     if (s->shading == FNL_SHADING_DAIS) {
-        printf("  dais %s: %u triangles stored", fnl_dais_mode_name(r->frame.dais.mode), s->dais.triangles);
+        printf("  dais %s: %u triangles stored", fnl_value_name(FNL_ENUM_DAIS_MODE, r->frame.dais.mode), s->dais.triangles);
         if (s->dais.unique) printf(", %u different", s->dais.unique);
         printf("; cache failures %u; overflow %u; %.1f KiB, %.1f bytes a sample", s->dais.cache_failures, s->dais.overflow,
                (double)s->dais.bytes / 1024,
@@ -132,7 +132,7 @@ void report_print(const struct render_report *r) {
                s->atlas_resident, s->atlas_pages, s->atlas_capacity, (double)s->atlas_bytes / (1 << 20), s->atlas_wanted,
                s->atlas_filled, s->atlas_missing, s->atlas_evicted);
     if (s->shading == FNL_SHADING_MOBILE)
-        printf("  mobile %s: %s, tone mapping %s\n", fnl_mobile_layout_name(r->frame.mobile.layout),
+        printf("  mobile %s: %s, tone mapping %s\n", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, r->frame.mobile.layout),
                s->mobile_merged ? "one scope" : "separate passes",
                s->mobile_tonemapped ? "inside" : "after it, from stored radiance (a fixed --exposure may spare that)");
     printf("  images: %.2f MiB read, %.2f MiB written by passes; %.2f MiB of attachments in tile memory%s\n",

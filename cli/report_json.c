@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { FORMAT_VERSION = 1, DIGITS = 9 };
+enum { FORMAT_VERSION = 2, DIGITS = 9 };
 
 static json_t *integer(uint64_t value) { return json_integer((json_int_t)value); }
 static json_t *counted(bool is_known, uint64_t value) { return is_known ? integer(value) : json_null(); }
@@ -25,7 +25,7 @@ static json_t *make_view(const struct render_report *r) {
                                vector(c->up), "orthographic", c->orthographic, "vertical_fov",
                                (double)c->vertical_fov * 57.295779513082321, "vertical_extent", (double)c->vertical_extent);
     return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
-                     "shading", fnl_shading_name(s->shading), "lists", fnl_light_lists_name(s->lists), "msaa",
+                     "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
                      (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera", camera);
 }
@@ -60,8 +60,8 @@ static json_t *make_culling(const struct render_report *r) {
     json_t *culling = json_pack("{s:o,s:o,s:o,s:s,s:o,s:o,s:o}", "items", integer(s->items), "items_visible",
                                 integer(s->items_visible), "triangles_visible",
                                 counted(s->evaluations_counted, s->triangles_visible), "kind",
-                                fnl_culling_name(r->frame.culling), "geometry",
-                                parts ? json_string(fnl_geometry_name(s->geometry)) : json_null(), "items_occluded",
+                                fnl_value_name(FNL_ENUM_CULLING, r->frame.culling), "geometry",
+                                parts ? json_string(fnl_value_name(FNL_ENUM_GEOMETRY, s->geometry)) : json_null(), "items_occluded",
                                 counted(hides, s->items_occluded), "triangles_occluded",
                                 counted(hides, s->triangles_occluded));
     json_object_set_new(culling, "triangles_total", counted(parts, s->triangles_total));
@@ -76,14 +76,14 @@ static json_t *make_culling(const struct render_report *r) {
 }
 
 static json_t *make_shading_blocks(const struct render_report *r) {
-    json_t *blocks = r->frame.class_blocks ? json_array() : json_null();
-    for (int i = 0; i < 9 && r->frame.class_blocks; i++) json_array_append_new(blocks, integer(r->stats.shading_blocks[i]));
+    json_t *blocks = r->frame.deferred.class_blocks ? json_array() : json_null();
+    for (int i = 0; i < 9 && r->frame.deferred.class_blocks; i++) json_array_append_new(blocks, integer(r->stats.shading_blocks[i]));
     return blocks;
 }
 
 static json_t *make_decals(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
-    return json_pack("{s:s,s:o,s:o,s:o,s:o}", "way", fnl_decals_name(r->frame.decals), "total", integer(s->decals_total),
+    return json_pack("{s:s,s:o,s:o,s:o,s:o}", "way", fnl_value_name(FNL_ENUM_DECALS, r->frame.decals), "total", integer(s->decals_total),
                      "in_view", integer(s->decals_in_view), "entries", integer(s->decal_entries), "overflow",
                      integer(s->decal_overflow));
 }
@@ -91,15 +91,15 @@ static json_t *make_decals(const struct render_report *r) {
 static json_t *make_transparency(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     bool linked = r->frame.transparency == FNL_TRANSPARENCY_LINKED;
-    return json_pack("{s:s,s:o,s:o,s:o,s:o}", "kind", fnl_transparency_name(r->frame.transparency), "fragments",
+    return json_pack("{s:s,s:o,s:o,s:o,s:o}", "kind", fnl_value_name(FNL_ENUM_TRANSPARENCY, r->frame.transparency), "fragments",
                      counted(linked, s->blend_fragments), "longest", counted(linked, s->blend_longest), "bytes",
                      integer(s->blend_bytes), "overflow_pixels", counted(linked, s->blend_overflow));
 }
 
 static json_t *make_gbuffer(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
-    return json_pack("{s:s,s:s,s:b,s:o,s:o}", "layout", fnl_gbuffer_name(r->frame.gbuffer), "normals",
-                     fnl_normal_encoding_name(r->frame.normals), "chroma", r->frame.chroma, "bytes",
+    return json_pack("{s:s,s:s,s:b,s:o,s:o}", "layout", fnl_value_name(FNL_ENUM_GBUFFER, r->frame.gbuffer.layout), "normals",
+                     fnl_value_name(FNL_ENUM_NORMALS, r->frame.gbuffer.normals), "chroma", r->frame.gbuffer.chroma, "bytes",
                      integer(s->gbuffer_bytes), "items_forward", counted(s->evaluations_counted, s->items_forward));
 }
 
@@ -115,7 +115,7 @@ static json_t *make_images(const struct render_report *r) {
 static json_t *make_msaa(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
     if (s->msaa_pixels == 0) return json_null();
-    return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "method", fnl_msaa_method_name(r->frame.msaa_method), "pixels",
+    return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o}", "method", fnl_value_name(FNL_ENUM_MSAA_METHOD, r->frame.deferred.msaa_method), "pixels",
                      integer(s->msaa_pixels), "edge_pixels", integer(s->msaa_edge_pixels), "surfaces",
                      integer(s->msaa_surfaces), "samples", integer(s->msaa_samples), "shaded",
                      counted(s->evaluations_counted, s->msaa_shaded));
@@ -126,7 +126,7 @@ static json_t *make_dais(const struct render_report *r) {
     const fnl_dais_options *o = &r->frame.dais;
     bool c = r->stats.evaluations_counted;
     if (r->stats.shading != FNL_SHADING_DAIS) return json_null();
-    return json_pack("{s:s,s:b,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "mode", fnl_dais_mode_name(o->mode), "multirate",
+    return json_pack("{s:s,s:b,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "mode", fnl_value_name(FNL_ENUM_DAIS_MODE, o->mode), "multirate",
                      o->multirate, "bytes", integer(d->bytes), "triangles", integer(d->triangles), "unique",
                      counted(c, d->unique), "cache_failures", integer(d->cache_failures), "overflow", integer(d->overflow),
                      "list_elements", counted(o->mode == FNL_DAIS_LIST, d->list_elements), "shading_samples",
@@ -138,7 +138,7 @@ static json_t *make_visibility(const struct render_report *r) {
     const fnl_visibility_options *o = &r->frame.visibility;
     bool sorted = o->sort != FNL_VISIBILITY_SORT_OFF || r->frame.msaa > 1;
     if (s->shading != FNL_SHADING_VISIBILITY) return json_null();
-    return json_pack("{s:s,s:b,s:b,s:o,s:o,s:o}", "sort", fnl_visibility_sort_name(o->sort), "barycentrics", o->barycentrics,
+    return json_pack("{s:s,s:b,s:b,s:o,s:o,s:o}", "sort", fnl_value_name(FNL_ENUM_VISIBILITY_SORT, o->sort), "barycentrics", o->barycentrics,
                      "grid", o->grid, "fragments", counted(s->evaluations_counted, s->visibility_fragments), "entries",
                      counted(sorted, s->visibility_entries), "classes", counted(sorted, s->visibility_classes));
 }
@@ -154,7 +154,7 @@ static json_t *make_atlas(const struct render_report *r) {
 
 static json_t *make_mobile(const struct render_report *r) {
     if (r->stats.shading != FNL_SHADING_MOBILE) return json_null();
-    return json_pack("{s:s,s:b,s:b}", "layout", fnl_mobile_layout_name(r->frame.mobile.layout), "merged",
+    return json_pack("{s:s,s:b,s:b}", "layout", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, r->frame.mobile.layout), "merged",
                      r->stats.mobile_merged, "tonemapped_inside", r->stats.mobile_tonemapped);
 }
 
@@ -163,7 +163,7 @@ static json_t *make_coarse(const struct render_report *r) {
     const fnl_coarse_options *o = &r->frame.coarse;
     if (s->shading != FNL_SHADING_COARSE) return json_null();
     return json_pack("{s:i,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "size", (int)o->size, "criterion",
-                     fnl_coarse_criterion_name(o->criterion), "split", fnl_coarse_split_name(o->split), "blocks",
+                     fnl_value_name(FNL_ENUM_COARSE_CRITERION, o->criterion), "split", fnl_value_name(FNL_ENUM_COARSE_SPLIT, o->split), "blocks",
                      integer(s->coarse_blocks), "shared", integer(s->coarse_shared), "by_depth", integer(s->coarse_by_depth),
                      "by_normal", integer(s->coarse_by_normal), "by_material", integer(s->coarse_by_material), "pixels",
                      integer(s->coarse_pixels), "shaded", integer(s->coarse_shaded), "ao_shaded",
@@ -177,7 +177,7 @@ char *report_text(const struct render_report *r, bool line) {
     json_t *json = json_pack(
         "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f},s:o,s:i,s:o}",
         "version", FORMAT_VERSION, "program", "version", fnl_version(), "commit", program_commit, "device", "name",
-        r->device.name, "driver", r->device.driver, "type", fnl_device_type_name(r->device.type), "scene", "source",
+        r->device.name, "driver", r->device.driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, r->device.type), "scene", "source",
         r->options->scene, "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
         integer(s->lights_total), "decals", integer(scene->decal_count), "meshes", integer(scene->mesh_count), "materials",
         integer(scene->material_count), "images", integer(scene->image_count), "animations",

@@ -107,6 +107,8 @@ static fnl_light_id light_id;
 static fnl_decal_id decal_id;
 static fnl_scatter_params scatter;
 static fnl_frame frame;
+static fnl_option option;
+static char words[64];
 static fnl_vulkan_target target;
 static fnl_scene *made;
 static fnl_device *made_device;
@@ -130,6 +132,14 @@ static const char document[] = "{\"asset\":{\"version\":\"2.0\"}}";
     X(fnl_exr_save, NULLED("path", fnl_exr_save(NULL, NULL, 1, 1, &channel, 1));                                            \
       NULLED("path", fnl_exr_save(&host, NULL, 1, 1, &channel, 1));                                                         \
       NULLED("channels", fnl_exr_save(&host, "x.exr", 1, 1, NULL, 1)))                                                      \
+    X(fnl_frame_get, GIVES("frame", 0, fnl_frame_get(NULL, "msaa", words, sizeof words));                                   \
+      GIVES("key", 0, fnl_frame_get(&frame, NULL, words, sizeof words)); GIVES("text", 0, fnl_frame_get(&frame, "msaa", NULL, 1))) \
+    X(fnl_frame_set, SILENT(fnl_frame_set(NULL, &frame, "msaa", "1")); NULLED("frame", fnl_frame_set(NULL, NULL, "msaa", "1")); \
+      NULLED("key", fnl_frame_set(NULL, &frame, NULL, "1")); NULLED("value", fnl_frame_set(NULL, &frame, "msaa", NULL)))    \
+    X(fnl_option_find, GIVES("key", false, fnl_option_find(NULL, &option)); SILENT(fnl_option_find("msaa", NULL)))          \
+    X(fnl_option_query, GIVES("out", false, fnl_option_query(0, NULL)))                                                     \
+    X(fnl_value_find, GIVES("name", false, fnl_value_find(FNL_ENUM_LISTS, NULL, &number));                                  \
+      SILENT(fnl_value_find(FNL_ENUM_LISTS, "tiled", NULL)))                                                                \
     X(fnl_gbuffer_query_info, NULLED("out", fnl_gbuffer_query_info(FNL_GBUFFER_DEFAULT, NULL)))                             \
     X(fnl_image_compare, NULLED("a", fnl_image_compare(NULL, NULL, &other, &difference));                                   \
       NULLED("a", fnl_image_compare(&host, NULL, &other, &difference));                                                     \
@@ -262,7 +272,7 @@ static const struct {
 static char headers[256 << 10];
 
 static void read_headers(void) {
-    static const char *const names[] = {"base", "device", "image", "scene", "renderer", "vulkan"};
+    static const char *const names[] = {"base", "device", "frame", "image", "lights", "options", "renderer", "scene", "shading", "stats", "values", "vulkan"};
     size_t length = 0;
     for (uint32_t i = 0; i < COUNT_OF(names); i++) {
         char path[64];
@@ -513,7 +523,7 @@ static void test_fields_of_frames(void **state) {
     FRAME(camera.near_distance, INFINITY, "camera.near_distance is infinity, must be above 0 metres and finite");
     FRAME_ENUM(shading, fnl_shading, 16);
     FRAME_ENUM(lists, fnl_light_lists, 19);
-    FRAME_ENUM(msaa_method, fnl_msaa_method, 5);
+    FRAME_ENUM(deferred.msaa_method, fnl_msaa_method, 5);
     FRAME_ENUM(transparency, fnl_transparency, 2);
     FRAME_ENUM(decals, fnl_decals, 2);
     FRAME_ENUM(culling, fnl_culling, 2);
@@ -521,10 +531,10 @@ static void test_fields_of_frames(void **state) {
     FRAME_ENUM(aa, fnl_antialiasing, 3);
     FRAME_ENUM(tonemap, fnl_tonemap, 3);
     FRAME_ENUM(exposure, fnl_exposure, 2);
-    FRAME_ENUM(gbuffer, fnl_gbuffer, 7);
-    FRAME_ENUM(normals, fnl_normal_encoding, 9);
-    FRAME_ENUM(deferred_pass, fnl_deferred_pass, 1);
-    FRAME_ENUM(gradients, fnl_gradients, 1);
+    FRAME_ENUM(gbuffer.layout, fnl_gbuffer, 7);
+    FRAME_ENUM(gbuffer.normals, fnl_normal_encoding, 9);
+    FRAME_ENUM(deferred.pass, fnl_deferred_pass, 1);
+    FRAME_ENUM(texturing.gradients, fnl_gradients, 1);
     FRAME_ENUM(mobile.layout, fnl_mobile_layout, 3);
     FRAME_ENUM(mobile.gamma, fnl_mobile_gamma, 2);
     FRAME_ENUM(mobile.light, fnl_mobile_light, 1);
@@ -534,31 +544,31 @@ static void test_fields_of_frames(void **state) {
     FRAME_ENUM(coarse.split, fnl_coarse_split, 3);
     FRAME_ENUM(coarse.filter, fnl_coarse_filter, 2);
     FRAME_ENUM(dais.mode, fnl_dais_mode, 1);
-    FRAME_ENUM(list_options.tile_bounds, fnl_tile_bounds, 2);
-    FRAME_ENUM(list_options.backface_axis, fnl_backface_axis, 2);
-    FRAME_ENUM(list_options.distribution, fnl_slices, 1);
-    FRAME_ENUM(list_options.raster_path, fnl_raster_path, 2);
-    FRAME_ENUM(list_options.raster_nodes, fnl_raster_nodes, 2);
-    FRAME_ENUM(list_options.volume_shape, fnl_volume_shape, 5);
-    FRAME_ENUM(list_options.light_buffer, fnl_light_buffer, 3);
-    FRAME_ENUM(list_options.light_packing, fnl_light_packing, 2);
-    FRAME(list_options.tile_size, 12, "list_options.tile_size is 12, must be 8, 16, 32 or 64");
-    FRAME(list_options.fine_masks, 3, "list_options.fine_masks is 3, must be 0 .. 2");
-    FRAME(list_options.cluster_size, 7, "list_options.cluster_size is 7, must be 8 .. 256");
-    FRAME(list_options.slices, 0, "list_options.slices is 0, must be 1 .. 1024");
-    FRAME(list_options.light_layers, 17, "list_options.light_layers is 17, must be 1 .. 16");
-    FRAME(list_options.light_scale, 3, "list_options.light_scale is 3, must be 2 or 4");
-    FRAME(list_options.cluster_near, NAN, "list_options.cluster_near is NaN, must be above 0 metres");
-    FRAME(list_options.cluster_far, 0, "list_options.cluster_far is 0, must be above 0 metres");
+    FRAME_ENUM(tiles.bounds, fnl_tile_bounds, 2);
+    FRAME_ENUM(list.backface_axis, fnl_backface_axis, 2);
+    FRAME_ENUM(clusters.distribution, fnl_slices, 1);
+    FRAME_ENUM(raster.path, fnl_raster_path, 2);
+    FRAME_ENUM(raster.nodes, fnl_raster_nodes, 2);
+    FRAME_ENUM(volume_shape, fnl_volume_shape, 5);
+    FRAME_ENUM(light_buffer.kind, fnl_light_buffer, 3);
+    FRAME_ENUM(light_indexed.packing, fnl_light_packing, 2);
+    FRAME(tiles.size, 12, "tiles.size is 12, must be 8, 16, 32 or 64");
+    FRAME(fine.masks, 3, "fine.masks is 3, must be 0 .. 2");
+    FRAME(clusters.size, 7, "clusters.size is 7, must be 8 .. 256");
+    FRAME(clusters.slices, 0, "clusters.slices is 0, must be 1 .. 1024");
+    FRAME(light_indexed.layers, 17, "light_indexed.layers is 17, must be 1 .. 16");
+    FRAME(light_buffer.scale, 3, "light_buffer.scale is 3, must be 2 or 4");
+    FRAME(clusters.near, NAN, "clusters.near is NaN, must be above 0 metres");
+    FRAME(clusters.far, 0, "clusters.far is 0, must be above 0 metres");
     FRAME(msaa, 3, "msaa is 3, must be 1, 2, 4 or 8");
-    FRAME(msaa_groups, 4, "msaa_groups is 4, must be 2 or 3");
-    FRAME(msaa_tolerance, NAN, "msaa_tolerance is NaN, must be 0 .. 1");
+    FRAME(deferred.msaa_groups, 4, "deferred.msaa_groups is 4, must be 2 or 3");
+    FRAME(deferred.msaa_tolerance, NAN, "deferred.msaa_tolerance is NaN, must be 0 .. 1");
     FRAME(jitter.y, -9, "jitter.y is -9, must be -8 .. 8 pixels");
     FRAME(outputs, 64, "outputs is 64, must be 0 .. 63");
-    FRAME(class_blocks, 5, "class_blocks is 5, must be 0, 4 or 8");
+    FRAME(deferred.class_blocks, 5, "deferred.class_blocks is 5, must be 0, 4 or 8");
     FRAME(light_lod, NAN, "light_lod is NaN, must be at least 0 pixels and finite");
-    FRAME(atlas_size, 300, "atlas_size is 300, must be a multiple of 256");
-    FRAME(atlas_size, 0, "atlas_size is 0, must be 256 .. 8192");
+    FRAME(texturing.atlas_size, 300, "texturing.atlas_size is 300, must be a multiple of 256");
+    FRAME(texturing.atlas_size, 0, "texturing.atlas_size is 0, must be 256 .. 8192");
     FRAME(shade_cost, 100001, "shade_cost is 100001, must be 0 .. 100000");
     FRAME(mobile.range, 0, "mobile.range is 0, must be above 0 and finite");
     FRAME(coarse.size, 3, "coarse.size is 3, must be 1, 2 or 4");
@@ -571,7 +581,7 @@ static void test_fields_of_frames(void **state) {
     FRAME(dais.cache_buckets, 0, "dais.cache_buckets is 0, must be 1 .. 4194304");
     frame.exposure = FNL_EXPOSURE_EV;
     frame.ev = NAN;
-    SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64", fnl_renderer_render(w.renderer, &frame));
+    SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64 EV100", fnl_renderer_render(w.renderer, &frame));
     frame = small_frame();
     SAYS("fnl_renderer_read", "output is 3, must be one value of fnl_output",
          fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
@@ -589,8 +599,8 @@ static void test_unsupported_frames(void **state) {
     } while (0)
     UNSUPPORTED("mesh lists do not go with deferred shading", frame.lists = FNL_LISTS_MESH);
     UNSUPPORTED("mobile shading has no MSAA; use another order, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
-    UNSUPPORTED("deferred lighting in a fragment pass has no classes and 1 sample a pixel", frame.deferred_pass = FNL_DEFERRED_FRAGMENT,
-                frame.class_blocks = 8);
+    UNSUPPORTED("deferred lighting in a fragment pass has no classes and 1 sample a pixel", frame.deferred.pass = FNL_DEFERRED_FRAGMENT,
+                frame.deferred.class_blocks = 8);
     UNSUPPORTED("the view dais-addresses shows what dais shading stores", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
     UNSUPPORTED("motion vectors and temporal antialiasing take one sample per pixel, not 4", frame.aa = FNL_ANTIALIASING_TAA,
                 frame.msaa = 4);

@@ -43,7 +43,7 @@ static void print_hash(struct stage *s, const fnl_frame *frame, const char *vari
     fnl_result result = fnl_renderer_render(s->renderer, frame);
     for (uint32_t bit = 1; bit <= frame->outputs && result == FNL_OK; bit *= 2)
         if (frame->outputs & bit) result = hash_output(s, (fnl_output)bit, &hash);
-    printf("%s %s %s %s ", s->source, fnl_shading_name(frame->shading), fnl_light_lists_name(frame->lists), variant);
+    printf("%s %s %s %s ", s->source, fnl_value_name(FNL_ENUM_SHADING, frame->shading), fnl_value_name(FNL_ENUM_LISTS, frame->lists), variant);
     if (result == FNL_OK) printf("%016" PRIx64 "\n", hash);
     else printf("%s\n", fnl_result_name(result));
     fflush(stdout);
@@ -87,7 +87,7 @@ static void print_ways(struct stage *s) {
         print_hash(s, &frame, "aov");
         frame = plain;
         for (frame.debug = 1; frame.debug < FNL_DEBUG_COUNT; frame.debug++)
-            print_hash(s, &frame, fnl_debug_view_name(frame.debug));
+            print_hash(s, &frame, fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame.debug));
     }
 }
 

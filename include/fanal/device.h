@@ -4,6 +4,7 @@
 #define FANAL_DEVICE_H
 
 #include "fanal/base.h"
+#include "fanal/values.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -35,7 +36,6 @@ typedef enum fnl_device_type {
     FNL_DEVICE_OTHER
 } fnl_device_type;
 
-FNL_API const char *fnl_device_type_name(fnl_device_type type);
 
 typedef struct fnl_device_info {
     char name[256], driver[256];

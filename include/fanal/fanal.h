@@ -5,8 +5,14 @@
 
 #include "fanal/base.h"
 #include "fanal/device.h"
+#include "fanal/frame.h"
 #include "fanal/image.h"
+#include "fanal/lights.h"
+#include "fanal/options.h"
 #include "fanal/renderer.h"
 #include "fanal/scene.h"
+#include "fanal/shading.h"
+#include "fanal/stats.h"
+#include "fanal/values.h"
 
 #endif

@@ -9,6 +9,7 @@
 #define FANAL_SCENE_H
 
 #include "fanal/base.h"
+#include "fanal/values.h"
 #include "fanal/image.h"
 
 #ifdef __cplusplus
@@ -217,7 +218,6 @@ typedef struct fnl_light_params {
 } fnl_light_params;
 
 /** Names such as "point"; NULL for a value out of range. */
-FNL_API const char *fnl_light_kind_name(fnl_light_kind kind);
 
 FNL_API fnl_light_params fnl_light_params_default(void);
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
@@ -333,8 +333,6 @@ typedef struct fnl_decal_params {
 } fnl_decal_params;
 
 /** Names such as "box" and "multiply"; NULL for a value out of range. */
-FNL_API const char *fnl_decal_kind_name(fnl_decal_kind kind);
-FNL_API const char *fnl_decal_blend_name(fnl_decal_blend blend);
 
 FNL_API fnl_decal_params fnl_decal_params_default(void);
 FNL_API fnl_result fnl_scene_add_decal(fnl_scene *scene, const fnl_decal_params *params, fnl_decal_id *out);

@@ -4,6 +4,7 @@
 #define FNL_BASE_BASE_H
 
 #include "fanal/base.h"
+#include "fanal/values.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -72,8 +72,7 @@ fnl_result check_id(const struct call *call, const char *name, bool alive, uint3
 
 /* ---- real numbers ---- */
 
-/* With as few digits as tell the float from all others. */
-static const char *number_text(double value, char text[32]) {
+const char *number_text(double value, char text[32]) {
     if (isnan(value)) return "NaN";
     if (isinf(value)) return value > 0 ? "infinity" : "-infinity";
     for (int digits = 6; digits <= 9; digits++) {

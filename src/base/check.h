@@ -41,6 +41,8 @@ fnl_result check_index(const struct call *call, const char *name, uint32_t index
 fnl_result check_id(const struct call *call, const char *name, bool alive, uint32_t index, uint32_t generation,
                     const char *thing);
 
+/** A float with as few digits as tell it from all others; NaN and infinities in words. */
+const char *number_text(double value, char text[32]);
 /** low <= value <= high; FLT_MAX: any finite number. NaN is in no range. `unit` follows the numbers, as in " metres"; "": none. */
 fnl_result check_range(const struct call *call, const char *name, double value, double low, double high, const char *unit);
 /** low < value <= high */

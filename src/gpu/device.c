@@ -167,22 +167,6 @@ fnl_result gpu_wait_idle(gpu_device *device) {
 
 fnl_device_params fnl_device_params_default(void) { return (fnl_device_params){.host = fnl_host_default(), .index = -1}; }
 
-const char *fnl_device_type_name(fnl_device_type type) {
-    switch (type) {
-    case FNL_DEVICE_DISCRETE:
-        return "discrete";
-    case FNL_DEVICE_INTEGRATED:
-        return "integrated";
-    case FNL_DEVICE_VIRTUAL:
-        return "virtual";
-    case FNL_DEVICE_CPU:
-        return "cpu";
-    case FNL_DEVICE_OTHER:
-        break;
-    }
-    return "other";
-}
-
 fnl_result gpu_device_new(const fnl_device_params *params, gpu_device **out) {
     fnl_host host = host_resolve(&params->host);
     gpu_device *device = host_allocate_zero(&host, sizeof *device);
@@ -369,7 +353,7 @@ fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out) 
         return result;
     }
     log_debug(&device->host, "device: %s, %s, %s", device->info.name, device->info.driver,
-              fnl_device_type_name(device->info.type));
+              fnl_value_name(FNL_ENUM_DEVICE_TYPE, device->info.type));
     *out = device;
     return FNL_OK;
 }

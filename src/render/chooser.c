@@ -203,13 +203,13 @@ size_t chooser_print(const struct chooser *c, char *text, size_t capacity) {
     size_t length = 0;
     for (uint32_t i = 0; i < c->memory_count; i++) {
         const struct remembered_choice *m = &c->memory[i];
-        add_text(text, capacity, &length, "%016" PRIx64 " %s %s %.4f\n", m->key, fnl_shading_name(m->choice.shading),
-                 fnl_light_lists_name(m->choice.lists), m->milliseconds);
+        add_text(text, capacity, &length, "%016" PRIx64 " %s %s %.4f\n", m->key, fnl_value_name(FNL_ENUM_SHADING, m->choice.shading),
+                 fnl_value_name(FNL_ENUM_LISTS, m->choice.lists), m->milliseconds);
     }
     for (uint32_t i = 0; i < c->trial_count; i++) {
         const struct remembered_trial *t = &c->trials[i];
-        add_text(text, capacity, &length, "trial %016" PRIx64 " %s %s", t->key, fnl_shading_name(t->choice.shading),
-                 fnl_light_lists_name(t->choice.lists));
+        add_text(text, capacity, &length, "trial %016" PRIx64 " %s %s", t->key, fnl_value_name(FNL_ENUM_SHADING, t->choice.shading),
+                 fnl_value_name(FNL_ENUM_LISTS, t->choice.lists));
         for (uint32_t k = 0; k < t->count; k++) add_text(text, capacity, &length, " %.4f", t->times[k]);
         add_text(text, capacity, &length, "\n");
     }
@@ -226,9 +226,9 @@ static void parse_line(struct chooser *c, const char *line) {
     int used = 0;
     if (sscanf(line, "%" SCNx64 " %31s %31s%n", &entry.key, shading, lists, &used) != 3) return;
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
-        if (strcmp(shading, fnl_shading_name((fnl_shading)i)) == 0) entry.choice.shading = (fnl_shading)i;
+        if (strcmp(shading, fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)i)) == 0) entry.choice.shading = (fnl_shading)i;
     for (uint32_t i = 0; i < FNL_LISTS_AUTO; i++)
-        if (strcmp(lists, fnl_light_lists_name((fnl_light_lists)i)) == 0) entry.choice.lists = (fnl_light_lists)i;
+        if (strcmp(lists, fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)i)) == 0) entry.choice.lists = (fnl_light_lists)i;
     if (entry.choice.shading >= FNL_SHADING_AUTO || entry.choice.lists >= FNL_LISTS_AUTO) return;
     double time;
     for (int n; entry.count < CHOOSER_TIMES && sscanf(line + used, "%lf%n", &time, &n) == 1; used += n)
@@ -355,8 +355,8 @@ static void finish_stage(struct chooser *c) {
         return;
     }
     if (second < CHOOSER_CANDIDATES)
-        snprintf(next, sizeof next, "; next %s + %s %.2f ms", fnl_shading_name(c->candidates[second].choice.shading),
-                 fnl_light_lists_name(c->candidates[second].choice.lists), median_of(&c->candidates[second]));
+        snprintf(next, sizeof next, "; next %s + %s %.2f ms", fnl_value_name(FNL_ENUM_SHADING, c->candidates[second].choice.shading),
+                 fnl_value_name(FNL_ENUM_LISTS, c->candidates[second].choice.lists), median_of(&c->candidates[second]));
     snprintf(how, sizeof how, "fastest of %u measured over %u frames: %.2f ms%s", c->measured_count, c->frames,
              c->milliseconds, next);
     remember(c, (struct remembered_choice){chooser_key(&c->at), c->choice, c->milliseconds});

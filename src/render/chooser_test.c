@@ -526,7 +526,7 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
             if (remembered) assert_non_null(strstr(stats.choice, "remembered: 1.50 ms"));
             if (round == 1)
                 snprintf(memory, sizeof memory, "%016llx deferred %s 1.5\n",
-                         (unsigned long long)chooser_key(&stage.renderer->chooser.at), fnl_light_lists_name(cases[i].other));
+                         (unsigned long long)chooser_key(&stage.renderer->chooser.at), fnl_value_name(FNL_ENUM_LISTS, cases[i].other));
         }
         stage_close(&stage);
     }
@@ -671,7 +671,7 @@ static void test_the_next_run_goes_on(void **state) {
     assert_false(stats.choosing);
     run_close(&run);
     read_choices(folder, text, sizeof text);
-    assert_non_null(strstr(text, fnl_light_lists_name(stats.lists)));
+    assert_non_null(strstr(text, fnl_value_name(FNL_ENUM_LISTS, stats.lists)));
     assert_null(strstr(text, "trial"));
 
     run = run_open(folder);

@@ -29,7 +29,7 @@ static void tell_of_lists(struct frame_state *f) {
         log_warning(&f->r->host, "decals get into G-buffers of one sample a pixel alone: with %u they come by lists", frame->msaa);
     else
         log_warning(&f->r->host, "decals cannot get into what %s shading leaves: they come by lists",
-                    fnl_shading_name(frame->shading));
+                    fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
 fnl_result decals_begin(struct frame_state *f) {
@@ -60,7 +60,7 @@ static bool needs_list(const struct frame_state *f) {
     if (decals_of(f)->count == 0) return false;
     if (f->frame->shading == FNL_SHADING_MOBILE) return true; /* its step walks it */
     /* Materials that a layout cannot hold are lit forward. */
-    if (f->frame->gbuffer != FNL_GBUFFER_DEFAULT) return true;
+    if (f->frame->gbuffer.layout != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
         if (f->scene->geometry.buckets[i].blend) return true;

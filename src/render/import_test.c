@@ -523,7 +523,7 @@ static void assert_equal_on(fnl_renderer *renderer, fnl_frame frame) {
     FNL(fnl_renderer_read(renderer, FNL_OUTPUT_RADIANCE, &other));
     const uint32_t *a = own.pixels, *b = other.pixels;
     for (uint32_t i = 0; i < PIXELS * 3u; i++)
-        if (a[i] != b[i]) fail_msg("%s: float %u differs", fnl_shading_name(frame.shading), i);
+        if (a[i] != b[i]) fail_msg("%s: float %u differs", fnl_value_name(FNL_ENUM_SHADING, frame.shading), i);
     fnl_image_free(NULL, &own);
     fnl_image_free(NULL, &other);
 }

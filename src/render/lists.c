@@ -27,27 +27,9 @@ void lists_finish(struct lists_state *state, gpu_device *device) {
 
 void lists_forget(struct lists_state *state) { state->world.version = state->grid2d.version = UINT64_MAX; }
 
-fnl_result lists_check(const struct call *call, const fnl_list_options *o) {
-    static const uint32_t tile_sizes[] = {8, 16, 32, 64}, light_scales[] = {2, 4};
-    TRY(check_choice(call, "list_options.tile_size", o->tile_size, tile_sizes, COUNT_OF(tile_sizes)));
-    TRY(check_enum(call, "list_options.tile_bounds", (int)o->tile_bounds, FNL_TILE_BOUNDS_COUNT, "fnl_tile_bounds"));
-    TRY(check_count(call, "list_options.fine_masks", o->fine_masks, 0, 2));
-    TRY(check_enum(call, "list_options.backface_axis", (int)o->backface_axis, FNL_BACKFACE_AXIS_COUNT, "fnl_backface_axis"));
-    TRY(check_count(call, "list_options.cluster_size", o->cluster_size, 8, 256));
-    TRY(check_count(call, "list_options.slices", o->slices, 1, 1024));
-    TRY(check_enum(call, "list_options.distribution", (int)o->distribution, FNL_SLICES_COUNT, "fnl_slices"));
-    TRY(check_enum(call, "list_options.raster_path", (int)o->raster_path, FNL_RASTER_COUNT, "fnl_raster_path"));
-    TRY(check_enum(call, "list_options.raster_nodes", (int)o->raster_nodes, FNL_RASTER_NODES_COUNT, "fnl_raster_nodes"));
-    TRY(check_enum(call, "list_options.volume_shape", (int)o->volume_shape, FNL_VOLUME_SHAPE_COUNT, "fnl_volume_shape"));
-    TRY(check_enum(call, "list_options.light_buffer", (int)o->light_buffer, FNL_LIGHT_BUFFER_COUNT, "fnl_light_buffer"));
-    TRY(check_enum(call, "list_options.light_packing", (int)o->light_packing, FNL_LIGHT_PACKING_COUNT, "fnl_light_packing"));
-    TRY(check_count(call, "list_options.light_layers", o->light_layers, 1, 16));
-    TRY(check_choice(call, "list_options.light_scale", o->light_scale, light_scales, COUNT_OF(light_scales)));
-    TRY(check_above(call, "list_options.cluster_near", (double)o->cluster_near, 0, (double)INFINITY, " metres"));
-    TRY(check_above(call, "list_options.cluster_far", (double)o->cluster_far, 0, (double)INFINITY, " metres"));
-    if (isinf(o->cluster_near) || isinf(o->cluster_far)) return FNL_OK;
-    return check_above(call, "list_options.cluster_far", (double)o->cluster_far, (double)o->cluster_near, (double)INFINITY,
-                       " metres (cluster_near)");
+fnl_result lists_check(const struct call *call, const fnl_cluster_options *o) {
+    if (isinf(o->near) || isinf(o->far)) return FNL_OK;
+    return check_above(call, "clusters.far", (double)o->far, (double)o->near, (double)INFINITY, " metres (clusters.near)");
 }
 
 /* ---- the builders ---- */
@@ -75,9 +57,10 @@ static bool estimates_room(struct lists_context *c) {
     const fnl_frame *frame = c->frame;
     struct lists_room *room = &c->state->rooms[frame->lists];
     bool known = room->light_count == c->input->local_count && room->width == frame->width &&
-                 room->height == frame->height && memcmp(&room->options, &frame->list_options, sizeof room->options) == 0;
+                 room->height == frame->height && room->tile_size == frame->tiles.size &&
+                 memcmp(&room->clusters, &frame->clusters, sizeof room->clusters) == 0;
     if (!known)
-        *room = (struct lists_room){frame->list_options, c->input->local_count, frame->width, frame->height, 0};
+        *room = (struct lists_room){frame->clusters, frame->tiles.size, c->input->local_count, frame->width, frame->height, 0};
     return !known;
 }
 
@@ -92,17 +75,17 @@ static struct light_reach reach_of(const struct lists_context *c, const struct c
 
 static uint32_t tile_pool(const struct lists_context *c, double lists) {
     struct clustered_params grid = clustered_params_default();
-    grid.tile_size = c->frame->list_options.tile_size;
+    grid.tile_size = c->frame->tiles.size;
     return pool_for(c, lists * reach_of(c, &grid).tiles);
 }
 
 static struct tiled_params tiled_params(const struct lists_context *c, double lists) {
     struct tiled_params params = tiled_params_default();
-    params.tile_size = c->frame->list_options.tile_size;
-    params.bounds = (enum tile_bounds)c->frame->list_options.tile_bounds;
-    params.cone_tests = c->frame->list_options.cone_tests;
-    params.min_depth = c->frame->list_options.min_depth;
-    params.max_depth = c->frame->list_options.max_depth;
+    params.tile_size = c->frame->tiles.size;
+    params.bounds = (enum tile_bounds)c->frame->tiles.bounds;
+    params.cone_tests = c->frame->list.cone_tests;
+    params.min_depth = c->frame->tiles.min_depth;
+    params.max_depth = c->frame->tiles.max_depth;
     params.pool_capacity = tile_pool(c, lists);
     return params;
 }
@@ -111,8 +94,7 @@ _Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FN
                "tile_bounds has the values of fnl_tile_bounds");
 
 static bool tile_reaches(const struct lists_context *c) {
-    const fnl_list_options *options = &c->frame->list_options;
-    return options->cone_tests || options->tile_bounds == FNL_TILE_BOUNDS_PROJECTED;
+    return c->frame->list.cone_tests || c->frame->tiles.bounds == FNL_TILE_BOUNDS_PROJECTED;
 }
 
 static graph_image add_blend_depth(struct lists_context *c) {
@@ -160,30 +142,30 @@ static void add_enhanced(struct lists_context *c) {
 }
 
 static void add_tree(struct lists_context *c) {
-    struct light_tree_params params = {.tile_size = c->frame->list_options.tile_size,
-                                       .hybrid = c->frame->list_options.tree_hybrid};
+    struct light_tree_params params = {.tile_size = c->frame->tiles.size,
+                                       .hybrid = c->frame->list.tree_hybrid};
     c->lights = light_tree_add(&c->state->tree, c->device, c->input, local_lights(c), c->view, &params);
 }
 
 /* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
 static struct clustered_params cluster_params(const struct lists_context *c) {
-    const fnl_list_options *options = &c->frame->list_options;
+    const fnl_cluster_options *options = &c->frame->clusters;
     struct clustered_params params = clustered_params_default();
-    params.tile_size = options->cluster_size;
+    params.tile_size = options->size;
     params.slices = options->slices;
     float far = view_reach(c->view, &c->device_scene->bounds);
-    params.far = isinf(options->cluster_far) ? fminf(far, 1e6f) : options->cluster_far;
+    params.far = isinf(options->far) ? fminf(far, 1e6f) : options->far;
     params.near =
-        isinf(options->cluster_near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->cluster_near;
+        isinf(options->near) ? fmaxf(c->frame->camera.near_distance, params.far / 128) : options->near;
     params.near = fminf(params.near, params.far * 0.5f);
     params.linear = options->distribution == FNL_SLICES_LINEAR;
-    params.cone_tests = options->cone_tests;
+    params.cone_tests = c->frame->list.cone_tests;
     params.pool_capacity = pool_for(c, reach_of(c, &params).clusters);
     return params;
 }
 
 static void add_clustered(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c, c->frame->list_options.cone_tests);
+    struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     struct clustered_params params = cluster_params(c);
     c->lights = clustered_add(c->graph, c->device, c->input, &visible, &params);
 }
@@ -199,7 +181,7 @@ static uint32_t zbin_pool(const struct lists_context *c, const struct clustered_
 static void add_zbin(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
     struct clustered_params grid = cluster_params(c);
-    grid.tile_size = c->frame->list_options.tile_size;
+    grid.tile_size = c->frame->tiles.size;
     grid.slices *= ZBIN_BINS_PER_SLICE;
     struct zbin_params params = {.tile_size = grid.tile_size,
                                  .bins = grid.slices,
@@ -211,7 +193,7 @@ static void add_zbin(struct lists_context *c) {
 }
 
 static void add_bvh(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c, c->frame->list_options.cone_tests);
+    struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     struct clustered_params params = cluster_params(c);
     c->lights = bvh_add(c->graph, c->device, c->input, &visible, &params);
 }
@@ -222,10 +204,10 @@ static void add_sparse(struct lists_context *c) {
         return;
     }
     struct lights_in_view visible =
-        in_view(c, c->frame->list_options.cone_tests || (c->frame->list_options.normal_cones && c->gbuffer));
+        in_view(c, c->frame->list.cone_tests || (c->frame->list.normal_cones && c->gbuffer));
     struct sparse_params params = {.grid = cluster_params(c),
                                    .depth = c->depth,
-                                   .gbuffer = c->frame->list_options.normal_cones ? c->gbuffer : NULL,
+                                   .gbuffer = c->frame->list.normal_cones ? c->gbuffer : NULL,
                                    .blend = c->has_blend};
     struct sparse_lists lists = sparse_add(c->graph, c->device, c->input, &visible, &params);
     c->lights = lists.lights;
@@ -243,13 +225,12 @@ static void add_clustered_cpu(struct lists_context *c) {
 }
 
 static void add_fine(struct lists_context *c) {
-    const fnl_list_options *options = &c->frame->list_options;
     struct lights_in_view visible = in_view(c, false);
     struct fine_params params = fine_params_default();
-    params.tile_size = options->tile_size;
-    params.pruning = options->fine_pruning;
-    params.mask_size = options->fine_masks;
-    params.packed = options->fine_packed;
+    params.tile_size = c->frame->tiles.size;
+    params.pruning = c->frame->fine.pruning;
+    params.mask_size = c->frame->fine.masks;
+    params.packed = c->frame->fine.packed;
     params.exact_positions = shading_is(c->frame->shading, SHADING_POSITIONS) && c->frame->msaa == 1;
     params.blend = c->has_blend;
     if (c->depth.id && c->has_blend && c->frame->msaa == 1) params.blend_depth = add_blend_depth(c);
@@ -268,8 +249,8 @@ static void add_raster(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
     struct raster_params params = raster_params_default();
     params.grid = cluster_params(c);
-    params.path = (enum raster_path)c->frame->list_options.raster_path;
-    params.nodes = (uint32_t)c->frame->list_options.raster_nodes;
+    params.path = (enum raster_path)c->frame->raster.path;
+    params.nodes = (uint32_t)c->frame->raster.nodes;
     params.near = c->view->near_distance;
     c->lights = raster_add_kept(&c->state->raster, c->graph, c->device, c->input, &visible, &params);
 }
@@ -308,7 +289,7 @@ static void add_backface(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, tile_reaches(c));
     struct backface_params params = backface_params_default();
     params.tiles = tiled_params(c, 1);
-    params.axis = (enum backface_axis)c->frame->list_options.backface_axis;
+    params.axis = (enum backface_axis)c->frame->list.backface_axis;
     params.every_tile = c->frame->debug == FNL_DEBUG_TILE_NORMALS;
     params.tally = c->frame->count_lights;
     c->lights = backface_add(c->graph, c->device, c->input, &visible, c->gbuffer, &params);
@@ -325,8 +306,8 @@ struct light_list lists_add_fallback(const struct lists_context *c) {
     if (c->frame->lists == FNL_LISTS_ALL) return light_list_all_add(c->graph, c->device, &input);
     input.use = LIGHTS_FALLBACK;
     input.queue = GRAPH_QUEUE_ASYNC;
-    input.keep_unseen = !c->frame->list_options.frustum_cull;
-    input.spheres_only = !c->frame->list_options.cone_tests;
+    input.keep_unseen = !c->frame->list.frustum_cull;
+    input.spheres_only = !c->frame->list.cone_tests;
     input.scattered = c->frame->msaa > 1;
     struct lights_in_view visible = lights_in_view_add(c->graph, c->device, &input);
     struct clustered_params params = cluster_params(c);
@@ -387,7 +368,7 @@ void lists_add(struct lists_context *c) {
     const struct builder *builder = &builders[c->frame->lists];
     c->input->scattered = c->frame->msaa > 1;
     c->input->queue = builder->queue;
-    c->input->keep_unseen = !c->frame->list_options.frustum_cull;
+    c->input->keep_unseen = !c->frame->list.frustum_cull;
     c->blend_lights = (struct light_list){0};
     c->estimates = c->estimates && estimates_room(c);
     builder->add(c);

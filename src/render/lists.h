@@ -24,8 +24,8 @@ struct lists_state {
     struct raster_state raster;
     /* The estimated pool of each kind of list, and what it was estimated for. It is kept until that changes, because estimating takes time. */
     struct lists_room {
-        fnl_list_options options;
-        uint32_t light_count, width, height, pool;
+        fnl_cluster_options clusters;
+        uint32_t tile_size, light_count, width, height, pool;
     } rooms[FNL_LISTS_COUNT];
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
@@ -34,8 +34,8 @@ void lists_forget(struct lists_state *state);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
-/** Fails with a log line unless the options are in range. */
-fnl_result lists_check(const struct call *call, const fnl_list_options *options);
+/** Fails with a log line unless the options, each in its range, go together. */
+fnl_result lists_check(const struct call *call, const fnl_cluster_options *options);
 
 struct lists_context {
     struct graph *graph;

@@ -167,7 +167,7 @@ static void check_bands(struct stage *stage) {
     uint32_t count = check_dispatches("deferred", 64 * lights, 1ull << 32, 12 * 7);
     spy_end();
     assert_true(count > 1);
-    frame.class_blocks = 8; /* indirect dispatches of all blocks of a class */
+    frame.deferred.class_blocks = 8; /* indirect dispatches of all blocks of a class */
     struct shot blocks = stage_shoot(stage, &frame);
     assert_int_equal(count_differing(&bands.radiance, &blocks.radiance), 0);
     shot_free(&bands);
@@ -193,7 +193,7 @@ static struct many shoot_many(struct stage *stage, fnl_shading shading, fnl_ligh
     many.seconds = harness_seconds() - start;
     const fnl_frame_stats *stats = &many.shot.stats;
     if (stats->overflow_cells)
-        fail_msg("%s lists of %u lights: %u cells overflow in the first frame, %llu entries", fnl_light_lists_name(lists),
+        fail_msg("%s lists of %u lights: %u cells overflow in the first frame, %llu entries", fnl_value_name(FNL_ENUM_LISTS, lists),
                  stats->lights_total, stats->overflow_cells, (unsigned long long)stats->list_entries);
     many.evaluations = stats->evaluations;
     return many;
@@ -232,7 +232,7 @@ static void check_many(const char *scene, uint32_t phase) {
         for (int n = FEW; n <= MANY; n++)
             parts[n] = (double)built[n].evaluations / (double)all[n][needs_items(lists)].evaluations;
         print_message("%s, %s: %.1f and %.1f ms, %.1f times; %.4f and %.4f of what all visit\n", scene,
-                      fnl_light_lists_name(lists), 1e3 * built[FEW].seconds, 1e3 * built[MANY].seconds,
+                      fnl_value_name(FNL_ENUM_LISTS, lists), 1e3 * built[FEW].seconds, 1e3 * built[MANY].seconds,
                       built[MANY].seconds / built[FEW].seconds, parts[FEW], parts[MANY]);
         /* 64 times the lights. A tile that is not cut by depth holds most lights of the hall, all of its pixels visit them, and hardly
            anything else takes time: it grows with their number. */
@@ -278,7 +278,7 @@ static void test_overflow_visits_few(void **state) {
             harness_set_pool(&stage, 4);
             struct shot over = stage_shoot(&stage, &frame);
             print_message("%s: %u of %u cells overflow, %llu of %llu points, %.4f of what all visit\n",
-                          fnl_light_lists_name(frame.lists), over.stats.overflow_cells, over.stats.cells,
+                          fnl_value_name(FNL_ENUM_LISTS, frame.lists), over.stats.overflow_cells, over.stats.cells,
                           (unsigned long long)over.stats.unserved_points, (unsigned long long)pixels,
                           (double)over.stats.evaluations / (double)all.stats.evaluations);
             assert_int_equal(count_differing(&all.radiance, &over.radiance), 0);
@@ -314,12 +314,12 @@ static void test_unserved_points_are_few(void **state) {
             struct shot shot = stage_shoot(&stage, &frame);
             assert_int_equal(shot.stats.overflow_cells, 0);
             if (shot.stats.unserved_points)
-                print_message("%s: %llu points without a cell, %.4f of what all visit\n", fnl_light_lists_name(frame.lists),
+                print_message("%s: %llu points without a cell, %.4f of what all visit\n", fnl_value_name(FNL_ENUM_LISTS, frame.lists),
                               (unsigned long long)shot.stats.unserved_points,
                               (double)shot.stats.evaluations / (double)all.stats.evaluations);
             uint64_t differing = count_differing(&all.radiance, &shot.radiance);
             if (differing)
-                fail_msg("%s, %u samples: %llu pixels differ", fnl_light_lists_name(frame.lists), msaa,
+                fail_msg("%s, %u samples: %llu pixels differ", fnl_value_name(FNL_ENUM_LISTS, frame.lists), msaa,
                          (unsigned long long)differing);
             bool by_depth = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_BACKFACE;
             if (msaa == 1 && l != FNL_LISTS_FINE && l != FNL_LISTS_SPARSE) assert_int_equal(shot.stats.unserved_points, 0);

@@ -11,8 +11,8 @@ enum { ALLOWED = 2 };
 
 static const char *pair_name(const fnl_frame *frame) {
     static char text[96];
-    snprintf(text, sizeof text, "%s + %s at %ux%u, %u samples", fnl_shading_name(frame->shading),
-             fnl_light_lists_name(frame->lists), frame->width, frame->height, frame->msaa);
+    snprintf(text, sizeof text, "%s + %s at %ux%u, %u samples", fnl_value_name(FNL_ENUM_SHADING, frame->shading),
+             fnl_value_name(FNL_ENUM_LISTS, frame->lists), frame->width, frame->height, frame->msaa);
     return text;
 }
 
@@ -262,8 +262,8 @@ static void test_every_pair_was_tried(void **state) {
         for (uint32_t s = 0; s < ORDERS; s++)
             for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
                 if (is_comparable((fnl_shading)s, (fnl_light_lists)l, msaa) && !tried[msaa > 1][s][l])
-                    fail_msg("%s + %s at %u samples was not tried", fnl_shading_name((fnl_shading)s),
-                             fnl_light_lists_name((fnl_light_lists)l), msaa);
+                    fail_msg("%s + %s at %u samples was not tried", fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)s),
+                             fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)l), msaa);
 }
 
 /* ---- numbers of lights ---- */
@@ -335,10 +335,10 @@ static void test_reaches_for_those_who_use_them(void **state) {
         frame.lists = (fnl_light_lists)l;
         if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
         for (uint32_t v = 0; v < 3; v++) {
-            frame.list_options = fnl_list_options_default();
-            frame.list_options.cone_tests = v == 0;
-            frame.list_options.normal_cones = v == 0;
-            frame.list_options.tile_bounds = v == 2 ? FNL_TILE_BOUNDS_PROJECTED : FNL_TILE_BOUNDS_BOX;
+            frame.list = fnl_frame_default().list;
+            frame.list.cone_tests = v == 0;
+            frame.list.normal_cones = v == 0;
+            frame.tiles.bounds = v == 2 ? FNL_TILE_BOUNDS_PROJECTED : FNL_TILE_BOUNDS_BOX;
             bool clusters = l == FNL_LISTS_CLUSTERED || l == FNL_LISTS_BVH || l == FNL_LISTS_SPARSE;
             bool tiles = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_ENHANCED ||
                          l == FNL_LISTS_BACKFACE;

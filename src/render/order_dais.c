@@ -22,14 +22,9 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
 }
 
 fnl_result dais_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
-    const fnl_dais_options *dais = &frame->dais;
-    TRY(check_enum(call, "dais.mode", (int)dais->mode, FNL_DAIS_MODE_COUNT, "fnl_dais_mode"));
-    TRY(check_count(call, "dais.cache_buckets", dais->cache_buckets, 1, 1u << 22));
-    if (dais->cache_buckets & (dais->cache_buckets - 1))
-        return misuse(call, "dais.cache_buckets is %u, must be a power of two", dais->cache_buckets);
     if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES &&
         frame->shading != FNL_SHADING_DAIS)
-        return unsupported(call, "the view %s shows what dais shading stores", fnl_debug_view_name(frame->debug));
+        return unsupported(call, "the view %s shows what dais shading stores", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
     if (frame->shading != FNL_SHADING_DAIS || frame->msaa == 1) return FNL_OK;
     if (frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa))
         return unsupported(

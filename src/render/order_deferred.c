@@ -15,9 +15,9 @@ _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT 
 static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
     order_add_lists(f, f->depth, NULL);
-    struct deferred_msaa_params params = {.method = (uint32_t)f->frame->msaa_method,
-                                          .groups = f->frame->msaa_groups,
-                                          .tolerance = f->frame->msaa_method == FNL_MSAA_ALL ? 0 : f->frame->msaa_tolerance};
+    struct deferred_msaa_params params = {.method = (uint32_t)f->frame->deferred.msaa_method,
+                                          .groups = f->frame->deferred.msaa_groups,
+                                          .tolerance = f->frame->deferred.msaa_method == FNL_MSAA_ALL ? 0 : f->frame->deferred.msaa_tolerance};
     f->gbuffer = gbuffer;
     struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
     hybrid_add(f->graph, input, &gbuffer, f->radiance);
@@ -34,14 +34,14 @@ void order_deferred(struct frame_state *f, struct shade_input *input, bool prepa
     decals_on_gbuffer_add(f, input, &gbuffer);
     order_add_lists(f, f->depth, &gbuffer);
     struct shade_classes classes = {0};
-    if (f->frame->class_blocks) {
-        classes = classify_add(f->graph, input, &gbuffer, f->frame->class_blocks);
+    if (f->frame->deferred.class_blocks) {
+        classes = classify_add(f->graph, input, &gbuffer, f->frame->deferred.class_blocks);
         f->class_counts = classes.counts;
     }
-    if (f->frame->deferred_pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
+    if (f->frame->deferred.pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
         f->radiance = deferred_screen_add(f->graph, input, &gbuffer, f->radiance);
     else
-        deferred_add(f->graph, input, &gbuffer, f->frame->class_blocks ? &classes : NULL, f->radiance);
+        deferred_add(f->graph, input, &gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
     hybrid_add(f->graph, input, &gbuffer, f->radiance);
     f->gbuffer = gbuffer;
 }
@@ -50,7 +50,7 @@ _Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_
                "volumes_shared.h has the values of fnl_volume_shape");
 
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
-    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list_options.frustum_cull, shape,
+    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
                                   f->r->volume_hook};
     return volumes_prepare(f->graph, f->r->device, &input);
 }
@@ -94,7 +94,7 @@ void order_volumes(struct frame_state *f, struct shade_input *input, bool prepas
     struct light_list base = light_list_all_add(f->graph, f->r->device, &none);
     input->lights = &base;
     struct surface_layers layers = add_base(f, input, &gbuffer);
-    uint32_t shape = (uint32_t)f->frame->list_options.volume_shape;
+    uint32_t shape = (uint32_t)f->frame->volume_shape;
     if (shape == VOLUME_STENCIL && !volumes_stencil_supported(f->r->device)) shape = VOLUME_DEPTH_BOUNDS;
     struct volumes volumes = order_prepare_volumes(f, shape);
     if (layers.count > 1)

@@ -20,7 +20,7 @@ static void tell_of_mesh_lists(struct frame_state *f) {
     f->drawn_lists = FNL_LISTS_MESH;
     if (f->r->told_of_mesh_lists) return;
     f->r->told_of_mesh_lists = true;
-    const char *name = fnl_light_lists_name(f->frame->lists);
+    const char *name = fnl_value_name(FNL_ENUM_LISTS, f->frame->lists);
     if (f->frame->msaa > 1)
         log_warning(&f->r->host, "%s lists have no MSAA: with %u samples per pixel objects are drawn with mesh lists", name,
                     f->frame->msaa);

@@ -12,7 +12,7 @@ _Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT
                "the shaders' values are the options'");
 
 static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
-    fnl_light_buffer buffer = f->frame->list_options.light_buffer;
+    fnl_light_buffer buffer = f->frame->light_buffer.kind;
     return buffer == FNL_LIGHT_BUFFER_AUTO ? automatic : (uint32_t)buffer;
 }
 
@@ -85,7 +85,7 @@ void order_light_indexed(struct frame_state *f, struct shade_input *input, bool 
     UNUSED(prepass);
     add_blend_lists(f);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
-    struct indexed_params params = {(uint32_t)f->frame->list_options.light_packing, f->frame->list_options.light_layers};
+    struct indexed_params params = {(uint32_t)f->frame->light_indexed.packing, f->frame->light_indexed.layers};
     struct indexed_samples samples = {0};
     f->lights = light_indexed_add(f->graph, f->r->device, input, &volumes, &f->scene->lights, f->depth, &params, &samples);
     input->lights = &f->lights;
@@ -99,7 +99,7 @@ void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass)
     UNUSED(prepass);
     add_blend_lists(f);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
-    uint32_t layers = MIN(f->frame->list_options.light_layers, ZIOMA_LAYERS);
+    uint32_t layers = MIN(f->frame->light_indexed.layers, ZIOMA_LAYERS);
     zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
     f->light_bytes = (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height;
     f->lights.totals = volumes.totals;
@@ -115,8 +115,8 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
     const struct light_input whole = *lights;
     fnl_frame low_frame = *frame;
     low_frame.msaa = f->view.samples = 1; /* materials alone have more */
-    lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->list_options.light_scale);
-    lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->list_options.light_scale);
+    lights->width = low_frame.width = f->view.size.x = DIVIDE_UP(frame->width, frame->light_buffer.scale);
+    lights->height = low_frame.height = f->view.size.y = DIVIDE_UP(frame->height, frame->light_buffer.scale);
     f->view.inverse_size = (vec2){1 / (float)low_frame.width, 1 / (float)low_frame.height};
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
     if (slice.data) memcpy(slice.data, &f->view, sizeof f->view);
@@ -151,5 +151,5 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
 }
 
 void order_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
-    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->list_options.light_scale);
+    add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->light_buffer.scale);
 }

@@ -26,7 +26,7 @@ static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, str
 fnl_result mobile_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     struct mobile_params params;
     if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return FNL_OK;
-    return unsupported(call, "this device cannot draw to the formats of layout %s", fnl_mobile_layout_name(frame->mobile.layout));
+    return unsupported(call, "this device cannot draw to the formats of layout %s", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame->mobile.layout));
 }
 
 void shading_scale_light(struct frame_state *f) {
@@ -103,7 +103,7 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
         suns.local_count = 0;
         base = light_list_all_add(f->graph, f->r->device, &suns);
         input->lights = suns.directional_count ? &base : NULL;
-        uint32_t shape = (uint32_t)f->frame->list_options.volume_shape;
+        uint32_t shape = (uint32_t)f->frame->volume_shape;
         if (shape == VOLUME_STENCIL) shape = VOLUME_DEPTH_BOUNDS; /* the scope has no stencil */
         volumes = order_prepare_volumes(f, shape);
         if (!has_blend) f->blend_lights = light_list_all_add(f->graph, f->r->device, &f->scene->lights);

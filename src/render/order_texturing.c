@@ -12,7 +12,7 @@ static void shade(struct frame_state *f, struct shade_input *input, const struct
 }
 
 void order_texturing(struct frame_state *f, struct shade_input *input, bool prepass) {
-    bool derived = f->frame->gradients == FNL_GRADIENTS_DERIVED;
+    bool derived = f->frame->texturing.gradients == FNL_GRADIENTS_DERIVED;
     struct texturing texturing = texturing_add(f->graph, input, derived, prepass, f->depth);
     shade(f, input, &texturing);
 }

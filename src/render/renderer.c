@@ -42,7 +42,7 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
                              .light_count = device_lights_count(d),
                              .msaa = frame->msaa,
                              .pixel_count = (uint64_t)frame->width * frame->height,
-                             .depth_first = frame->gbuffer_prepass,
+                             .depth_first = frame->gbuffer.prepass,
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
@@ -206,7 +206,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     }
     TRY(prepare_buffers(r, frame));
     if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
-        TRY(device_virtual_prepare(&r->device_scene, frame->atlas_size, &r->atlas));
+        TRY(device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas));
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
     uint32_t slot = gpu_frame_slot(r->device);

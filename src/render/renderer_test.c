@@ -131,7 +131,7 @@ static void test_recording_does_not_grow_with_lights(void **state) {
                 assert_int_equal(stats.lights_total, counts[i] + 6);
             }
         print_message("%s: %.3f ms to record with 16 lights, %.3f ms with 65536\n",
-                      fnl_light_lists_name((fnl_light_lists)lists), least[0], least[1]);
+                      fnl_value_name(FNL_ENUM_LISTS, (fnl_light_lists)lists), least[0], least[1]);
         assert_true(least[1] < 2 * least[0] + 0.1);
     }
     for (int i = 0; i < 2; i++) fnl_scene_destroy(&sets[i].scene);
@@ -201,8 +201,8 @@ static void test_steady_state_allocates_nothing(void **state) {
                 assert_true(stats.pass_count > 5);
             }
             if (test_device_memory.allocations != before)
-                fail_msg("%s, %s: %lld allocations in two frames", fnl_shading_name(frame.shading),
-                         fnl_light_lists_name(frame.lists), test_device_memory.allocations - before);
+                fail_msg("%s, %s: %lld allocations in two frames", fnl_value_name(FNL_ENUM_SHADING, frame.shading),
+                         fnl_value_name(FNL_ENUM_LISTS, frame.lists), test_device_memory.allocations - before);
         }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&s.scene);
@@ -382,10 +382,10 @@ static void test_misuse(void **state) {
     fnl_renderer_destroy(NULL);
     fnl_renderer_destroy(&none);
     assert_int_equal(fnl_renderer_print_plan(NULL, NULL, 0), 0);
-    assert_null(fnl_shading_name((fnl_shading)77));
-    assert_null(fnl_light_lists_name(FNL_LISTS_COUNT));
-    assert_null(fnl_tonemap_name((fnl_tonemap)-1));
-    assert_null(fnl_debug_view_name(FNL_DEBUG_COUNT));
+    assert_null(fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)77));
+    assert_null(fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_COUNT));
+    assert_null(fnl_value_name(FNL_ENUM_TONEMAP, (fnl_tonemap)-1));
+    assert_null(fnl_value_name(FNL_ENUM_DEBUG_VIEW, FNL_DEBUG_COUNT));
 
     fnl_frame good = test_frame(FNL_OUTPUT_RADIANCE);
     test_render_frame(renderer, &good);

@@ -41,7 +41,7 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
         bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
-                       bucket->forward_layouts >> r->frame.gbuffer & 1;
+                       bucket->forward_layouts >> r->frame.gbuffer.layout & 1;
         if (r->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING)
             forward = !bucket->blend && bucket->forward_layouts >> VIRTUAL_FORWARD & 1;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)

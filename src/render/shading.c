@@ -106,7 +106,7 @@ bool shading_has_prepass(const fnl_frame *frame) {
     return shading_is(frame->shading, SHADING_PREPASS) ||
            ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_TEXTURING ||
              frame->shading == FNL_SHADING_VIRTUAL_TEXTURING || frame->shading == FNL_SHADING_MOBILE) &&
-            frame->gbuffer_prepass);
+            frame->gbuffer.prepass);
 }
 
 bool shading_draws_volumes(const fnl_frame *frame) {
@@ -136,9 +136,9 @@ void shading_add(struct frame_state *f) {
                                       .light_count = f->scene->lights.local_count,
                                       .counters = f->counters,
                                       .background = {background.x, background.y, background.z},
-                                      .layout = f->frame->gbuffer,
-                                      .normals = f->frame->normals,
-                                      .chroma = f->frame->chroma};
+                                      .layout = f->frame->gbuffer.layout,
+                                      .normals = f->frame->gbuffer.normals,
+                                      .chroma = f->frame->gbuffer.chroma};
     bool prepass = shading_has_prepass(f->frame);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
     struct shade_input opaque = input, blend = input;
@@ -155,7 +155,7 @@ void shading_add(struct frame_state *f) {
 uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
     const struct gbuffer *g = &f->gbuffer;
     if (!g->depth.id) return f->gbuffer_bytes;
-    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer, f->frame->normals, f->frame->chroma) + (g->mask.id ? 1 : 0) + f->coarse_bytes;
+    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer.layout, f->frame->gbuffer.normals, f->frame->gbuffer.chroma) + (g->mask.id ? 1 : 0) + f->coarse_bytes;
     return bytes * f->frame->width * f->frame->height * f->frame->msaa;
 }
 
@@ -168,6 +168,6 @@ uint32_t shading_draw_count(const struct frame_state *f) {
     if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais.counts.id) opaque *= 2;
     if (f->frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
         opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD)) + (f->r->atlas.fresh ? opaque : 0);
-    if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer));
+    if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer.layout));
     return prepass + opaque + blend_draw_count(f);
 }

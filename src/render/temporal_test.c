@@ -180,7 +180,7 @@ static void test_still_converges_to_supersampling_ES_21(void **state) {
         if (i == 0)
             print_message("off 64x supersampling by %.2f, %.2f, %.2f of 255 after 1, 4, 16 frames\n", error[0], error[1],
                           error[2]);
-        print_message("%s: by %.2f after %u\n", fnl_shading_name((fnl_shading)i), error[3], most);
+        print_message("%s: by %.2f after %u\n", fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)i), error[3], most);
         assert_true(error[3] < 1);
         assert_true(error[2] < error[1] && error[1] < error[0]);
         free_picture(&reference);
@@ -741,8 +741,8 @@ static void test_limits(void **state) {
     frame.jitter.x = 0;
     frame.msaa = 4;
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
-    assert_string_equal(fnl_antialiasing_name(FNL_ANTIALIASING_SMAA), "smaa");
-    assert_null(fnl_antialiasing_name(FNL_ANTIALIASING_COUNT));
+    assert_string_equal(fnl_value_name(FNL_ENUM_ANTIALIASING, FNL_ANTIALIASING_SMAA), "smaa");
+    assert_null(fnl_value_name(FNL_ENUM_ANTIALIASING, FNL_ANTIALIASING_COUNT));
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
 }

@@ -100,7 +100,7 @@ static void test_orders(void **state) {
             if (glass && shading % 5) continue; /* a few will do */
             if (!fnl_lists_supported(frame.shading, frame.lists)) frame.lists = FNL_LISTS_ALL;
             char what[64];
-            snprintf(what, sizeof what, "%s, %u samples", fnl_shading_name(frame.shading), samples);
+            snprintf(what, sizeof what, "%s, %u samples", fnl_value_name(FNL_ENUM_SHADING, frame.shading), samples);
             struct shot first = stage_shoot(&stage, &frame); /* uploads have barriers of their own */
             shot_free(&first);
             spy_clear();

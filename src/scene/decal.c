@@ -2,16 +2,6 @@
 /* Decals of a scene: the public calls, and where a decal is. */
 #include "scene/scene.h"
 
-const char *fnl_decal_kind_name(fnl_decal_kind kind) {
-    static const char *const names[FNL_DECAL_KIND_COUNT] = {"box", "volume", "mesh", "redraw", "baked"};
-    return (uint32_t)kind < FNL_DECAL_KIND_COUNT ? names[kind] : NULL;
-}
-
-const char *fnl_decal_blend_name(fnl_decal_blend blend) {
-    static const char *const names[FNL_DECAL_BLEND_COUNT] = {"alpha", "multiply", "add", "screen", "overlay"};
-    return (uint32_t)blend < FNL_DECAL_BLEND_COUNT ? names[blend] : NULL;
-}
-
 fnl_decal_params fnl_decal_params_default(void) {
     return (fnl_decal_params){.kind = FNL_DECAL_BOX,
                               .transform = mat4_identity(),
@@ -166,8 +156,8 @@ fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id id, const fnl_deca
     TRY(check_all(call, scene, params));
     struct scene_decal *decal = &scene->decals.data[id.index];
     if (params->kind != decal->params.kind)
-        return misuse(call, "kind is %s, must stay %s", fnl_decal_kind_name(params->kind),
-                      fnl_decal_kind_name(decal->params.kind));
+        return misuse(call, "kind is %s, must stay %s", fnl_value_name(FNL_ENUM_DECAL_KIND, params->kind),
+                      fnl_value_name(FNL_ENUM_DECAL_KIND, decal->params.kind));
     bool same = params->instance.index == decal->params.instance.index &&
                 params->instance.generation == decal->params.instance.generation;
     if (!same && needs_instance(params->kind)) return misuse(call, "instance is another, must stay the same");

@@ -5,8 +5,8 @@
  */
 #include "scene/gltf.h"
 
-static const char *kind_name(int i) { return fnl_decal_kind_name((fnl_decal_kind)i); }
-static const char *blend_name(int i) { return fnl_decal_blend_name((fnl_decal_blend)i); }
+static const char *kind_name(int i) { return fnl_value_name(FNL_ENUM_DECAL_KIND, (uint32_t)i); }
+static const char *blend_name(int i) { return fnl_value_name(FNL_ENUM_DECAL_BLEND, (uint32_t)i); }
 static const char *channel_name(int i) {
     static const char *const names[] = {"color", "normal", "roughness", "metallic", "emission"};
     return i < (int)COUNT_OF(names) ? names[i] : NULL;
@@ -109,7 +109,7 @@ static void place_decal(struct gltf *g, json_t *object, const struct at *at, uin
         if (node == SCENE_NONE) return;
         if (nodes[node].mesh == SCENE_NONE) {
             gltf_warn(g, AT_KEY(at, "target"), "node %u has no mesh that a %s decal could be on; the decal is left out",
-                      node, fnl_decal_kind_name(p.kind));
+                      node, fnl_value_name(FNL_ENUM_DECAL_KIND, p.kind));
             return;
         }
         if (!to_mesh(&nodes[index], &nodes[node], &p.transform)) {

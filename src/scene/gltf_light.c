@@ -81,7 +81,7 @@ static void load_shape(struct gltf *g, json_t *light_object, const struct at *li
     const char *shape = object ? gltf_string(g, object, at, "shape", true) : NULL;
     if (!shape) return;
     fnl_light_kind kind = FNL_LIGHT_CAPSULE;
-    while (kind < FNL_LIGHT_KIND_COUNT && strcmp(shape, fnl_light_kind_name(kind)) != 0) kind++;
+    while (kind < FNL_LIGHT_KIND_COUNT && strcmp(shape, fnl_value_name(FNL_ENUM_LIGHT_KIND, kind)) != 0) kind++;
     if (kind == FNL_LIGHT_KIND_COUNT) {
         gltf_warn(g, AT_KEY(at, "shape"), "is none of capsule, wedge, box; it is ignored");
         return;

@@ -2,11 +2,6 @@
 /* What the parameters of a light say about its volume. */
 #include "scene/scene.h"
 
-const char *fnl_light_kind_name(fnl_light_kind kind) {
-    static const char *const names[FNL_LIGHT_KIND_COUNT] = {"directional", "point", "spot", "capsule", "wedge", "box"};
-    return (uint32_t)kind < FNL_LIGHT_KIND_COUNT ? names[kind] : NULL;
-}
-
 float fnl_light_range(const fnl_light_params *light, float min_roughness, float threshold) {
     if (check_handle(__func__, "params", light) != FNL_OK) return 0;
     if (light->kind == FNL_LIGHT_DIRECTIONAL) return INFINITY;

@@ -44,7 +44,7 @@ run() { # FOLDER STATUS ARGUMENTS…
 
 # Many lights and schemes; one number of lights; a suite; a wrong picture; nothing at all.
 run many 0 builtin:spheres --sizes 48x27,32x18 --lights 0,4,16,64 --shading deferred,forward --lists brute,tiled,clustered --frames 2 \
-    --list-option cluster-size=32,slices=16
+    --set clusters.size=32 --set clusters.slices=16
 run one 0 "builtin:sky?seed=3" --sizes 64x36 --msaa 1,4 --shading all --lists brute,clustered,clustered-cpu --frames 2
 # Axes that show a 0: lights in each plot of lines; lists of brute force in the balance and in memory, its lights per pixel.
 for width in 390 1100; do look "$work/many" $width -DZEROS=5; done

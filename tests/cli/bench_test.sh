@@ -40,15 +40,20 @@ expect 2 "lights: '' is not a whole number" builtin:spheres --lights 4, -o "$out
 expect 2 "sizes: '12' is not a size" builtin:spheres --sizes 12 -o "$out"
 expect 2 "sizes: '64x0' is not a size" builtin:spheres --sizes 64x64,64x0 -o "$out"
 expect 2 "msaa: '3' is not one of 1 2 4 8" builtin:spheres --msaa 1,3 -o "$out"
-expect 2 "gbuffer: 'x' is not one of default siege" builtin:spheres --gbuffer default,x -o "$out"
-expect 2 "transparency: 'x' is not one of sorted weighted linked" builtin:spheres --transparency x -o "$out"
-expect 2 "decals: 'x' is not one of lists gbuffer off" builtin:spheres --decals x -o "$out"
-expect 2 "msaa-method: 'x' is not one of all tiles" builtin:spheres --msaa-method x -o "$out"
-expect 2 "dais: 'x' is not one of target list" builtin:spheres --dais x -o "$out"
-expect 2 "dais-multirate: 'x' is not one of off on" builtin:spheres --dais-multirate x -o "$out"
-expect 2 'chooses G-buffers' --suite thesis --gbuffer all -o "$out"
-expect 2 'more than 1048576 combinations' builtin:spheres --gbuffer all --transparency all --decals all --msaa-method all --visibility-sort all \
-    --mobile-layout all --mobile-lights all --mobile-gamma all --dais all --cull all --geometry all --occlusion all -o "$out"
+expect 2 "--gbuffer is 'x', must be one of default, siege" builtin:spheres --gbuffer default,x -o "$out"
+expect 2 "--transparency is 'x', must be one of sorted, weighted, linked" builtin:spheres --transparency x -o "$out"
+expect 2 "--decals is 'x', must be one of lists, gbuffer, off" builtin:spheres --decals x -o "$out"
+expect 2 "--msaa-method is 'x', must be one of all, tiles" builtin:spheres --msaa-method x -o "$out"
+expect 2 "vary: dais.mode is 'x', must be one of target, list" builtin:spheres --vary dais.mode=x -o "$out"
+expect 2 "vary: dais.multirate is 'x', must be on or off" builtin:spheres --vary dais.multirate=x -o "$out"
+expect 2 "vary: there is no option 'x'" builtin:spheres --vary x=1 -o "$out"
+expect 2 "vary: 'x' is not KEY=VALUES" builtin:spheres --vary x -o "$out"
+expect 2 "vary: shading cannot be set here" builtin:spheres --vary shading=deferred -o "$out"
+expect 2 "vary: coarse.tolerance has too many values for 'all'" builtin:spheres --vary coarse.tolerance=all -o "$out"
+expect 2 "set: width cannot be set here" builtin:spheres --set width=8 -o "$out"
+expect 2 'chooses shading' --suite thesis --gbuffer all -o "$out"
+expect 2 'more than 1048576 combinations' builtin:spheres --gbuffer all --transparency all --decals all --msaa-method all --vary visibility.sort=all \
+    --vary mobile.layout=all --vary mobile.lights=all --vary mobile.gamma=all --vary dais.mode=all --cull all --geometry all --occlusion all -o "$out"
 expect 2 "frames: '0' is not a whole number from 1" builtin:spheres --frames 0 -o "$out"
 expect 2 "warm-up: 'x' is not a whole number" builtin:spheres --warm-up x -o "$out"
 expect 2 "checks: 'x' is not a whole number" builtin:spheres --checks x -o "$out"
@@ -58,7 +63,7 @@ expect 2 'chooses shading' --suite thesis --all -o "$out"
 expect 2 'no device .*99|99' builtin:spheres --device 99 -o "$out"
 expect 2 'brings its own scenes' builtin:spheres --suite thesis -o "$out"
 expect 2 'chooses shading' --suite thesis --lists tiled -o "$out"
-expect 2 "list-option: .*x" builtin:spheres --list-option x=1 -o "$out"
+expect 2 "set: there is no option 'x'" builtin:spheres --set x=1 -o "$out"
 expect 2 'unrecognized option|unknown option|invalid option' builtin:spheres --nonsense -o "$out"
 expect 2 'nowhere' builtin:spheres builtin:nowhere -o "$out"
 expect 2 'missing.gltf: cannot be opened' "$work/missing.gltf" -o "$out"
@@ -78,7 +83,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
 {
     # A matrix: zero lights and glass too, and a name with a comma for the CSV.
     expect 0 'On builtin:spheres with 16 lights at 33x17, .* was fastest: [0-9.]+ ms(,|[.] Its lead,) [0-9.]+ times as fast as ' builtin:spheres "builtin:glass?seed=2&lights=5" --sizes 33x17 --lights 0,16 \
-        --shading deferred,forward --lists brute,tiled,clustered --list-option tile-size=8,slices=16 --frames 3 -o "$work/a"
+        --shading deferred,forward --lists brute,tiled,clustered --set tiles.size=8 --set clusters.slices=16 --frames 3 -o "$work/a"
     check "$work/a" RESULTS=24 SKIPPED=0 EQUAL=24 FRAMES=3
     ls "$work/a" | tr '\n' ' ' | grep -qx 'report.html results.csv results.json ' || fail "more files than three: $(ls "$work/a")"
 
@@ -92,7 +97,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
 
     # Again with --resume: nothing is measured, no number changes.
     cp "$work/a/results.json" "$work/before.json"
-    matrix='builtin:spheres builtin:glass?seed=2&lights=5 --sizes 33x17 --lights 0,16 --list-option tile-size=8,slices=16 --frames 3'
+    matrix='builtin:spheres builtin:glass?seed=2&lights=5 --sizes 33x17 --lights 0,16 --set tiles.size=8 --set clusters.slices=16 --frames 3'
     expect 0 '' $matrix --shading deferred,forward --lists brute,tiled,clustered -o "$work/a" --resume
     grep -q '^case' "$work/out" && fail 'resuming measured something'
     diff <(grep -v '"date"' "$work/before.json") <(grep -v '"date"' "$work/a/results.json") >/dev/null || fail 'resuming changed results'
@@ -125,11 +130,13 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
 
     # G-buffers, transparency, decals and MSAA methods: each where the order heeds it, with a reference of its own, told apart in the files.
     ways='builtin:glass?lights=6 --sizes 33x17 --shading forward,deferred --lists tiled --frames 2'
-    expect 0 'deferred with tiled lists \(gbuffer=siege,transparency=linked\)' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g"
+    expect 0 'deferred with tiled lists \(transparency=linked,gbuffer.layout=siege\)' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g"
     check "$work/g" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2 # forward has no G-buffer: 2 + 2 x 2
-    grep -q ',forward,tiled,transparency=linked,,linked,lists,,,,,' "$work/g/results.csv" || fail "ways in results.csv: $(cat "$work/g/results.csv")"
-    grep -q ',deferred,tiled,"gbuffer=siege,transparency=linked",siege,linked,lists,,,,,' "$work/g/results.csv" ||
-        fail "ways in results.csv: $(cat "$work/g/results.csv")"
+    # A column for each option that something sets, with the default where nothing does.
+    head -n 1 "$work/g/results.csv" | tr -d '\r' | grep -qE ',(gbuffer.layout,transparency|transparency,gbuffer.layout)$' || fail "columns: $(head -n 1 "$work/g/results.csv")"
+    tr -d '\r' <"$work/g/results.csv" | grep -qE ',forward,tiled,transparency=linked,.*,(default,linked|linked,default)$' || fail "options in results.csv"
+    tr -d '\r' <"$work/g/results.csv" | grep -qE ',deferred,tiled,"transparency=linked,gbuffer.layout=siege",.*,(siege,linked|linked,siege)$' || fail "options in results.csv"
+    tr -d '\r' <"$work/g/results.csv" | grep -qE ',deferred,tiled,,.*,(default,sorted|sorted,default)$' || fail "defaults in results.csv"
     expect 0 '' $ways --gbuffer default,siege --transparency sorted,linked -o "$work/g" --resume
     grep -q '^case' "$work/out" && fail 'resuming measured ways again'
     expect 0 '' $ways --msaa 1,4 --gbuffer default,siege --decals all --msaa-method tiles,all -o "$work/h"
@@ -137,8 +144,8 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     check "$work/h" RESULTS=18 SKIPPED=0 EQUAL=18 FRAMES=2
 
     # The ways of dais multiply it alone.
-    expect 0 'dais with tiled lists \(dais=list,dais-multirate=on\)' builtin:spheres --sizes 33x17 --shading dais,visibility --lists tiled \
-        --dais all --dais-multirate all --msaa 4 --frames 1 -o "$work/d"
+    expect 0 'dais with tiled lists \(dais.mode=list,dais.multirate=on\)' builtin:spheres --sizes 33x17 --shading dais,visibility --lists tiled \
+        --vary dais.mode=all --vary dais.multirate=all --msaa 4 --frames 1 -o "$work/d"
     check "$work/d" RESULTS=5 SKIPPED=0 EQUAL=5 FRAMES=1
 
     # Culling leaves the picture as it is: one reference for all its ways.
@@ -146,7 +153,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     check "$work/c" RESULTS=6 SKIPPED=0 EQUAL=6 FRAMES=2
 
     # Suites that are a matrix: scenes and options are theirs, unless others are given; tables.
-    expect 0 'visibility \(cull=triangles,occlusion=on\): [0-9.]+ times the triangles' --suite geometry --frames 2 --sizes 32x18 \
+    expect 0 'visibility \(culling=triangles,occlusion=on\): [0-9.]+ times the triangles' --suite geometry --frames 2 --sizes 32x18 \
         "builtin:city?blocks=1&instances=2000" "builtin:city?blocks=1&triangles=400000" -o "$work/s"
     check "$work/s" RESULTS=12 SKIPPED=0 EQUAL=12 FRAMES=2
     grep -q '"name": "geometry"' "$work/s/results.json" || fail 'no table of geometry'

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * check_schema SCHEMA FILE…: whether each JSON text of the files (a text, or one a line) is by the schema, and whether together they show every property that
- * the schema knows. Of JSON Schema it knows what docs/stats.schema.json uses: type, const, enum, minimum, properties, required, additionalProperties: false,
+ * the schema knows. Of JSON Schema it knows what docs/stats.schema.json uses: type, const, enum, minimum, properties, required, additionalProperties: false or a schema,
  * items, minItems, maxItems and description; any other keyword is an error, so that none is passed over.
  */
 #include <jansson.h>
@@ -45,13 +45,18 @@ static bool is_among(const json_t *value, const json_t *list) {
 
 static void check(const json_t *value, json_t *schema, const char *place);
 
-static void check_object(const json_t *value, const json_t *properties, const char *place) {
+/* `others` is the schema of properties that have none, or NULL. */
+static void check_object(const json_t *value, const json_t *properties, json_t *others, const char *place) {
     const char *key;
     json_t *member;
     json_object_foreach((json_t *)value, key, member) {
         char inner[512];
         snprintf(inner, sizeof inner, "%s/%s", place, key);
         json_t *schema = json_object_get(properties, key);
+        if (!schema && others) {
+            check(member, others, inner);
+            continue;
+        }
         if (!schema)
             fail(inner, "the schema has no such property");
         else
@@ -62,14 +67,14 @@ static void check_object(const json_t *value, const json_t *properties, const ch
 
 static void check(const json_t *value, json_t *schema, const char *place) {
     const char *keyword;
-    json_t *wanted, *properties = json_object_get(schema, "properties");
+    json_t *wanted, *properties = json_object_get(schema, "properties"), *others = json_object_get(schema, "additionalProperties");
     if (!type_fits(value, json_object_get(schema, "type"))) {
         fail(place, "is of another type, or the schema names none");
         return;
     }
-    if (json_is_object(value) && !json_is_false(json_object_get(schema, "additionalProperties")))
+    if (json_is_object(value) && !json_is_false(others) && !json_is_object(others))
         fail(place, "the schema lets additional properties pass");
-    if (json_is_object(value)) check_object(value, properties, place);
+    if (json_is_object(value)) check_object(value, properties, json_is_object(others) ? others : NULL, place);
     json_object_foreach(schema, keyword, wanted) {
         size_t index, size = json_array_size(value);
         json_t *item;

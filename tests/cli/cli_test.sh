@@ -30,15 +30,15 @@ for command in render info devices compare; do expect 0 'Examples?:' $command --
 expect 2 'one scene is needed' render -o "$work/a.png"
 expect 2 'no output was asked for' render builtin:spheres
 expect 2 "size: '12' is not a size" render builtin:spheres --size 12 -o "$work/a.png"
-expect 2 "shading: 'x' is not one of forward forward-prepass deferred" render builtin:spheres --shading x -o "$work/a.png"
-expect 2 "lists: 'x' is not one of all tiled" render builtin:spheres --lists x -o "$work/a.png"
-expect 2 "msaa: '3'" render builtin:spheres --msaa 3 -o "$work/a.png"
-expect 2 "aa: 'x' is not one of none mlaa smaa taa" render builtin:spheres --aa x -o "$work/a.png"
+expect 2 "--shading is 'x', must be one of forward, forward-prepass, deferred" render builtin:spheres --shading x -o "$work/a.png"
+expect 2 "--lists is 'x', must be one of all, tiled" render builtin:spheres --lists x -o "$work/a.png"
+expect 2 "--msaa is 3, must be 1, 2, 4 or 8" render builtin:spheres --msaa 3 -o "$work/a.png"
+expect 2 "--aa is 'x', must be one of none, mlaa, smaa, taa" render builtin:spheres --aa x -o "$work/a.png"
 expect 2 'supersample is no --aa taa' render builtin:spheres --supersample 4 --aa taa -o "$work/a.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%s.png"
 expect 2 'each output of a sequence' render builtin:spheres -o "$work/a-%d-%d.png"
 expect 2 'frame-time is for sequences' render builtin:spheres --frame-time 0.1 -o "$work/a.png"
-expect 2 "tonemap: 'x'" render builtin:spheres --tonemap x -o "$work/a.png"
+expect 2 "--tonemap is 'x'" render builtin:spheres --tonemap x -o "$work/a.png"
 expect 2 "exposure: 'bright'" render builtin:spheres --exposure bright -o "$work/a.png"
 expect 2 'ends in .png or .exr' render builtin:spheres -o "$work/a.jpg"
 expect 2 'belong together' render builtin:spheres --eye 1,2,3 -o "$work/a.png"
@@ -52,8 +52,8 @@ expect 2 'missing.gltf: cannot be opened' render "$work/missing.gltf" -o "$work/
 echo '{"asset": {"version": "2.0"' >"$work/cut.gltf"
 expect 2 'cut.gltf' render "$work/cut.gltf" -o "$work/a.png"
 expect 2 'mobile shading has no MSAA' render builtin:spheres $small --shading mobile --msaa 4 -o "$work/a.png"
-expect 2 "coarse: '2' is not a number from 0 to 1 for tolerance" render builtin:spheres $small --coarse tolerance=2 -o "$work/a.png"
-expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shading visibility --visibility-grid --msaa 4 -o "$work/a.png"
+expect 2 "set: coarse.tolerance is 2, must be 0 .. 1" render builtin:spheres $small --set coarse.tolerance=2 -o "$work/a.png"
+expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shading visibility --set visibility.grid=on --msaa 4 -o "$work/a.png"
 expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
 
@@ -87,7 +87,7 @@ expect 2 'cannot be written' render builtin:spheres $small -o "$work/a.png" --st
 absent "$work/a.png"
 
 # What was printed and did not arrive is an error, and then nothing is written; a stream that is closed lends its number to no file.
-for arguments in --help --version 'render --help' 'bench --help' 'render --list-option help' 'info builtin:spheres' 'info builtin:spheres --json' \
+for arguments in --help --version 'render --help' 'bench --help' 'render --options' 'info builtin:spheres' 'info builtin:spheres --json' \
     'info --gbuffers' devices 'devices --json' "render builtin:spheres $small --lists all -o $work/a.png --stats $work/a.json" \
     "render builtin:spheres $small --lists all --plan"; do
     # shellcheck disable=SC2086
@@ -143,9 +143,9 @@ fanal=$patient
 [ -p "$work/pipe.png" ] && [ -c /dev/null ] || fail 'a picture took the place of a pipe'
 
 # Settings of another order are harmless, but not passed over in silence.
-expect 0 'coarse has no effect with --shading deferred' render builtin:spheres $small --lists all --coarse size=4 -o "$work/unused.png"
+expect 0 'coarse.size has no effect with --shading deferred' render builtin:spheres $small --lists all --set coarse.size=4 -o "$work/unused.png"
 expect 0 'occlusion has no effect with --shading low-res' render builtin:spheres $small --lists all --shading low-res --occlusion -o "$work/unused.png"
-expect 0 '' render builtin:spheres $small --lists all --coarse size=4 -q -o "$work/unused.png"
+expect 0 '' render builtin:spheres $small --lists all --set coarse.size=4 -q -o "$work/unused.png"
 [ ! -s "$work/out" ] || fail 'a quiet command warns'
 
 # Collected frames come near the mean of as many; a sequence has a picture for each frame, and its names are what was asked for.
@@ -181,12 +181,17 @@ cmp -s "$work/a.png" "$work/b.png" || fail 'the lists that auto took gave other 
 expect 0 'auto: (remembered|likely)' render builtin:spheres $small -o "$work/b.png"
 expect 0 'auto has not decided within 0 s' render builtin:spheres --size 33x19 --lists auto --choose-seconds 0 --frames 2 -o "$work/c.png"
 expect 2 "choose-seconds: '-1' is not" render builtin:spheres --choose-seconds -1 -o "$work/c.png"
-expect 2 "list-option: 'tiles' is not" render builtin:spheres --list-option tiles=3 -o "$work/b.png"
-expect 2 "tile-size: '24' is not one of 8 16 32 64" render builtin:spheres --list-option tile-size=24 -o "$work/b.png"
-expect 2 'cluster-near must be less' render builtin:spheres --list-option cluster-near=9,cluster-far=3 -o "$work/b.png"
-expect 0 'cluster-size' render builtin:spheres --list-option help
+expect 2 "set: there is no option 'tiles'" render builtin:spheres --set tiles=3 -o "$work/b.png"
+expect 2 "set: tiles.size is 24, must be 8, 16, 32 or 64" render builtin:spheres --set tiles.size=24 -o "$work/b.png"
+expect 2 'clusters.far is 3, must be above 9 metres' render builtin:spheres --set clusters.near=9 --set clusters.far=3 -o "$work/b.png"
+expect 0 'clusters.size=64' render --options
+expect 0 '"key": "clusters.size"' render --options --json
+expect 2 'belong to --options' render --json
+expect 0 'tiles.size has no effect with --lists clustered' render builtin:spheres $small --lists clustered --set tiles.size=8 -o "$work/unused.png"
+expect 2 "set: 'tiles.size' is not KEY=VALUE" render builtin:spheres --set tiles.size -o "$work/b.png"
+expect 2 "set: clusters.near is '1e99', must be a number or auto" render builtin:spheres --set clusters.near=1e99 -o "$work/b.png"
 expect 2 'mesh lists do not go with deferred' render builtin:spheres --lists mesh -o "$work/b.png"
-expect 2 "class-blocks: '5' is not one of 0 4 8" render builtin:spheres --class-blocks 5 -o "$work/b.png"
+expect 2 "set: deferred.class-blocks is 5, must be 0, 4 or 8" render builtin:spheres --set deferred.class-blocks=5 -o "$work/b.png"
 expect 0 'tonemap' render builtin:spheres $small --plan
 expect 0 'size' compare "$work/a.png" "$work/b.png"
 expect 1 'max-diff|max' compare "$work/a.png" "$work/a.exr" --max-diff 0
@@ -208,7 +213,7 @@ for option in '--exposure 2' '--exposure none' '--tonemap none' '--tonemap aces'
 done
 
 # Ways to put blended surfaces together: each is another picture where glass reaches into glass, and linked counts fragments.
-expect 2 "transparency: 'x' is not one of sorted weighted linked" render builtin:glass --transparency x -o "$work/c.png"
+expect 2 "--transparency is 'x', must be one of sorted, weighted, linked" render builtin:glass --transparency x -o "$work/c.png"
 for kind in sorted weighted linked; do
     expect 0 '' render "builtin:glass?crossing=1&lights=8" $small --transparency $kind -o "$work/glass-$kind.png" --quiet
 done

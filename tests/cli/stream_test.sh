@@ -85,12 +85,12 @@ spheres="builtin:spheres --lists clustered"
     [ $? = 2 ] && grep -q 'standard output cannot be written: No space' err && [ ! -e full.png ] || fail "a full device: $(cat err)"
 
     # The numbers: by the schema, and each property of it in one of these.
-    run 0 '' $spheres -q --shading dais --dais list --stats dais.json
+    run 0 '' $spheres -q --shading dais --set dais.mode=list --stats dais.json
     run 0 '' builtin:spheres -q --lists backface --shading coarse --transparency linked --stats coarse.json
-    run 0 '' $spheres -q --shading visibility --visibility-sort class --stats visibility.json
+    run 0 '' $spheres -q --shading visibility --set visibility.sort=class --stats visibility.json
     run 0 '' $spheres -q --shading virtual-texturing --stats atlas.json
     run 0 '' $spheres -q --shading mobile --stats mobile.json
-    run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion --class-blocks 0 --stats msaa.json
+    run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion --set deferred.class-blocks=0 --stats msaa.json
 }
 "$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json ||
     fail 'the numbers are not by docs/stats.schema.json'
@@ -112,10 +112,17 @@ if command -v git >/dev/null; then
     echo x >copy/file
     [ "$(commit)" = "\"$(git -C copy rev-parse --short=12 HEAD)-dirty\";" ] || fail "a changed repository has the commit $(commit)"
 fi
-# Each option of the help has its value in the settings.
-for option in $("$fanal" render --help | grep -oE -- '--[a-z][a-z-]*' | sort -u | grep -vxE -- '--(help|gbuffers)'); do
+# Each option of the help has its value in the settings, under "options" by its key, and so has each option of a frame.
+named='shading|lists|msaa|msaa-method|gbuffer|transparency|decals|aa|cull|geometry|occlusion|light-lod|tonemap|debug|size|exposure'
+for option in $("$fanal" render --help | grep -oE -- '--[a-z][a-z-]*' | sort -u | grep -vxE -- "--(help|gbuffers|set|options|json|markdown|$named)"); do
     key=${option#--}
     grep -q "^    \"${key//-/_}\":" still.json || fail "the settings leave out $option"
 done
+count=0
+for key in $("$fanal" render --options | grep -oE '^[a-z][a-z0-9.-]*='); do
+    grep -q "^      \"${key%=}\":" still.json || fail "the settings leave out $key"
+    count=$((count + 1))
+done
+[ $count -gt 70 ] || fail "only $count options"
 [ $failures = 0 ] && echo 'all checks of streams and numbers passed'
 exit $((failures > 0))

@@ -82,15 +82,15 @@ count() { # NAME SCENE SIZE OPTIONS…: adds the counts of a frame to $work/coun
 clusters() { # NAME SCENE SIZE PIXELS SLICES OPTIONS…
     local name=$1 scene=$2 size=$3 pixels=$4 slices=$5
     shift 5
-    count "$name" "$scene" "$size" --lists raster --list-option "cluster-size=$pixels,slices=$slices" "$@"
+    count "$name" "$scene" "$size" --lists raster --set "clusters.size=$pixels" --set "clusters.slices=$slices" "$@"
 }
 points='builtin:hall?lights=4096' none='builtin:hall?lights=0'
-tiles=(--lists tiled --list-option tile-size=8) # 96x48 of them
+tiles=(--lists tiled --set tiles.size=8) # 96x48 of them
 spots=(--lights 4096 --light-shapes spot)
 clusters points "$points" 768x384 32 128
 count points_in_tiles "$points" 768x384 "${tiles[@]}"
 clusters spots "$none" 768x384 32 128 "${spots[@]}"
-count spots_in_tiles "$none" 768x384 "${tiles[@]},cone-tests=off" "${spots[@]}" # spheres, as the tiles of the source test them
+count spots_in_tiles "$none" 768x384 "${tiles[@]}" --set list.cone-tests=off "${spots[@]}" # spheres, as the tiles of the source test them
 clusters wide32 "$points" 384x192 16 32 # 24x12 clusters
 clusters wide64 "$points" 384x192 16 64
 clusters fine32 "$points" 384x192 8 32 # 48x24

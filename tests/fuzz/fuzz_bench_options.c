@@ -11,7 +11,7 @@ static void check_plan(const struct bench_plan *plan) {
             const struct bench_candidate *candidate = &c->candidates[k];
             fnl_frame frame = fnl_frame_default();
             if (!fnl_lists_supported(candidate->shading, candidate->lists)) abort();
-            if (!bench_ways_apply(candidate->options, &frame)) abort();
+            if (!bench_ways_apply("set", candidate->options, &frame)) abort();
         }
     }
 }

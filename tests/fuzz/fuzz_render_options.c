@@ -11,15 +11,17 @@ const char program_commit[] = "";
 static bool finite3(fnl_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
 int fuzz_render_run(const struct render_options *o) {
-    const fnl_list_options *l = &o->frame.list_options;
     if (!o->scene || o->output_count > RENDER_MAX_OUTPUTS) abort();
     if (o->frame.width < 1 || o->frame.width > 16384 || o->frame.height < 1 || o->frame.height > 16384) abort();
-    if (o->frame.shading > FNL_SHADING_AUTO || o->frame.lists > FNL_LISTS_AUTO || !fnl_debug_view_name(o->frame.debug)) abort();
-    if (o->frame.msaa < 1 || o->frame.msaa > 8 || (o->frame.msaa & (o->frame.msaa - 1))) abort();
-    if (l->tile_size < 8 || l->tile_size > 64 || (l->tile_size & (l->tile_size - 1)) || l->slices < 1) abort();
+    fnl_option option;
+    for (uint32_t i = 0; fnl_option_query(i, &option); i++) { /* what is set can be said, and is in its range */
+        fnl_frame frame = fnl_frame_default();
+        char text[64];
+        if (fnl_frame_get(&o->frame, option.key, text, sizeof text) >= sizeof text) abort();
+        if (fnl_frame_set(NULL, &frame, option.key, text) != FNL_OK) abort();
+    }
     if (!finite3(o->eye) || !finite3(o->look_at) || !finite3(o->ambient) || !finite3(o->background)) abort();
     if (!isfinite(o->time) || !isfinite(o->fov) || !isfinite(o->frame.ev) || !isfinite(o->frame_time)) abort();
-    if (!isfinite(o->frame.mobile.range) || !isfinite(o->frame.coarse.depth_factor)) abort();
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (!(o->scatter.shares[i] >= 0) || isinf(o->scatter.shares[i])) abort();
     return 0;

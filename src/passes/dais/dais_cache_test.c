@@ -105,7 +105,7 @@ static void test_locked(void **state) {
             locked = shoot(renderer, &frame);
         }
         fnl_frame_stats stats = stats_of(renderer);
-        print_message("%u samples, %s: %u triangles stored for %u\n", frame.msaa, fnl_dais_mode_name(frame.dais.mode),
+        print_message("%u samples, %s: %u triangles stored for %u\n", frame.msaa, fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode),
                       stats.dais.triangles, stats.dais.unique);
         assert_true(test_equal(&usual, &locked));
         assert_true(stats.dais.overflow == 0 && stats.dais.unique == unique && stats.dais.shaded == shaded);

@@ -225,7 +225,7 @@ static void test_overflow(void **state) {
         uint32_t allowed = compare(&whole, &forward, 2e-3).beyond;
         struct closeness c = compare(&whole, &cut, 2e-3);
         print_message("%u samples, %s: %u fragments without room, %u of %u pixels off, %.2g at most; forward %u\n", frame.msaa,
-                      fnl_dais_mode_name(frame.dais.mode), overflow, c.beyond, c.shown, c.worst, allowed);
+                      fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode), overflow, c.beyond, c.shown, c.worst, allowed);
         assert_true(overflow > 100 && (frame.msaa > 1 || allowed == 0));
         assert_true(c.beyond <= allowed + allowed / 5 && c.worst < 0.2);
         free_picture(&cut);
@@ -502,7 +502,7 @@ static void test_multirate(void **state) {
                 other += memcmp(a, b, 12) != 0;
             }
         print_message("%u samples, %s: %u shading samples for %u; %.1f dB, %u holes\n", frame.msaa,
-                      fnl_dais_mode_name(frame.dais.mode), samples, shaded, difference.psnr, holes);
+                      fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode), samples, shaded, difference.psnr, holes);
         fnl_device_info info;
         assert_int_equal(fnl_device_query_info(test_device, &info), FNL_OK);
         if (i < 4 && info.quad_operations) assert_true(samples * 10 < shaded * 9);
@@ -661,7 +661,7 @@ static void test_options(void **state) {
     fnl_frame frame = wide_frame(0);
     frame.dais.mode = FNL_DAIS_MODE_COUNT;
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
-    assert_null(fnl_dais_mode_name(FNL_DAIS_MODE_COUNT));
+    assert_null(fnl_value_name(FNL_ENUM_DAIS_MODE, FNL_DAIS_MODE_COUNT));
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
 }

@@ -216,10 +216,10 @@ static void test_cells(void **state) {
             const uint8_t *cell = by_place ? test_pixel8(&image, size + 1, 70) : inside;
             for (int c = 0; c < 3; c++)
                 if (fabs(line[c] - (by_place ? cell[c] : cell[c] * 0.65 + 255 * 0.35)) > 1.5)
-                    fail_msg("%s: the grid", fnl_light_lists_name(frame.lists));
+                    fail_msg("%s: the grid", fnl_value_name(FNL_ENUM_LISTS, frame.lists));
             bool same = memcmp(inside, far, 4) == 0;
             if (same != tiles && lists != FNL_LISTS_HALFZ) /* which half a lone surface is in does not matter */
-                fail_msg("%s: the hues", fnl_light_lists_name(frame.lists));
+                fail_msg("%s: the hues", fnl_value_name(FNL_ENUM_LISTS, frame.lists));
             vec3 one = heat(1);
             if (tiles)
                 assert_color(&image, 150, 70, half_grey * 0.55 + one.x * 0.45, half_grey * 0.55 + one.y * 0.45,

@@ -115,8 +115,8 @@ static void check_order(fnl_renderer *renderer, fnl_shading shading, uint32_t vi
         frame.culling = (fnl_culling)culling;
         fnl_image culled = shoot(renderer, &frame);
         if (!test_equal(&whole, &culled))
-            fail_msg("%s, view %u, %u samples: culling by %s changes the picture by %g", fnl_shading_name(shading), view,
-                     samples, fnl_culling_name(frame.culling), test_difference(&whole, &culled));
+            fail_msg("%s, view %u, %u samples: culling by %s changes the picture by %g", fnl_value_name(FNL_ENUM_SHADING, shading), view,
+                     samples, fnl_value_name(FNL_ENUM_CULLING, frame.culling), test_difference(&whole, &culled));
         fnl_frame_stats stats = stats_of(renderer);
         check_sum(&stats);
         assert_int_equal(stats.items_whole, 0);
@@ -543,8 +543,8 @@ static void compare_occlusion(fnl_renderer *hides, fnl_renderer *shows, fnl_fram
     frame.occlusion = true;
     fnl_image left = shoot(hides, &frame);
     if (!test_equal(&all, &left))
-        fail_msg("%s, %s, culling by %s: occlusion changes the picture by %g", what, fnl_shading_name(frame.shading),
-                 fnl_culling_name(frame.culling), test_difference(&all, &left));
+        fail_msg("%s, %s, culling by %s: occlusion changes the picture by %g", what, fnl_value_name(FNL_ENUM_SHADING, frame.shading),
+                 fnl_value_name(FNL_ENUM_CULLING, frame.culling), test_difference(&all, &left));
     fnl_frame_stats stats = stats_of(hides);
     if (frame.culling != FNL_CULLING_INSTANCES) check_sum(&stats);
     free_picture(&all);
@@ -580,7 +580,7 @@ static void test_occlusion_moves(void **state) {
         uint64_t first = stats_of(hides).items_occluded;
         compare_occlusion(hides, shows, frame, "at rest");
         fnl_frame_stats rest = stats_of(hides);
-        print_message("%s: %llu of %llu items hidden, %llu triangles\n", fnl_culling_name(frame.culling),
+        print_message("%s: %llu of %llu items hidden, %llu triangles\n", fnl_value_name(FNL_ENUM_CULLING, frame.culling),
                       (unsigned long long)rest.items_occluded, (unsigned long long)rest.items,
                       (unsigned long long)rest.triangles_occluded);
         assert_true(first > 20 && rest.items_occluded > 20); /* the whole scene hides as much as what was seen does */

@@ -127,7 +127,7 @@ static void compare(fnl_renderer *renderer, fnl_frame frame, const char *what) {
               drawn = shoot(renderer, frame, FNL_GEOMETRY_MESH, &mesh);
     if (!test_equal(&expected, &drawn))
         fail_msg("%s, %s, %u samples, culling by %s: mesh shaders change the picture by %g", what,
-                 fnl_shading_name(frame.shading), frame.msaa, fnl_culling_name(frame.culling),
+                 fnl_value_name(FNL_ENUM_SHADING, frame.shading), frame.msaa, fnl_value_name(FNL_ENUM_CULLING, frame.culling),
                  test_difference(&expected, &drawn));
     assert_int_equal(vertex.geometry, FNL_GEOMETRY_VERTEX);
     assert_int_equal(mesh.geometry, FNL_GEOMETRY_MESH);
@@ -237,7 +237,7 @@ static void test_odd_sizes(void **state) {
                         different++;
                         break;
                     }
-        print_message("%s, %u x %u: %u pixels differ, by %g at most\n", fnl_shading_name(frame.shading), frame.width,
+        print_message("%s, %u x %u: %u pixels differ, by %g at most\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), frame.width,
                       frame.height, different, test_difference(&a, &b));
         assert_true(different * 100 <= frame.width * frame.height);
         free_picture(&a);
@@ -490,7 +490,7 @@ static void test_what_faces_away_is_not_drawn(void **state) {
         fnl_image image = shoot(renderer, frame, cases[i].geometry, &stats);
         if (stats.geometry == cases[i].geometry) {
             uint64_t holes = count_differing(&plain, &image);
-            print_message("%s, %s: %llu pixels\n", fnl_culling_name(cases[i].culling),
+            print_message("%s, %s: %llu pixels\n", fnl_value_name(FNL_ENUM_CULLING, cases[i].culling),
                           stats.geometry == FNL_GEOMETRY_MESH ? "mesh" : "vertex", (unsigned long long)holes);
             assert_in_range(holes, cases[i].least, cases[i].most);
         }

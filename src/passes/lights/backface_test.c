@@ -539,8 +539,8 @@ static void test_frames_TD_1_TD_2_TD_9_TD_11(void **state) {
         for (uint32_t axis = 0; axis < FNL_BACKFACE_AXIS_COUNT; axis++)
             for (uint32_t t = 0; t < COUNT_OF(tile_sizes); t++) {
                 if (axis != 0 && t != 1) continue;
-                frame.list_options.backface_axis = (fnl_backface_axis)axis;
-                frame.list_options.tile_size = tile_sizes[t];
+                frame.list.backface_axis = (fnl_backface_axis)axis;
+                frame.tiles.size = tile_sizes[t];
                 struct shot shot = stage_shoot(&stage, &frame);
                 if (count_differing(&all.radiance, &shot.radiance))
                     fail_msg("%s: axis %u, tiles of %u differ", scenes[i].source, axis, tile_sizes[t]);

@@ -141,10 +141,10 @@ uint64_t fine_check_sets(const struct gpu_view *view, const float *depth, uint32
                 bool nearly = solid && nearly_reaches(view, &params[light], point);
                 assert_true(nearly || !reached);
                 if (reached && !visited)
-                    fail_msg("pixel %u %u misses light %u, a %s", x, y, light, fnl_light_kind_name(params[light].kind));
+                    fail_msg("pixel %u %u misses light %u, a %s", x, y, light, fnl_value_name(FNL_ENUM_LIGHT_KIND, params[light].kind));
                 if (c->mask_size == 1 && visited && !nearly)
                     fail_msg("pixel %u %u visits light %u, a %s far from it", x, y, light,
-                             fnl_light_kind_name(params[light].kind));
+                             fnl_value_name(FNL_ENUM_LIGHT_KIND, params[light].kind));
                 if (nearly) near[(size_t)cell * light_count + light] = 1;
                 lit += reached;
             }

@@ -5,7 +5,7 @@
 /* ---- pictures ---- */
 
 static struct shot shoot(struct stage *stage, fnl_shading shading, fnl_light_lists lists, uint32_t msaa,
-                         fnl_list_options options) {
+                         const fnl_frame *options) {
     fnl_frame frame = stage->frame;
     frame.width = 97;
     frame.height = 61;
@@ -13,7 +13,9 @@ static struct shot shoot(struct stage *stage, fnl_shading shading, fnl_light_lis
     frame.lists = lists;
     frame.msaa = msaa;
     frame.count_lights = true;
-    frame.list_options = options;
+    frame.list = options->list;
+    frame.fine = options->fine;
+    frame.tiles = options->tiles;
     return stage_shoot(stage, &frame);
 }
 
@@ -32,19 +34,19 @@ static void test_pictures_FP_1(void **state) {
             uint32_t msaa;
         } orders[] = {{FNL_SHADING_DEFERRED, 1}, {FNL_SHADING_FORWARD_PREPASS, 4}, {FNL_SHADING_FORWARD_PREPASS, 1}};
         for (uint32_t o = 0; o < COUNT_OF(orders); o++) {
-            fnl_list_options options = fnl_list_options_default();
-            struct shot all = shoot(&stage, orders[o].shading, FNL_LISTS_ALL, orders[o].msaa, options);
+            fnl_frame options = fnl_frame_default();
+            struct shot all = shoot(&stage, orders[o].shading, FNL_LISTS_ALL, orders[o].msaa, &options);
             assert_true(all.stats.evaluations_useful > 1000);
             static const uint32_t variants[] = {7, 2, 3}; /* of each order */
             for (uint32_t v = 0; v < variants[o]; v++) {
-                options.fine_pruning = v != 1 && v != 6;
-                options.fine_masks = v == 3 ? 0 : v == 4 ? 2 : 1;
-                options.fine_packed = v == 2 || v == 6;
-                options.tile_size = v == 4 ? 32 : v == 5 ? 8 : 16;
-                struct shot fine = shoot(&stage, orders[o].shading, FNL_LISTS_FINE, orders[o].msaa, options);
+                options.fine.pruning = v != 1 && v != 6;
+                options.fine.masks = v == 3 ? 0 : v == 4 ? 2 : 1;
+                options.fine.packed = v == 2 || v == 6;
+                options.tiles.size = v == 4 ? 32 : v == 5 ? 8 : 16;
+                struct shot fine = shoot(&stage, orders[o].shading, FNL_LISTS_FINE, orders[o].msaa, &options);
                 if (count_differing(&all.radiance, &fine.radiance))
                     fail_msg("shape %u, %s, %u samples, variant %u: %llu pixels differ", kind,
-                             fnl_shading_name(orders[o].shading), orders[o].msaa, v,
+                             fnl_value_name(FNL_ENUM_SHADING, orders[o].shading), orders[o].msaa, v,
                              (unsigned long long)count_differing(&all.radiance, &fine.radiance));
                 assert_int_equal(fine.stats.evaluations_useful, all.stats.evaluations_useful);
                 shot_free(&fine);
@@ -86,13 +88,13 @@ static void test_packed_pictures_FP_9_FP_10(void **state) {
                  {FNL_SHADING_FORWARD_PREPASS, 4, 300}};
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         struct stage stage = stage_open("builtin:glass?lights=0", cases[i].lights);
-        fnl_list_options options = fnl_list_options_default();
-        struct shot all = shoot(&stage, cases[i].shading, FNL_LISTS_ALL, cases[i].msaa, options);
-        options.fine_masks = 0;
-        options.frustum_cull = cases[i].lights < 1024; /* or all count as in view */
-        struct shot plain = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, options);
-        options.fine_packed = true;
-        struct shot packed = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, options);
+        fnl_frame options = fnl_frame_default();
+        struct shot all = shoot(&stage, cases[i].shading, FNL_LISTS_ALL, cases[i].msaa, &options);
+        options.fine.masks = 0;
+        options.list.frustum_cull = cases[i].lights < 1024; /* or all count as in view */
+        struct shot plain = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, &options);
+        options.fine.packed = true;
+        struct shot packed = shoot(&stage, cases[i].shading, FNL_LISTS_FINE, cases[i].msaa, &options);
         if (count_differing(&all.radiance, &packed.radiance))
             fail_msg("case %u: %llu pixels differ", i, (unsigned long long)count_differing(&all.radiance, &packed.radiance));
         assert_int_equal(packed.stats.list_entries, plain.stats.list_entries);
@@ -116,18 +118,19 @@ static void test_packed_pictures_FP_9_FP_10(void **state) {
 static void test_evaluations(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=400", 0);
-    fnl_list_options options = fnl_list_options_default();
-    struct shot pixels = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, options);
+    fnl_frame options = fnl_frame_default();
+    struct shot pixels = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
     assert_true((double)pixels.stats.evaluations <= 1.01 * (double)pixels.stats.evaluations_useful);
-    options.fine_masks = 2;
-    struct shot quads = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, options);
-    options.fine_masks = 0;
-    struct shot tiles = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, options);
-    options.fine_pruning = false;
-    struct shot boxes = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, options);
+    options.fine.masks = 2;
+    struct shot quads = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
+    options.fine.masks = 0;
+    struct shot tiles = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
+    options.fine.pruning = false;
+    struct shot boxes = shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_FINE, 1, &options);
     assert_true(pixels.stats.evaluations < quads.stats.evaluations && quads.stats.evaluations < tiles.stats.evaluations &&
                 tiles.stats.evaluations < boxes.stats.evaluations);
-    struct shot prepass = shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_FINE, 1, fnl_list_options_default());
+    const fnl_frame usual = fnl_frame_default();
+    struct shot prepass = shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_FINE, 1, &usual);
     assert_true((double)prepass.stats.evaluations <=
                 1.02 * (double)prepass.stats.evaluations_useful); /* positions are near enough */
     print_message("evaluations that reach the surface: 1; by pixels %.3f, quads %.3f, tiles %.3f, boxes %.3f; interpolated "

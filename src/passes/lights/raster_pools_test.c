@@ -295,12 +295,11 @@ static void test_pictures_CL_1(void **state) {
         stage.frame.lists = FNL_LISTS_RASTER;
         uint64_t entries = 0;
         for (uint32_t k = 0; k < 6; k++) {
-            fnl_list_options *o = &stage.frame.list_options;
-            *o = fnl_list_options_default();
-            o->raster_nodes = (fnl_raster_nodes)(k % 3);
-            o->distribution = k >= 3 ? FNL_SLICES_LINEAR : FNL_SLICES_EXPONENTIAL;
-            o->raster_path = k == 4 ? FNL_RASTER_SOFTWARE : FNL_RASTER_AUTO;
-            if (k >= 3) o->cluster_size = 16;
+            stage.frame.clusters = fnl_frame_default().clusters;
+            stage.frame.raster.nodes = (fnl_raster_nodes)(k % 3);
+            stage.frame.raster.path = k == 4 ? FNL_RASTER_SOFTWARE : FNL_RASTER_AUTO;
+            stage.frame.clusters.distribution = k >= 3 ? FNL_SLICES_LINEAR : FNL_SLICES_EXPONENTIAL;
+            if (k >= 3) stage.frame.clusters.size = 16;
             struct shot shot = stage_shoot(&stage, &stage.frame);
             assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
             assert_int_equal(shot.stats.overflow_cells, 0);
@@ -323,7 +322,7 @@ static void test_node_limits_in_frames_CL_11(void **state) {
     stage.frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(&stage, &stage.frame);
     stage.frame.lists = FNL_LISTS_RASTER;
-    stage.frame.list_options.raster_nodes = FNL_RASTER_LINKS32;
+    stage.frame.raster.nodes = FNL_RASTER_LINKS32;
     struct shot shot = stage_shoot(&stage, &stage.frame);
     assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
     assert_int_equal(shot.stats.list_bytes - shot.stats.cells * 4, 8ull * stage.renderer->pool_capacity);

@@ -487,9 +487,9 @@ static void test_lights_below_the_floor_ES_56(void **state) {
     frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(&stage, &frame);
     frame.lists = FNL_LISTS_SPARSE;
-    frame.list_options.normal_cones = true;
+    frame.list.normal_cones = true;
     struct shot with = stage_shoot(&stage, &frame);
-    frame.list_options.normal_cones = false;
+    frame.list.normal_cones = false;
     struct shot without = stage_shoot(&stage, &frame);
     print_message("evaluations %llu, with normals %llu, of which %llu light a surface; at most %u and %u a pixel\n",
                   (unsigned long long)without.stats.evaluations, (unsigned long long)with.stats.evaluations,

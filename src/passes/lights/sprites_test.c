@@ -77,8 +77,8 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             uint64_t least = exact ? 20 : 4;
             struct shot near = stage_shoot(&stage, &frame);
             if (near.stats.evaluations == 0 || near.stats.evaluations_useful <= least)
-                fail_msg("%s + %s: %llu evaluations, %llu useful", fnl_shading_name(frame.shading),
-                         fnl_light_lists_name(frame.lists), (unsigned long long)near.stats.evaluations,
+                fail_msg("%s + %s: %llu evaluations, %llu useful", fnl_value_name(FNL_ENUM_SHADING, frame.shading),
+                         fnl_value_name(FNL_ENUM_LISTS, frame.lists), (unsigned long long)near.stats.evaluations,
                          (unsigned long long)near.stats.evaluations_useful);
             frame.light_lod = size * 0.5001f; /* hardly whole any more */
             struct shot fading = stage_shoot(&stage, &frame);
@@ -87,7 +87,7 @@ static void test_lights_past_their_detail_cost_nothing(void **state) {
             struct shot far = stage_shoot(&stage, &frame);
             if (far.stats.evaluations_useful || (is_for_the_view(lists) && far.stats.evaluations))
                 fail_msg("%s + %s: %llu evaluations of a light past its detail, %llu useful",
-                         fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists),
+                         fnl_value_name(FNL_ENUM_SHADING, frame.shading), fnl_value_name(FNL_ENUM_LISTS, frame.lists),
                          (unsigned long long)far.stats.evaluations, (unsigned long long)far.stats.evaluations_useful);
             assert_true(energy_of(&far.radiance) > 0); /* its sprite */
             frame.light_lod = 0;
@@ -195,12 +195,12 @@ static void test_lists_agree_on_faded_lights(void **state) {
             frame.light_lod = 6;
             struct shot shot = stage_shoot(&stage, &frame);
             if (count_differing(&all.radiance, &shot.radiance))
-                fail_msg("%s + %s: %llu pixels differ from all", fnl_shading_name(frame.shading),
-                         fnl_light_lists_name(frame.lists),
+                fail_msg("%s + %s: %llu pixels differ from all", fnl_value_name(FNL_ENUM_SHADING, frame.shading),
+                         fnl_value_name(FNL_ENUM_LISTS, frame.lists),
                          (unsigned long long)count_differing(&all.radiance, &shot.radiance));
             if (is_for_the_view(lists) && shot.stats.lights_in_view >= whole.stats.lights_in_view)
-                fail_msg("%s + %s: %u lights in view, %u without fading", fnl_shading_name(frame.shading),
-                         fnl_light_lists_name(frame.lists), shot.stats.lights_in_view, whole.stats.lights_in_view);
+                fail_msg("%s + %s: %u lights in view, %u without fading", fnl_value_name(FNL_ENUM_SHADING, frame.shading),
+                         fnl_value_name(FNL_ENUM_LISTS, frame.lists), shot.stats.lights_in_view, whole.stats.lights_in_view);
             shot_free(&whole);
             shot_free(&shot);
         }

@@ -280,12 +280,12 @@ static void test_memory_ES_64(void **state) {
     frame.count_lights = true;
     frame.shading = FNL_SHADING_DEFERRED;
     frame.lists = FNL_LISTS_CLUSTERED;
-    frame.list_options.cluster_size = 32;
+    frame.clusters.size = 32;
     struct shot clusters = stage_shoot(&stage, &frame);
     shot_free(&clusters);
     clusters = stage_shoot(&stage, &frame); /* the pool has grown */
     frame.lists = FNL_LISTS_ZBIN;
-    frame.list_options = fnl_list_options_default();
+    frame.clusters = fnl_frame_default().clusters;
     struct shot bins = stage_shoot(&stage, &frame);
     assert_int_equal(count_differing(&clusters.radiance, &bins.radiance), 0);
     assert_int_equal(clusters.stats.overflow_cells + bins.stats.overflow_cells, 0);

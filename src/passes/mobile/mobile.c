@@ -28,31 +28,6 @@ static const float SKY = 3e38f; /* positions of pixels that show nothing; beyond
 
 #define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
 
-const char *fnl_mobile_layout_name(fnl_mobile_layout layout) {
-    static const char *const names[] = {"metallic-128", "specular-160", "metallic-256", "specular-256"};
-    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LAYOUT_COUNT, "each has a name");
-    return NAME_OF(names, layout);
-}
-
-const char *fnl_mobile_gamma_name(fnl_mobile_gamma gamma) {
-    static const char *const names[] = {"srgb", "sqrt", "power"};
-    _Static_assert(COUNT_OF(names) == FNL_MOBILE_GAMMA_COUNT, "each has a name");
-    return NAME_OF(names, gamma);
-}
-
-const char *fnl_mobile_lights_name(fnl_mobile_lights lights) {
-    static const char *const names[] = {"lists", "volumes"};
-    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LIGHTS_COUNT, "each has a name");
-    return NAME_OF(names, lights);
-}
-
-const char *fnl_mobile_light_name(fnl_mobile_light light) {
-    static const char *const names[] = {"float", "unorm"};
-    _Static_assert(COUNT_OF(names) == FNL_MOBILE_LIGHT_COUNT, "each has a name");
-    return NAME_OF(names, light);
-}
-
-fnl_mobile_options fnl_mobile_options_default(void) { return (fnl_mobile_options){.range = 8}; }
 
 /* ---- layouts ---- */
 

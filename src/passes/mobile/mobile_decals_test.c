@@ -41,7 +41,7 @@ static void check_decal(struct stage *stage, const struct shot *off, fnl_mobile_
     int most = greatest_difference(&step.color, &lists.color);
     if (changes != (changed > 200) || (!changes && changed) || stray || most > 4)
         fail_msg("%s, %s: %llu pixels change, %llu of them only here; %d/255 from lists", what,
-                 fnl_mobile_layout_name(layout), (unsigned long long)changed, (unsigned long long)stray, most);
+                 fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, layout), (unsigned long long)changed, (unsigned long long)stray, most);
     shot_free(&lists);
     shot_free(&step);
     shot_free(&again);
@@ -183,7 +183,7 @@ static void test_untouched_channels_keep_their_bits_MB_12(void **state) {
                     bool same = cases[i].channels == FNL_DECAL_COLOR && strcmp(targets[t].name, "mobile specular") == 0;
                     if (stray || (touched.masks[t] && !same && changed < 50)) /* dielectrics of all colours reflect alike */
                         fail_msg("%s in %s, %s: %llu pixels of '%s' change, %llu of them in other channels", cases[i].what,
-                                 fnl_mobile_layout_name((fnl_mobile_layout)layout), separate ? "separate" : "merged",
+                                 fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, (fnl_mobile_layout)layout), separate ? "separate" : "merged",
                                  (unsigned long long)changed, targets[t].name, (unsigned long long)stray);
                 }
                 free(after);

@@ -211,7 +211,7 @@ static void test_the_view_of_halos_MB_6(void **state) {
                 if (red) reddest = MAX(reddest, p[0]);
             }
             const uint8_t *paint = row + 4 * 24, *metal = row + 4 * 104;
-            print_message("%s, grown by %u: %d pixels are flagged, the reddest %d\n", fnl_shading_name(frame.shading), grown,
+            print_message("%s, grown by %u: %d pixels are flagged, the reddest %d\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), grown,
                           flagged, reddest);
             assert_true(paint[0] == paint[1] && paint[1] == paint[2]);
             assert_true(metal[2] > metal[0] + 50);
@@ -316,7 +316,7 @@ static void test_gamma_of_colours_MB_11(void **state) {
             before = kept;
         }
         print_message("%s: off by %.5f at most, steps of %.5f in the darkest fiftieth\n",
-                      fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), worst[gamma], dark_step[gamma]);
+                      fnl_value_name(FNL_ENUM_MOBILE_GAMMA, (fnl_mobile_gamma)gamma), worst[gamma], dark_step[gamma]);
         assert_true(worst[gamma] < 0.0047 && dark_step[gamma] < 0.0012); /* plain bytes: steps of 0.0039 */
     }
     /* And so do the shaders: a lit wall is as bright as the grey that eight bits make of it, to what the light's floats keep. */
@@ -347,7 +347,7 @@ static void test_gamma_of_colours_MB_11(void **state) {
             double value = (double)furnace_metallic, expected = decoded((fnl_mobile_gamma)gamma, value) / value;
             double off = kept / sum / expected;
             if (value > 0.1 && (off < 0.97 || off > 1.03))
-                fail_msg("%s, %g: %g instead of %g", fnl_mobile_gamma_name((fnl_mobile_gamma)gamma), value, kept / sum,
+                fail_msg("%s, %g: %g instead of %g", fnl_value_name(FNL_ENUM_MOBILE_GAMMA, (fnl_mobile_gamma)gamma), value, kept / sum,
                          expected);
             shot_free(&shot);
         }

@@ -21,11 +21,11 @@ static void test_merged_and_separate_are_equal_MB_1(void **state) {
             frame.mobile.separate = true;
             struct shot separate = stage_shoot(&stage, &frame);
             assert_true(merged.stats.mobile_merged && merged.stats.mobile_tonemapped && !separate.stats.mobile_merged);
-            assert_same(&merged.color, &separate.color, fnl_mobile_layout_name(frame.mobile.layout));
+            assert_same(&merged.color, &separate.color, fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout));
             bool wide = layout >= FNL_MOBILE_METALLIC_256;
             double mean = mean_difference(&merged.color, &forward.color);
             print_message("%s, %s light: %.3f/255 from forward in the mean, %d at most\n",
-                          fnl_mobile_layout_name(frame.mobile.layout), fnl_mobile_light_name(frame.mobile.light), mean,
+                          fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout), fnl_value_name(FNL_ENUM_MOBILE_LIGHT, frame.mobile.light), mean,
                           greatest_difference(&merged.color, &forward.color));
             assert_true(mean < (wide || !light ? 1.0 : 6.0)); /* ten bits up to eight times white are few for a dark room */
             shot_free(&merged);
@@ -46,7 +46,7 @@ static void test_odd_frames_MB_1(void **state) {
             frame.width = variant == 1 ? 1 : 67;
             frame.height = variant == 1 ? 1 : 37;
             frame.mobile.layout = variant == 2 ? FNL_MOBILE_SPECULAR_256 : FNL_MOBILE_METALLIC_128;
-            frame.gbuffer_prepass = variant == 3;
+            frame.gbuffer.prepass = variant == 3;
             if (variant == 2) {
                 frame.camera.orthographic = true;
                 frame.camera.vertical_extent = 8;
@@ -80,9 +80,9 @@ static void test_every_list_leaves_the_same_bits_MB_1(void **state) {
                                             FNL_LISTS_BVH};
     for (uint32_t i = 0; i < 2 * COUNT_OF(lists); i++) {
         frame.lists = lists[i / 2];
-        frame.gbuffer_prepass = i & 1;
+        frame.gbuffer.prepass = i & 1;
         struct shot shot = stage_shoot(&stage, &frame);
-        assert_same(&all.radiance, &shot.radiance, fnl_light_lists_name(frame.lists));
+        assert_same(&all.radiance, &shot.radiance, fnl_value_name(FNL_ENUM_LISTS, frame.lists));
         shot_free(&shot);
     }
     shot_free(&all);
@@ -106,11 +106,11 @@ static void test_lights_as_volumes_MB_1_MB_2_MB_13(void **state) {
             frame.lists = FNL_LISTS_ALL;
             frame.mobile.layout = (fnl_mobile_layout)(i == 0 ? variant : 2 * variant);
             frame.mobile.light = variant == 1 ? FNL_MOBILE_LIGHT_UNORM : FNL_MOBILE_LIGHT_FLOAT;
-            frame.gbuffer_prepass = variant == 1;
+            frame.gbuffer.prepass = variant == 1;
             frame.count_lights = true;
             struct shot lists = stage_shoot(&stage, &frame);
             frame.mobile.lights = FNL_MOBILE_LIGHTS_VOLUMES;
-            frame.list_options.volume_shape = (fnl_volume_shape)((i + (uint32_t)variant) % FNL_VOLUME_SHAPE_COUNT);
+            frame.volume_shape = (fnl_volume_shape)((i + (uint32_t)variant) % FNL_VOLUME_SHAPE_COUNT);
             struct shot volumes = stage_shoot(&stage, &frame);
             assert_true(volumes.stats.mobile_merged && volumes.stats.mobile_tonemapped);
             frame.mobile.separate = true;
@@ -118,8 +118,8 @@ static void test_lights_as_volumes_MB_1_MB_2_MB_13(void **state) {
             assert_same(&volumes.color, &separate.color, sources[i]);
             print_message(
                 "%s, %s, %s: %llu of %u pixels are not those of lists, by %d at most; %llu evaluations instead of %llu\n",
-                sources[i], fnl_mobile_layout_name(frame.mobile.layout),
-                fnl_volume_shape_name(frame.list_options.volume_shape),
+                sources[i], fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout),
+                fnl_value_name(FNL_ENUM_VOLUME_SHAPE, frame.volume_shape),
                 (unsigned long long)count_differing(&lists.color, &volumes.color), frame.width * frame.height,
                 greatest_difference(&lists.color, &volumes.color), (unsigned long long)volumes.stats.evaluations,
                 (unsigned long long)lists.stats.evaluations);
@@ -172,7 +172,7 @@ static void test_only_the_picture_is_stored_MB_2_MB_3_ES_68(void **state) {
         double read = 1 - (double)merged.stats.image_bytes_read / (double)separate.stats.image_bytes_read;
         double written = 1 - (double)merged.stats.image_bytes_written / (double)separate.stats.image_bytes_written;
         print_message("%s: separate reads %.0f and writes %.0f bytes a pixel; merged %.0f %% and %.0f %% less\n",
-                      fnl_mobile_layout_name(frame.mobile.layout), (double)separate.stats.image_bytes_read / (double)pixels,
+                      fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout), (double)separate.stats.image_bytes_read / (double)pixels,
                       (double)separate.stats.image_bytes_written / (double)pixels, 100 * read, 100 * written);
         assert_true(read >= 0.53 && written >= 0.54);
         shot_free(&merged);
@@ -386,7 +386,7 @@ static void test_weighted_glass_inside_MB_16(void **state) {
         assert_true(inside.stats.blend_bytes >= 10ull * frame.width * frame.height);
         frame.mobile.separate = true;
         struct shot separate = stage_shoot(&with, &frame);
-        assert_same(&inside.color, &separate.color, fnl_mobile_layout_name(frame.mobile.layout));
+        assert_same(&inside.color, &separate.color, fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout));
         frame.mobile.separate = false;
         frame.light_lod =
             1e-3f; /* points for small lights, of which there are none: blended surfaces follow after the scope */
@@ -407,7 +407,7 @@ static void test_weighted_glass_inside_MB_16(void **state) {
         }
         double off = mean_difference(&inside.color, &forward.color), wrong = mean_difference(&inside.color, &sorted.color);
         print_message("%s: %.3f/255 from forward weighted, %.3f from sorted; %d from weighted after the scope\n",
-                      fnl_mobile_layout_name(frame.mobile.layout), off, wrong,
+                      fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout), off, wrong,
                       greatest_difference(&inside.color, &after.color));
         assert_true(seen > 100 && stray < 5); /* of which forward may round away what six bits do not */
         assert_true(off < 1 && off < wrong);

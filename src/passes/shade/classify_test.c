@@ -23,11 +23,11 @@ static void test_equal_to_one_shader_ES_48(void **state) {
         stage.frame.height = 83;
         for (uint32_t l = 0; l < COUNT_OF(lists); l++) {
             stage.frame.lists = lists[l];
-            stage.frame.class_blocks = 0;
+            stage.frame.deferred.class_blocks = 0;
             struct shot plain = stage_shoot(&stage, &stage.frame);
             assert_int_equal(sum_of(&plain.stats), 0);
             for (uint32_t block = 4; block <= 8; block += 4) {
-                stage.frame.class_blocks = block;
+                stage.frame.deferred.class_blocks = block;
                 struct shot classified = stage_shoot(&stage, &stage.frame);
                 assert_int_equal(count_differing(&plain.radiance, &classified.radiance), 0);
                 assert_int_equal(sum_of(&classified.stats), DIVIDE_UP(147u, block) * DIVIDE_UP(83u, block));
@@ -84,7 +84,7 @@ static void test_counts_ES_48(void **state) {
     frame->camera.target = (fnl_vec3){0, 0, 0};
     for (uint32_t size = 4; size <= 8; size += 4) {
         uint32_t square = 64 / size * (64 / size);
-        frame->class_blocks = size;
+        frame->deferred.class_blocks = size;
         frame->lists = FNL_LISTS_ALL;
         struct shot shot = stage_shoot(&stage, frame);
         assert_int_equal(shot.stats.shading_blocks[SHADE_LIGHTS | SHADE_FULL], 2 * square);
@@ -93,7 +93,7 @@ static void test_counts_ES_48(void **state) {
         assert_int_equal(sum_of(&shot.stats), 8 * square);
         shot_free(&shot);
         frame->lists = FNL_LISTS_TILED; /* blocks without lights take no loop */
-        frame->list_options.tile_size = 16;
+        frame->tiles.size = 16;
         shot = stage_shoot(&stage, frame);
         uint32_t unlit_plastic = shot.stats.shading_blocks[SHADE_FULL];
         uint32_t lit_plastic = shot.stats.shading_blocks[SHADE_LIGHTS | SHADE_FULL];
@@ -127,8 +127,8 @@ static void test_each_class_has_its_variant_ES_48(void **state) {
     fnl_frame *frame = &stage.frame;
     frame->shading = FNL_SHADING_DEFERRED;
     frame->lists = FNL_LISTS_TILED;
-    frame->list_options.tile_size = 8;
-    frame->class_blocks = 8;
+    frame->tiles.size = 8;
+    frame->deferred.class_blocks = 8;
     frame->record_threads = 1;
     spy_clear();
     struct shot shot = stage_shoot(&stage, frame);

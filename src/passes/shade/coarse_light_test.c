@@ -16,7 +16,7 @@ static void test_lists_give_one_picture_CP_8(void **state) {
             frame.lists = kinds[i];
             struct shot shot = stage_shoot(&stage, &frame);
             if (count_differing(&shot.radiance, &all.radiance))
-                fail_msg("%s, split %u: not the picture of all", fnl_light_lists_name(frame.lists), split);
+                fail_msg("%s, split %u: not the picture of all", fnl_value_name(FNL_ENUM_LISTS, frame.lists), split);
             shot_free(&shot);
         }
         shot_free(&all);
@@ -79,7 +79,7 @@ static void test_split_pixel_rate_CP_10(void **state) {
         assert_int_equal(shot.stats.coarse_shared, shot.stats.coarse_blocks);
         double worst = coarse_worst_ratio(&shot.radiance, &full.radiance, 1),
                without = coarse_worst_ratio(&none.radiance, &full.radiance, 1);
-        print_message("split %s: off by %.3g, without by %.3g\n", fnl_coarse_split_name(frame.coarse.split), worst, without);
+        print_message("split %s: off by %.3g, without by %.3g\n", fnl_value_name(FNL_ENUM_COARSE_SPLIT, frame.coarse.split), worst, without);
         if (split == FNL_COARSE_SPLIT_HIGHLIGHTS)
             assert_true(worst < 0.5 * without); /* the diffuse light is still the block's */
         else
@@ -192,7 +192,7 @@ static void test_filters_calm_motion_CP_12(void **state) {
             frame.coarse.filter = (fnl_coarse_filter)filter;
             double with = flicker(&stage, frame);
             print_message("size %u: a pixel changes by %.4f with the base colour %s, by %.4f with the first pixel's\n", size,
-                          with, fnl_coarse_filter_name(frame.coarse.filter), without);
+                          with, fnl_value_name(FNL_ENUM_COARSE_FILTER, frame.coarse.filter), without);
             assert_true(with < 0.8 * without);
         }
     }
@@ -231,7 +231,7 @@ static void test_cost_changes_time_alone_CP_15(void **state) {
         assert_int_equal(count_differing(&cheap.radiance, &dear.radiance), 0);
         assert_true(before == 0 || after > 1.5 * before); /* 20000 sines a pixel are not left out */
         if (i == 1) deferred = after;
-        print_message("%s: %.0f ms; %u of %u lit\n", fnl_shading_name(frame.shading), after, dear.stats.coarse_shaded,
+        print_message("%s: %.0f ms; %u of %u lit\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), after, dear.stats.coarse_shaded,
                       dear.stats.coarse_pixels);
         if (i > 1) assert_true(dear.stats.coarse_shaded < 0.5 * dear.stats.coarse_pixels && after <= 0.6 * deferred);
         shot_free(&cheap);

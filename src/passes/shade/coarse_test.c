@@ -74,7 +74,7 @@ static void test_plane_is_lit_once_per_block_CP_3(void **state) {
                 assert_in_range(blocks - shot.stats.coarse_shared, 1, 3 * 64 / size);
             }
             /* Light changes by less than 4 % from a pixel to the next diagonally, and the farthest is size - 1 away. */
-            print_message("size %u, %s: off by %.3g\n", size, fnl_coarse_criterion_name(frame.coarse.criterion), error);
+            print_message("size %u, %s: off by %.3g\n", size, fnl_value_name(FNL_ENUM_COARSE_CRITERION, frame.coarse.criterion), error);
             assert_true(error > 1e-3 && error < 0.04 * (size - 1));
             shot_free(&shot);
         }
@@ -92,7 +92,7 @@ static void test_curved_surface_is_lit_by_pixels_at_0_degrees_CP_4(void **state)
     struct shot full = coarse_deferred(&stage, frame);
     for (uint32_t criterion = 0; criterion < FNL_COARSE_CRITERION_COUNT; criterion++)
         for (uint32_t size = 2; size <= 4; size += 2) {
-            frame.coarse = fnl_coarse_options_default();
+            frame.coarse = fnl_frame_default().coarse;
             frame.coarse.size = size;
             frame.coarse.criterion = (fnl_coarse_criterion)criterion;
             frame.coarse.normal_degrees = 8;
@@ -231,7 +231,7 @@ static void test_cameras_CP_7(void **state) {
         fnl_frame frame = coarse_hall_frame(&stage, 75, 53);
         fnl_camera *camera = &frame.camera;
         frame.coarse.size = kind % 2 ? 4 : 2;
-        frame.gbuffer_prepass = kind == 3;
+        frame.gbuffer.prepass = kind == 3;
         if (kind == 0) {
             camera->orthographic = true;
             camera->vertical_extent = 8;

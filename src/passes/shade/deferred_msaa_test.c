@@ -12,7 +12,7 @@ static fnl_frame msaa_frame(const struct stage *stage, uint32_t samples) {
 }
 
 static struct shot shoot_method(struct stage *stage, fnl_frame frame, fnl_msaa_method method) {
-    frame.msaa_method = method;
+    frame.deferred.msaa_method = method;
     return stage_shoot(stage, &frame);
 }
 
@@ -66,7 +66,7 @@ static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_rou
         uint64_t differing = count_differing(&all.color, &shot.color);
         if (radiance) differing += count_differing(&all.radiance, &shot.radiance);
         if (differing)
-            fail_msg("%s: %llu pixels differ from all", fnl_msaa_method_name((fnl_msaa_method)m),
+            fail_msg("%s: %llu pixels differ from all", fnl_value_name(FNL_ENUM_MSAA_METHOD, (fnl_msaa_method)m),
                      (unsigned long long)differing);
         assert_int_equal(t->msaa_pixels, s->msaa_pixels);
         assert_int_equal(t->msaa_edge_pixels, s->msaa_edge_pixels);
@@ -119,7 +119,7 @@ static void test_cameras(void **state) {
         } else if (kind == 2) { /* nothing but sky */
             camera->target = vec3_add(camera->position, vec3_make(0, 10, 10));
         } else {
-            frame.gbuffer_prepass = true;
+            frame.gbuffer.prepass = true;
             frame.outputs = FNL_OUTPUT_COLOR; /* results in half precision */
         }
         check_exact(&stage, frame, false);
@@ -329,7 +329,7 @@ static void test_rough(void **state) {
         struct shot all = shoot_method(&stage, frame, FNL_MSAA_ALL),
                     coverage = shoot_method(&stage, frame, FNL_MSAA_COVERAGE);
         struct shot two = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
-        frame.msaa_groups = 3;
+        frame.deferred.msaa_groups = 3;
         struct shot three = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);
         frame.msaa = 1;
         struct shot one = stage_shoot(&stage, &frame);
@@ -367,11 +367,11 @@ static void test_tolerance(void **state) {
     struct shot exact = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
     uint64_t before = exact.stats.msaa_surfaces;
     for (uint32_t i = 1; i <= 2; i++) {
-        frame.msaa_tolerance = i == 1 ? 0.02f : 0.1f;
+        frame.deferred.msaa_tolerance = i == 1 ? 0.02f : 0.1f;
         struct shot merged = shoot_method(&stage, frame, FNL_MSAA_COMPACT),
                     tiles = shoot_method(&stage, frame, FNL_MSAA_TILES);
         double near = msaa_psnr(&exact.color, &merged.color);
-        print_message("tolerance %g: %llu surfaces of %llu, %.1f dB\n", (double)frame.msaa_tolerance,
+        print_message("tolerance %g: %llu surfaces of %llu, %.1f dB\n", (double)frame.deferred.msaa_tolerance,
                       (unsigned long long)merged.stats.msaa_surfaces, (unsigned long long)before, near);
         assert_true(merged.stats.msaa_surfaces < before && near > (i == 1 ? 45 : 38));
         assert_int_equal(count_differing(&merged.radiance, &tiles.radiance), 0);
@@ -410,22 +410,22 @@ static void test_refused(void **state) {
     struct stage stage = stage_open("builtin:spheres?lights=2", 0);
     fnl_frame good = msaa_frame(&stage, 4), bad = good;
     good.width = good.height = 8;
-    bad.class_blocks = 8;
+    bad.deferred.class_blocks = 8;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_UNSUPPORTED);
     bad = good;
     bad.shading = FNL_SHADING_MOBILE;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_UNSUPPORTED);
     bad = good;
-    bad.msaa_method = FNL_MSAA_METHOD_COUNT;
+    bad.deferred.msaa_method = FNL_MSAA_METHOD_COUNT;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_INVALID);
     bad = good;
-    bad.msaa_groups = 1;
+    bad.deferred.msaa_groups = 1;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_INVALID);
     bad = good;
-    bad.msaa_tolerance = NAN;
+    bad.deferred.msaa_tolerance = NAN;
     assert_int_equal(fnl_renderer_render(stage.renderer, &bad), FNL_ERROR_INVALID);
     assert_int_equal(fnl_renderer_render(stage.renderer, &good), FNL_OK);
-    assert_null(fnl_msaa_method_name(FNL_MSAA_METHOD_COUNT));
+    assert_null(fnl_value_name(FNL_ENUM_MSAA_METHOD, FNL_MSAA_METHOD_COUNT));
     stage_close(&stage);
 }
 

@@ -11,7 +11,6 @@
 enum { GBUFFER_FIELDS = 12 };
 
 struct gbuffer_layout {
-    const char *name;
     uint32_t target_count, field_count;
     struct {
         const char *name; /* a literal: the image's name in the graph */

@@ -189,10 +189,10 @@ static void test_fields_round_trip(void **state) {
         print_message(
             "%-10s colour %.2g, normal %.3g degrees, roughness %.2g, metalness %.2g, occlusion %.2g, F0 %.2g, F90 %.2g, "
             "motion %.2g, position %.2g\n",
-            l->name, e.color, e.normal, e.roughness, e.metallic, e.occlusion, e.f0, e.f90, e.motion, e.position);
+            fnl_value_name(FNL_ENUM_GBUFFER, (uint32_t)layout), e.color, e.normal, e.roughness, e.metallic, e.occlusion, e.f0, e.f90, e.motion, e.position);
         const double *got = &e.color, *limit = &most[layout].color;
         for (uint32_t k = 0; k < sizeof e / sizeof(double); k++)
-            if (got[k] > limit[k]) fail_msg("%s: field %u is off by %g, not %g", l->name, k, got[k], limit[k]);
+            if (got[k] > limit[k]) fail_msg("%s: field %u is off by %g, not %g", fnl_value_name(FNL_ENUM_GBUFFER, (uint32_t)layout), k, got[k], limit[k]);
     }
 }
 
@@ -250,7 +250,7 @@ static void check_lists(struct stage *stage, fnl_frame frame, const struct shot 
         frame.lists = lists[i];
         struct shot shot = stage_shoot(stage, &frame);
         if (count_differing(&all->radiance, &shot.radiance))
-            fail_msg("%s: %s differ from all", fnl_gbuffer_name(frame.gbuffer), fnl_light_lists_name(lists[i]));
+            fail_msg("%s: %s differ from all", fnl_value_name(FNL_ENUM_GBUFFER, frame.gbuffer.layout), fnl_value_name(FNL_ENUM_LISTS, lists[i]));
         shot_free(&shot);
     }
 }
@@ -266,13 +266,13 @@ static void test_layouts_equal_forward(void **state) {
     frame.shading = FNL_SHADING_FORWARD_PREPASS;
     struct shot forward = stage_shoot(&stage, &frame);
     for (int layout = 0; layout < FNL_GBUFFER_COUNT; layout++) {
-        frame.gbuffer = (fnl_gbuffer)layout;
+        frame.gbuffer.layout = (fnl_gbuffer)layout;
         frame.shading = FNL_SHADING_DEFERRED;
         struct shot all = stage_shoot(&stage, &frame);
         assert_int_equal(count_broken(&all.radiance), 0);
         uint64_t beyond = count_beyond(&forward.color, &all.color, tolerances[layout].most);
         double mean = mean_difference(&forward.color, &all.color);
-        print_message("%-10s %3d/255 at most, mean %.4f, %llu pixels beyond %d\n", fnl_gbuffer_name(frame.gbuffer),
+        print_message("%-10s %3d/255 at most, mean %.4f, %llu pixels beyond %d\n", fnl_value_name(FNL_ENUM_GBUFFER, frame.gbuffer.layout),
                       greatest_difference(&forward.color, &all.color), mean, (unsigned long long)beyond,
                       tolerances[layout].most);
         assert_true(beyond * 200 <= frame.width * frame.height && mean <= tolerances[layout].mean);
@@ -282,11 +282,11 @@ static void test_layouts_equal_forward(void **state) {
             continue;
         }
         check_lists(&stage, frame, &all);
-        frame.class_blocks = 8;
+        frame.deferred.class_blocks = 8;
         struct shot classes = stage_shoot(&stage, &frame);
         assert_int_equal(count_differing(&all.radiance, &classes.radiance), 0);
         shot_free(&classes);
-        frame.class_blocks = 0;
+        frame.deferred.class_blocks = 0;
         frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
         struct shot volumes = stage_shoot(&stage, &frame);
         assert_true(greatest_difference(&all.color, &volumes.color) <= 2);
@@ -308,25 +308,25 @@ static void test_encodings_in_pictures(void **state) {
     frame.lists = FNL_LISTS_ALL;
     static const fnl_gbuffer layouts[] = {FNL_GBUFFER_DEFAULT, FNL_GBUFFER_FROSTBITE2, FNL_GBUFFER_STALKER};
     for (uint32_t i = 0; i < COUNT_OF(layouts); i++) {
-        frame.gbuffer = layouts[i];
-        frame.normals = FNL_NORMALS_FLOAT;
+        frame.gbuffer.layout = layouts[i];
+        frame.gbuffer.normals = FNL_NORMALS_FLOAT;
         struct shot exact = stage_shoot(&stage, &frame);
         fnl_gbuffer_info info;
-        assert_int_equal(fnl_gbuffer_query_info(frame.gbuffer, &info), FNL_OK);
+        assert_int_equal(fnl_gbuffer_query_info(frame.gbuffer.layout, &info), FNL_OK);
         for (int e = FNL_NORMALS_LAYOUT; e < FNL_NORMALS_FLOAT; e++) {
-            frame.normals = (fnl_normal_encoding)e;
+            frame.gbuffer.normals = (fnl_normal_encoding)e;
             if (!(info.encodings >> e & 1)) {
                 assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
                 continue;
             }
             struct shot shot = stage_shoot(&stage, &frame);
             double mean = mean_difference(&exact.color, &shot.color);
-            print_message("%-10s %-13s %3d/255 at most, mean %.4f\n", fnl_gbuffer_name(frame.gbuffer),
-                          fnl_normal_encoding_name(frame.normals), greatest_difference(&exact.color, &shot.color), mean);
+            print_message("%-10s %-13s %3d/255 at most, mean %.4f\n", fnl_value_name(FNL_ENUM_GBUFFER, frame.gbuffer.layout),
+                          fnl_value_name(FNL_ENUM_NORMALS, frame.gbuffer.normals), greatest_difference(&exact.color, &shot.color), mean);
             /* 16 bits show no difference to speak of, half floats hardly one; 8 bits turn highlights. */
             bool lossy = e == FNL_NORMALS_XY || e == FNL_NORMALS_SPHERE_MAP;
-            double allowed = frame.gbuffer == FNL_GBUFFER_FROSTBITE2 ? 0.6 : lossy ? 0.15 : 0.05;
-            if (frame.normals == FNL_NORMALS_BEST_FIT) allowed = 0.05;
+            double allowed = frame.gbuffer.layout == FNL_GBUFFER_FROSTBITE2 ? 0.6 : lossy ? 0.15 : 0.05;
+            if (frame.gbuffer.normals == FNL_NORMALS_BEST_FIT) allowed = 0.05;
             assert_true(mean < allowed);
             shot_free(&shot);
         }
@@ -399,7 +399,7 @@ static void test_no_bleeding_ES_13(void **state) {
     fnl_frame frame = stage.frame;
     front_camera(&frame, 3, 131);
     struct shot plain = stage_shoot(&stage, &frame);
-    frame.chroma = true;
+    frame.gbuffer.chroma = true;
     struct shot chroma = stage_shoot(&stage, &frame);
     int most = greatest_difference(&plain.color, &chroma.color);
     print_message("with chroma the picture is off by %d/255 at most; %llu and %llu bytes\n", most,
@@ -477,7 +477,7 @@ static void test_material_ids_ES_11_MP_21(void **state) {
     fnl_frame frame = stage.frame;
     front_camera(&frame, ROWS / 2.0f, ROWS * STEP);
     for (uint32_t k = 0; k < COUNT_OF(layouts); k++) {
-        frame.gbuffer = layouts[k];
+        frame.gbuffer.layout = layouts[k];
         frame.debug = FNL_DEBUG_NONE;
         frame.count_lights = true;
         struct shot mixed = stage_shoot(&stage, &frame);
@@ -521,7 +521,7 @@ static void test_material_ids_ES_11_MP_21(void **state) {
                         }
                 }
             if (differing)
-                fail_msg("%s: material %u: %llu of %llu pixels differ", fnl_gbuffer_name(layouts[k]), probes[p],
+                fail_msg("%s: material %u: %llu of %llu pixels differ", fnl_value_name(FNL_ENUM_GBUFFER, layouts[k]), probes[p],
                          (unsigned long long)differing, (unsigned long long)compared);
             shot_free(&dedicated);
             stage_close(&one);
@@ -563,8 +563,8 @@ static void test_lit_once_FP_8(void **state) {
     struct shot reference = {0};
     for (int layout = 0; layout < FNL_GBUFFER_COUNT; layout++)
         for (uint32_t blocks = 0; blocks <= (layout == FNL_GBUFFER_ENGEL ? 8 : 0); blocks += 8) {
-            frame.gbuffer = (fnl_gbuffer)layout;
-            frame.class_blocks = blocks;
+            frame.gbuffer.layout = (fnl_gbuffer)layout;
+            frame.deferred.class_blocks = blocks;
             struct shot shot = stage_shoot(&stage, &frame);
             uint64_t opaque = 0;
             for (uint32_t i = 0; i < frame.width * frame.height; i++)
@@ -580,13 +580,13 @@ static void test_lit_once_FP_8(void **state) {
                 continue;
             }
             int most = greatest_difference(&reference.color, &shot.color);
-            if (most > 3) fail_msg("%s, blocks of %u: %d/255 from default", fnl_gbuffer_name(frame.gbuffer), blocks, most);
+            if (most > 3) fail_msg("%s, blocks of %u: %d/255 from default", fnl_value_name(FNL_ENUM_GBUFFER, frame.gbuffer.layout), blocks, most);
             shot_free(&shot);
         }
     shot_free(&reference);
     /* The view of them shows the squares that the layout cannot hold, and nothing else. */
-    frame.class_blocks = 0;
-    frame.gbuffer = FNL_GBUFFER_ENGEL;
+    frame.deferred.class_blocks = 0;
+    frame.gbuffer.layout = FNL_GBUFFER_ENGEL;
     frame.debug = FNL_DEBUG_LIT_FORWARD;
     struct shot seen = stage_shoot(&stage, &frame);
     uint64_t white = 0, grey = 0, black = 0;
@@ -615,11 +615,11 @@ static void test_stencil_FP_15(void **state) {
         frame.count_lights = true;
         for (uint32_t i = 0; i < COUNT_OF(layouts); i++)
             for (uint32_t l = 0; l < COUNT_OF(lists); l++) {
-                frame.gbuffer = layouts[i];
+                frame.gbuffer.layout = layouts[i];
                 frame.lists = lists[l];
-                frame.deferred_pass = FNL_DEFERRED_COMPUTE;
+                frame.deferred.pass = FNL_DEFERRED_COMPUTE;
                 struct shot compute = stage_shoot(&stage, &frame);
-                frame.deferred_pass = FNL_DEFERRED_FRAGMENT;
+                frame.deferred.pass = FNL_DEFERRED_FRAGMENT;
                 struct shot fragment = stage_shoot(&stage, &frame);
                 char plan[65536];
                 assert_true(fnl_renderer_print_plan(stage.renderer, plan, sizeof plan) < sizeof plan);
@@ -630,7 +630,7 @@ static void test_stencil_FP_15(void **state) {
                 shot_free(&compute);
                 shot_free(&fragment);
             }
-        frame.class_blocks = 8;
+        frame.deferred.class_blocks = 8;
         assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
         stage_close(&stage);
     }
@@ -654,7 +654,7 @@ static void test_views_and_errors(void **state) {
         }
         /* Clear Sky's half float has patterns that are no numbers: 1 of its bits tells nothing. */
         assert_int_equal(bits, layout == FNL_GBUFFER_CLEAR_SKY ? info.bits - 1 : info.bits);
-        frame.gbuffer = (fnl_gbuffer)layout;
+        frame.gbuffer.layout = (fnl_gbuffer)layout;
         for (int view = FNL_DEBUG_GBUFFER_0; view <= FNL_DEBUG_LIT_FORWARD; view++) {
             frame.debug = (fnl_debug_view)view;
             bool wanted = view <= FNL_DEBUG_GBUFFER_4 ? (uint32_t)(view - FNL_DEBUG_GBUFFER_0) < info.target_count
@@ -668,11 +668,11 @@ static void test_views_and_errors(void **state) {
         }
     }
     frame.debug = FNL_DEBUG_NONE;
-    frame.gbuffer = FNL_GBUFFER_ENGEL;
-    frame.chroma = true;
+    frame.gbuffer.layout = FNL_GBUFFER_ENGEL;
+    frame.gbuffer.chroma = true;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
-    frame.chroma = false;
-    frame.normals = FNL_NORMALS_BEST_FIT;
+    frame.gbuffer.chroma = false;
+    frame.gbuffer.normals = FNL_NORMALS_BEST_FIT;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
     fnl_gbuffer_info engel;
     assert_int_equal(fnl_gbuffer_query_info(FNL_GBUFFER_ENGEL, &engel), FNL_OK);

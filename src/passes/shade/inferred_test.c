@@ -8,7 +8,7 @@ static void check_own_reference(struct stage *stage, const char *what) {
     static const fnl_light_lists lists[] = {FNL_LISTS_TILED,  FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
                                             FNL_LISTS_SPARSE, FNL_LISTS_CLUSTERED, FNL_LISTS_CLUSTERED_CPU};
     for (uint32_t scale = 2; scale <= 4; scale *= 2) {
-        stage->frame.list_options.light_scale = scale;
+        stage->frame.light_buffer.scale = scale;
         struct shot all = order_shoot(stage, FNL_SHADING_INFERRED, FNL_LISTS_ALL);
         struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
         print_message("  %s, 1/%u: %.1f dB, %llu of %llu evaluations\n", what, scale,
@@ -18,14 +18,14 @@ static void check_own_reference(struct stage *stage, const char *what) {
         for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
             struct shot shot = order_shoot(stage, FNL_SHADING_INFERRED, lists[i]);
             if (count_differing(&all.radiance, &shot.radiance))
-                fail_msg("%s, 1/%u: %s differs from all at %llu pixels", what, scale, fnl_light_lists_name(lists[i]),
+                fail_msg("%s, 1/%u: %s differs from all at %llu pixels", what, scale, fnl_value_name(FNL_ENUM_LISTS, lists[i]),
                          (unsigned long long)count_differing(&all.radiance, &shot.radiance));
             shot_free(&shot);
         }
         shot_free(&all);
         shot_free(&deferred);
     }
-    stage->frame.list_options.light_scale = 2;
+    stage->frame.light_buffer.scale = 2;
 }
 
 static void test_lists(void **state) {
@@ -72,14 +72,14 @@ static void check_quality(const char *source, float ev, double half, double quar
     stage.frame.height = 180;
     struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_TILED);
     for (uint32_t scale = 2; scale <= 4; scale *= 2) {
-        stage.frame.list_options.light_scale = scale;
+        stage.frame.light_buffer.scale = scale;
         for (int b = FNL_LIGHT_BUFFER_RGBA; b <= FNL_LIGHT_BUFFER_FOUR; b += 2) {
-            stage.frame.list_options.light_buffer = (fnl_light_buffer)b;
+            stage.frame.light_buffer.kind = (fnl_light_buffer)b;
             struct shot shot = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_TILED);
             double got = order_psnr(&deferred.color, &shot.color);
             double part = (double)shot.stats.evaluations / (double)deferred.stats.evaluations;
             print_message("  %s, 1/%u, %s: %.1f dB, %.2f of the evaluations\n", source, scale,
-                          fnl_light_buffer_name((fnl_light_buffer)b), got, part);
+                          fnl_value_name(FNL_ENUM_LIGHT_BUFFER, (fnl_light_buffer)b), got, part);
             assert_true(got > (scale == 2 ? half : quarter) && part < share);
             shot_free(&shot);
         }
@@ -121,7 +121,7 @@ static void test_light_belongs_to_items(void **state) {
     frame->camera.far_distance = 20;
     struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
     for (uint32_t scale = 2; scale <= 4; scale *= 2) {
-        frame->list_options.light_scale = scale;
+        frame->light_buffer.scale = scale;
         struct shot shot = order_shoot(&stage, FNL_SHADING_INFERRED, FNL_LISTS_ALL);
         double worst = 0, contrast = 0;
         for (uint32_t y = 0; y < 91; y++)

@@ -7,16 +7,16 @@ static void check_indexed(struct stage *stage, const char *what) {
     struct shot forward = order_shoot(stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
     for (int p = 0; p < FNL_LIGHT_PACKING_COUNT; p++)
         for (uint32_t layers = 1; layers <= 16; layers *= 4) { /* few pixels, some, and most have room */
-            stage->frame.list_options.light_packing = (fnl_light_packing)p;
-            stage->frame.list_options.light_layers = layers;
+            stage->frame.light_indexed.packing = (fnl_light_packing)p;
+            stage->frame.light_indexed.layers = layers;
             struct shot shot = order_shoot(stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
             if (layers == 4 || shot.stats.overflow_cells)
                 print_message("  %s, %s, %u layers: %llu of %llu evaluations, %u pixels full\n", what,
-                              fnl_light_packing_name((fnl_light_packing)p), layers,
+                              fnl_value_name(FNL_ENUM_LIGHT_PACKING, (fnl_light_packing)p), layers,
                               (unsigned long long)shot.stats.evaluations, (unsigned long long)forward.stats.evaluations,
                               shot.stats.overflow_cells);
             if (count_differing(&forward.radiance, &shot.radiance))
-                fail_msg("%s, %s, %u layers: %llu pixels differ", what, fnl_light_packing_name((fnl_light_packing)p), layers,
+                fail_msg("%s, %s, %u layers: %llu pixels differ", what, fnl_value_name(FNL_ENUM_LIGHT_PACKING, (fnl_light_packing)p), layers,
                          (unsigned long long)count_differing(&forward.radiance, &shot.radiance));
             assert_int_equal(shot.stats.evaluations_useful, forward.stats.evaluations_useful);
             assert_true(shot.stats.evaluations <= forward.stats.evaluations);
@@ -26,8 +26,8 @@ static void check_indexed(struct stage *stage, const char *what) {
             assert_int_equal(count_differing(&forward.radiance, &again.radiance), 0);
             shot_free(&again);
         }
-    stage->frame.list_options.light_packing = FNL_LIGHT_PACKING_IDS;
-    stage->frame.list_options.light_layers = 4;
+    stage->frame.light_indexed.packing = FNL_LIGHT_PACKING_IDS;
+    stage->frame.light_indexed.layers = 4;
     shot_free(&forward);
 }
 
@@ -52,7 +52,7 @@ static struct stage wall_with(uint32_t count, uint32_t others) {
     }
     stage.frame.width = 120;
     stage.frame.height = 68;
-    stage.frame.list_options.frustum_cull = false; /* so that ranks go up with the index */
+    stage.frame.list.frustum_cull = false; /* so that ranks go up with the index */
     return stage;
 }
 
@@ -65,9 +65,9 @@ static void test_overlaps(void **state) {
             struct stage stage = wall_with(count, others[o]);
             struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
             for (int p = 0; p < FNL_LIGHT_PACKING_COUNT; p++) {
-                stage.frame.list_options.light_packing = (fnl_light_packing)p;
+                stage.frame.light_indexed.packing = (fnl_light_packing)p;
                 bool eight_bits = p != FNL_LIGHT_PACKING_IDS;
-                stage.frame.list_options.light_layers = eight_bits && others[o] > 251 ? 2 : 1;
+                stage.frame.light_indexed.layers = eight_bits && others[o] > 251 ? 2 : 1;
                 struct shot shot = order_shoot(&stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
                 assert_int_equal(count_differing(&forward.radiance, &shot.radiance), 0);
                 assert_int_equal(shot.stats.overflow_cells > 0, count > 4);
@@ -87,8 +87,8 @@ static void test_more_lights_than_ids(void **state) {
     struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
     for (int p = FNL_LIGHT_PACKING_SHIFT; p < FNL_LIGHT_PACKING_COUNT; p++)
         for (uint32_t layers = 1; layers <= 3; layers++) {
-            stage.frame.list_options.light_packing = (fnl_light_packing)p;
-            stage.frame.list_options.light_layers = layers;
+            stage.frame.light_indexed.packing = (fnl_light_packing)p;
+            stage.frame.light_indexed.layers = layers;
             struct shot shot = order_shoot(&stage, FNL_SHADING_LIGHT_INDEXED, FNL_LISTS_ALL);
             assert_int_equal(count_differing(&forward.radiance, &shot.radiance), 0);
             assert_int_equal(shot.stats.overflow_cells > 0, layers < 3);
@@ -103,7 +103,7 @@ static void test_more_lights_than_ids(void **state) {
 static void check_layers(struct stage *stage, const char *what) {
     struct shot forward = order_shoot(stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
     for (uint32_t layers = 1; layers <= 8; layers = layers == 1 ? 3 : layers + 5) {
-        stage->frame.list_options.light_layers = layers;
+        stage->frame.light_indexed.layers = layers;
         struct shot shot = order_shoot(stage, FNL_SHADING_ZIOMA, FNL_LISTS_ALL);
         int difference = greatest_difference(&forward.color, &shot.color);
         print_message("  %s, %u layers: %d/255, %u pixels have more\n", what, layers, difference, shot.stats.overflow_cells);
@@ -116,7 +116,7 @@ static void check_layers(struct stage *stage, const char *what) {
         }
         shot_free(&shot);
     }
-    stage->frame.list_options.light_layers = 4;
+    stage->frame.light_indexed.layers = 4;
     shot_free(&forward);
 }
 
@@ -133,7 +133,7 @@ static void test_layer_counts(void **state) {
     struct shot forward = order_shoot(&stage, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_ALL);
     uint32_t before = UINT32_MAX;
     for (uint32_t layers = 1; layers <= 6; layers++) {
-        stage.frame.list_options.light_layers = layers;
+        stage.frame.light_indexed.layers = layers;
         struct shot shot = order_shoot(&stage, FNL_SHADING_ZIOMA, FNL_LISTS_ALL);
         print_message("  %u layers: %u pixels have more, %llu lights reach pixels\n", layers, shot.stats.overflow_cells,
                       (unsigned long long)shot.stats.list_entries);

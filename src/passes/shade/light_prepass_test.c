@@ -10,10 +10,10 @@
 static void check_equal(struct stage *stage, const char *what) {
     struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
     for (int b = FNL_LIGHT_BUFFER_TWO; b <= FNL_LIGHT_BUFFER_FOUR; b++) {
-        stage->frame.list_options.light_buffer = (fnl_light_buffer)b;
+        stage->frame.light_buffer.kind = (fnl_light_buffer)b;
         struct shot shot = order_shoot(stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_ALL);
         int difference = greatest_difference(&deferred.color, &shot.color);
-        print_message("  %s, %s: %d/255\n", what, fnl_light_buffer_name((fnl_light_buffer)b), difference);
+        print_message("  %s, %s: %d/255\n", what, fnl_value_name(FNL_ENUM_LIGHT_BUFFER, (fnl_light_buffer)b), difference);
         assert_int_equal(count_broken(&shot.radiance), 0);
         assert_true(difference <= 2);
         assert_int_equal(shot.stats.evaluations_useful, deferred.stats.evaluations_useful);
@@ -21,15 +21,15 @@ static void check_equal(struct stage *stage, const char *what) {
         uint64_t pixels = (uint64_t)stage->frame.width * stage->frame.height;
         assert_int_equal(shot.stats.light_bytes,
                          pixels * (b == FNL_LIGHT_BUFFER_TWO ? 12 + 32 : 8 + 64)); /* sums of 32-bit floats */
-        stage->frame.gbuffer_prepass = true;
+        stage->frame.gbuffer.prepass = true;
         struct shot again = order_shoot(stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_TILED);
         assert_int_equal(count_differing(&shot.radiance, &again.radiance), 0);
         assert_true(again.stats.evaluations <= shot.stats.evaluations);
-        stage->frame.gbuffer_prepass = false;
+        stage->frame.gbuffer.prepass = false;
         shot_free(&shot);
         shot_free(&again);
     }
-    stage->frame.list_options.light_buffer = FNL_LIGHT_BUFFER_AUTO;
+    stage->frame.light_buffer.kind = FNL_LIGHT_BUFFER_AUTO;
     shot_free(&deferred);
 }
 
@@ -87,7 +87,7 @@ static void test_four_channels(void **state) {
     for (int white = 1; white >= 0; white--) {
         struct stage stage = stage_open_scene(plain_scene(white));
         struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
-        stage.frame.list_options.light_buffer = FNL_LIGHT_BUFFER_RGBA;
+        stage.frame.light_buffer.kind = FNL_LIGHT_BUFFER_RGBA;
         struct shot rgba = order_shoot(&stage, FNL_SHADING_LIGHT_PREPASS, FNL_LISTS_ALL);
         int difference = greatest_difference(&deferred.color, &rgba.color);
         print_message("  %s lights: %d/255, PSNR %.1f dB\n", white ? "white" : "coloured", difference,
@@ -107,7 +107,7 @@ static void test_four_channels(void **state) {
 static void shoot_scaled(struct stage *stage, const char *what, double psnr, double share) {
     struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_TILED);
     for (uint32_t scale = 2; scale <= 4; scale *= 2) {
-        stage->frame.list_options.light_scale = scale;
+        stage->frame.light_buffer.scale = scale;
         struct shot shot = order_shoot(stage, FNL_SHADING_LOW_RES, FNL_LISTS_TILED);
         double got = order_psnr(&deferred.color, &shot.color),
                part = (double)shot.stats.evaluations / (double)deferred.stats.evaluations;
@@ -116,7 +116,7 @@ static void shoot_scaled(struct stage *stage, const char *what, double psnr, dou
         assert_true(got > psnr && part < share);
         shot_free(&shot);
     }
-    stage->frame.list_options.light_scale = 2;
+    stage->frame.light_buffer.scale = 2;
     shot_free(&deferred);
 }
 
@@ -165,7 +165,7 @@ static void test_low_res_edges(void **state) {
         for (uint32_t turn = 0; turn < 4; turn++) {
             uint32_t scale = turn & 1 ? 4 : 2;
             fnl_shading order = turn & 2 ? FNL_SHADING_INFERRED : FNL_SHADING_LOW_RES;
-            stage.frame.list_options.light_scale = scale;
+            stage.frame.light_buffer.scale = scale;
             struct shot shot = order_shoot(&stage, order, FNL_LISTS_ALL);
             const uint8_t *p = dark.color.pixels, *q = deferred.color.pixels, *r = shot.color.pixels;
             uint32_t unlit = 0, lit = 0, halo = 0, lost = 0;
@@ -182,7 +182,7 @@ static void test_low_res_edges(void **state) {
                 lost += gain > 10 && got < gain / 2;
             }
             print_message("  %s, %s light, 1/%u: %u pixels unlit, %u of them bright; %u lit, %u of them dark\n",
-                          fnl_shading_name(order), near ? "near" : "far", scale, unlit, halo, lit, lost);
+                          fnl_value_name(FNL_ENUM_SHADING, order), near ? "near" : "far", scale, unlit, halo, lit, lost);
             assert_true(unlit > 100 && lit > 30);
             assert_int_equal(halo, 0);
             assert_true(lost * 20 <= lit); /* round the pole light changes from pixel to pixel */
@@ -224,7 +224,7 @@ static void test_steps_do_not_leak(void **state) {
     struct shot deferred = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
     for (uint32_t turn = 0; turn < 4; turn++) {
         fnl_shading order = turn & 2 ? FNL_SHADING_INFERRED : FNL_SHADING_LOW_RES;
-        frame->list_options.light_scale = turn & 1 ? 4 : 2;
+        frame->light_buffer.scale = turn & 1 ? 4 : 2;
         struct shot shot = order_shoot(&stage, order, FNL_LISTS_ALL);
         const float *p = deferred.radiance.pixels, *q = shot.radiance.pixels, *at = deferred.position.pixels;
         uint32_t front = 0, leaks = 0, wall = 0, lost = 0;
@@ -236,7 +236,7 @@ static void test_steps_do_not_leak(void **state) {
             lost += !is_front && q[4 * i] < 0.7f * p[4 * i];
         }
         print_message("  %s, 1/%u: %u of %u pixels of the square bright, %u of %u of the wall dark; %.2f of the evaluations\n",
-                      fnl_shading_name(order), frame->list_options.light_scale, leaks, front, lost, wall,
+                      fnl_value_name(FNL_ENUM_SHADING, order), frame->light_buffer.scale, leaks, front, lost, wall,
                       (double)shot.stats.evaluations / (double)deferred.stats.evaluations);
         assert_true(front > 1000 && wall > 1000);
         assert_int_equal(leaks, 0);
@@ -253,7 +253,7 @@ static void check_own_reference(struct stage *stage, const char *what) {
     static const fnl_light_lists lists[] = {FNL_LISTS_TILED,  FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
                                             FNL_LISTS_SPARSE, FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN};
     for (uint32_t scale = 2; scale <= 4; scale *= 2) {
-        stage->frame.list_options.light_scale = scale;
+        stage->frame.light_buffer.scale = scale;
         struct shot all = order_shoot(stage, FNL_SHADING_LOW_RES, FNL_LISTS_ALL);
         struct shot deferred = order_shoot(stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
         assert_int_equal(count_broken(&all.radiance), 0);
@@ -261,7 +261,7 @@ static void check_own_reference(struct stage *stage, const char *what) {
         for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
             struct shot shot = order_shoot(stage, FNL_SHADING_LOW_RES, lists[i]);
             if (count_differing(&all.radiance, &shot.radiance))
-                fail_msg("%s, 1/%u: %s differs from all", what, scale, fnl_light_lists_name(lists[i]));
+                fail_msg("%s, 1/%u: %s differs from all", what, scale, fnl_value_name(FNL_ENUM_LISTS, lists[i]));
             /* those that drop lights behind surfaces drop some that reach them too */
             assert_true(shot.stats.evaluations_useful <= all.stats.evaluations_useful);
             assert_true(shot.stats.evaluations <= all.stats.evaluations);
@@ -270,7 +270,7 @@ static void check_own_reference(struct stage *stage, const char *what) {
         shot_free(&all);
         shot_free(&deferred);
     }
-    stage->frame.list_options.light_scale = 2;
+    stage->frame.light_buffer.scale = 2;
 }
 
 static void test_low_res_lists(void **state) {

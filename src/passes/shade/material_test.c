@@ -73,7 +73,7 @@ static void test_cutout_holes(void **state) {
     fnl_renderer *renderer = test_renderer(scene);
     for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 2; shading++) {
         frame.shading = shading < FNL_SHADING_DEFERRED + 1 ? (fnl_shading)shading : FNL_SHADING_DEFERRED;
-        frame.gbuffer_prepass = shading == FNL_SHADING_DEFERRED + 1;
+        frame.gbuffer.prepass = shading == FNL_SHADING_DEFERRED + 1;
         test_render_frame(renderer, &frame);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), position = test_read(renderer, FNL_OUTPUT_POSITION);
         for (uint32_t y = 0; y < 64; y++)

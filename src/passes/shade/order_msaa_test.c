@@ -70,13 +70,13 @@ static void test_scene(void **state) {
         frame = frame_of(&stage, c->shading);
         struct shot shot = stage_shoot(&stage, &frame);
         double near = msaa_psnr(&shot.color, &forward.color);
-        print_message("  %s: %.1f dB\n", fnl_shading_name(c->shading), near);
+        print_message("  %s: %.1f dB\n", fnl_value_name(FNL_ENUM_SHADING, c->shading), near);
         assert_int_equal(count_broken(&shot.radiance), 0);
         if (c->exact) check_inner(&stage, frame, &shot, &forward);
         assert_true(near > c->least);
         bool texturing = c->shading == FNL_SHADING_TEXTURING || c->shading == FNL_SHADING_VIRTUAL_TEXTURING;
         if ((shading_is(c->shading, SHADING_GBUFFER) && c->exact) || texturing) {
-            frame.gbuffer_prepass = true; /* cutouts keep what the prepass has left of them */
+            frame.gbuffer.prepass = true; /* cutouts keep what the prepass has left of them */
             struct shot again = stage_shoot(&stage, &frame);
             assert_true(msaa_psnr(&again.color, &forward.color) > c->least);
             shot_free(&again);
@@ -140,9 +140,9 @@ static void test_silhouettes(void **state) {
         look_down(&frame);
         struct shot shot = stage_shoot(&stage, &frame);
         int difference = greatest_difference(&shot.color, &forward.color);
-        print_message("  %s: %d/255\n", fnl_shading_name(orders[i].shading), difference);
+        print_message("  %s: %d/255\n", fnl_value_name(FNL_ENUM_SHADING, orders[i].shading), difference);
         if (difference > orders[i].silhouette)
-            fail_msg("%s: %d/255 at silhouettes", fnl_shading_name(orders[i].shading), difference);
+            fail_msg("%s: %d/255 at silhouettes", fnl_value_name(FNL_ENUM_SHADING, orders[i].shading), difference);
         shot_free(&shot);
     }
     shot_free(&one);
@@ -163,7 +163,7 @@ static void test_indexed_counts(void **state) {
     struct stage stage = stage_open_scene(scene);
     fnl_frame frame = frame_of(&stage, FNL_SHADING_LIGHT_INDEXED);
     look_down(&frame);
-    frame.list_options.light_layers = 16;
+    frame.light_indexed.layers = 16;
     frame.count_lights = true;
     struct shot shot = stage_shoot(&stage, &frame);
     double indexed = (double)shot.stats.evaluations, useful = (double)shot.stats.evaluations_useful;
@@ -188,13 +188,13 @@ static void test_layouts(void **state) {
             /* Encodings differ with the viewer's place or not. */
             if (chroma ? g > 0 : n > 0 && (g > 0 || (n != FNL_NORMALS_XY && n != FNL_NORMALS_VIEW))) continue;
             frame = small_frame(&stage, FNL_SHADING_DEFERRED);
-            frame.gbuffer = (fnl_gbuffer)g;
-            frame.normals = chroma ? FNL_NORMALS_LAYOUT : (fnl_normal_encoding)n;
-            frame.chroma = chroma;
+            frame.gbuffer.layout = (fnl_gbuffer)g;
+            frame.gbuffer.normals = chroma ? FNL_NORMALS_LAYOUT : (fnl_normal_encoding)n;
+            frame.gbuffer.chroma = chroma;
             struct shot shot = stage_shoot(&stage, &frame);
             double near = msaa_psnr(&shot.color, &forward.color);
-            print_message("  %s, normals %s%s: %.1f dB\n", fnl_gbuffer_name((fnl_gbuffer)g),
-                          fnl_normal_encoding_name(frame.normals), chroma ? ", chroma" : "", near);
+            print_message("  %s, normals %s%s: %.1f dB\n", fnl_value_name(FNL_ENUM_GBUFFER, (fnl_gbuffer)g),
+                          fnl_value_name(FNL_ENUM_NORMALS, frame.gbuffer.normals), chroma ? ", chroma" : "", near);
             assert_int_equal(count_broken(&shot.radiance), 0);
             assert_true(near > 46); /* with one sample 49 to 59 */
             shot_free(&shot);
@@ -216,13 +216,13 @@ static void check_indexed(struct stage *stage, fnl_frame frame, const char *what
         static const fnl_light_packing packings[5] = {FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_IDS, FNL_LIGHT_PACKING_SHIFT,
                                                       FNL_LIGHT_PACKING_MAX, FNL_LIGHT_PACKING_MAX};
         frame.shading = i < 5 ? FNL_SHADING_LIGHT_INDEXED : FNL_SHADING_ZIOMA;
-        frame.list_options.light_layers = layers[i];
-        if (i < 5) frame.list_options.light_packing = packings[i];
+        frame.light_indexed.layers = layers[i];
+        if (i < 5) frame.light_indexed.packing = packings[i];
         struct shot shot = stage_shoot(stage, &frame);
         uint64_t differing = count_differing(&forward.radiance, &shot.radiance);
         int difference = greatest_difference(&forward.color, &shot.color);
         if (i < 5 ? differing > 0 : difference > 1)
-            fail_msg("%s: %s, %u layers: %llu pixels differ, by %d/255", what, fnl_shading_name(frame.shading), layers[i],
+            fail_msg("%s: %s, %u layers: %llu pixels differ, by %d/255", what, fnl_value_name(FNL_ENUM_SHADING, frame.shading), layers[i],
                      (unsigned long long)differing, difference);
         shot_free(&shot);
     }
@@ -265,7 +265,7 @@ static void test_cameras(void **state) {
             /* Where light alone is asked for, surfaces that differ in colour are one. */
             assert_int_equal(count_broken(&shot.radiance), 0);
             if (kind < 4 && near < (frame.shading == FNL_SHADING_DEFERRED_VOLUMES ? 55 : 40))
-                fail_msg("%s: %s is %.1f dB from deferred", names[kind], fnl_shading_name(frame.shading), near);
+                fail_msg("%s: %s is %.1f dB from deferred", names[kind], fnl_value_name(FNL_ENUM_SHADING, frame.shading), near);
             shot_free(&shot);
         }
         shot_free(&deferred);
@@ -281,7 +281,7 @@ static void test_shapes(void **state) {
     struct shot solids = {0};
     for (uint32_t v = 0; v < FNL_VOLUME_SHAPE_COUNT; v++) {
         fnl_frame frame = small_frame(&stage, FNL_SHADING_DEFERRED_VOLUMES);
-        frame.list_options.volume_shape = (fnl_volume_shape)v;
+        frame.volume_shape = (fnl_volume_shape)v;
         frame.count_lights = true;
         struct shot shot = stage_shoot(&stage, &frame);
         if (v == 0) {
@@ -314,7 +314,7 @@ static void test_glass(void **state) {
             frame.debug = FNL_DEBUG_NONE;
             struct shot shot = stage_shoot(&stage, &frame);
             double near = msaa_psnr(&forward.color, &shot.color);
-            print_message("  %s, transparency %u: %.1f dB\n", fnl_shading_name(frame.shading), t, near);
+            print_message("  %s, transparency %u: %.1f dB\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), t, near);
             assert_int_equal(count_broken(&shot.radiance), 0);
             assert_true(near > orders[i].least);
             if (t == 0) { /* views of what such orders have */

@@ -93,7 +93,7 @@ static void test_deferred_equals_forward(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE | FNL_OUTPUT_NORMAL | FNL_OUTPUT_POSITION);
             room_frame(&frame, view);
             frame.shading = i < 3 ? (fnl_shading)i : FNL_SHADING_DEFERRED;
-            frame.gbuffer_prepass = i == 3;
+            frame.gbuffer.prepass = i == 3;
             test_render_frame(renderer, &frame);
             colors[i] = test_read(renderer, FNL_OUTPUT_COLOR);
             radiances[i] = test_read(renderer, FNL_OUTPUT_RADIANCE);
@@ -182,7 +182,7 @@ static void test_glass(void **state) {
                 }
             /* Deferred: the colour of the wall comes from 8 bits, off by half a per cent. */
             if (worst >= (shading == FNL_SHADING_DEFERRED ? 1e-2 : 1e-3))
-                fail_msg("%s, %s: off by %g", fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists), worst);
+                fail_msg("%s, %s: off by %g", fnl_value_name(FNL_ENUM_SHADING, frame.shading), fnl_value_name(FNL_ENUM_LISTS, frame.lists), worst);
             if (first.pixels) assert_true(test_equal(&first, &radiance));
             if (first.pixels)
                 free_picture(&radiance);

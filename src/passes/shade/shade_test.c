@@ -170,7 +170,7 @@ static void test_mixed_lights(void **state) {
         uint32_t covered;
         double error = compare_with_reference(renderer, &frame.camera, &setup, 1e-4, &covered);
         print_message("50 mixed lights of six kinds, %s: largest relative error %.2g over %u pixels\n",
-                      fnl_light_lists_name(frame.lists), error, covered);
+                      fnl_value_name(FNL_ENUM_LISTS, frame.lists), error, covered);
         assert_true(covered > 4000 && error < TOLERANCE);
     }
     /* Orthographic and off-axis views see along other directions. */
@@ -308,7 +308,7 @@ static void test_light_limits(void **state) {
             }
             /* The ramp of a hard edge is a thousandth of the cosine wide and magnifies its rounding. */
             if (error >= (i == 9 ? 1e-2 : TOLERANCE))
-                fail_msg("light %u, %s: error %g", i, fnl_light_lists_name(frame.lists), error);
+                fail_msg("light %u, %s: error %g", i, fnl_value_name(FNL_ENUM_LISTS, frame.lists), error);
             free_picture(&radiance);
         }
     }
@@ -424,7 +424,7 @@ static void check_layers(bool back_to_front) {
         test_render_frame(renderer, &frame);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-        print_message("%s: %llu evaluations of 7 lights on 4096 pixels of three layers\n", fnl_shading_name(frame.shading),
+        print_message("%s: %llu evaluations of 7 lights on 4096 pixels of three layers\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading),
                       (unsigned long long)stats.evaluations);
         assert_int_equal(stats.evaluations, layers[shading] * 64 * 64 * 7);
         pictures[shading] = test_read(renderer, FNL_OUTPUT_RADIANCE);
@@ -497,7 +497,7 @@ static void test_tone_mapping(void **state) {
                     for (int c = 0; c < 3; c++) {
                         double wanted = reference_srgb(mapped[c]) * 255;
                         if (fabs(p[c] - wanted) > 0.75)
-                            fail_msg("%s of %g %g %g: channel %d is %d, reference %g", fnl_tonemap_name(frame.tonemap),
+                            fail_msg("%s of %g %g %g: channel %d is %d, reference %g", fnl_value_name(FNL_ENUM_TONEMAP, frame.tonemap),
                                      exposed[0], exposed[1], exposed[2], c, p[c], wanted);
                     }
                 }

@@ -75,10 +75,10 @@ static void check_shapes(struct stage *stage, const struct shot *all, const stru
     frame.lists = FNL_LISTS_ALL;
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
     for (uint32_t i = 1; i < FNL_VOLUME_SHAPE_COUNT; i++) {
-        frame.list_options.volume_shape = (fnl_volume_shape)i;
+        frame.volume_shape = (fnl_volume_shape)i;
         struct shot shape = stage_shoot(stage, &frame);
         evaluations[i] = shape.stats.evaluations;
-        print_message("  %s, %s: %d/255, %llu evaluations\n", what, fnl_volume_shape_name((fnl_volume_shape)i),
+        print_message("  %s, %s: %d/255, %llu evaluations\n", what, fnl_value_name(FNL_ENUM_VOLUME_SHAPE, (fnl_volume_shape)i),
                       greatest_difference(&all->color, &shape.color), (unsigned long long)shape.stats.evaluations);
         assert_int_equal(count_broken(&shape.radiance), 0);
         assert_true(greatest_difference(&all->color, &shape.color) <= 2);
@@ -121,7 +121,7 @@ static void check(struct stage *stage, const char *what) {
     assert_true(volumes.stats.evaluations >= volumes.stats.evaluations_useful);
     assert_true(volumes.stats.evaluations <= all.stats.evaluations);
     assert_int_equal(count_differing(&volumes.radiance, &again.radiance), 0);
-    frame.list_options.frustum_cull = false;
+    frame.list.frustum_cull = false;
     struct shot unculled = stage_shoot(stage, &frame);
     assert_int_equal(count_differing(&volumes.radiance, &unculled.radiance), 0);
     assert_true(unculled.stats.lights_in_view >= volumes.stats.lights_in_view);
@@ -168,7 +168,7 @@ static void test_narrow_spots_ES_16(void **state) {
     frame.lists = FNL_LISTS_ALL;
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
     struct shot solids = stage_shoot(&stage, &frame);
-    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+    frame.volume_shape = FNL_VOLUME_QUADS;
     struct shot quads = stage_shoot(&stage, &frame);
     print_message("  %llu evaluations by pyramids, %llu by rectangles, %llu of use\n", (unsigned long long)solids.stats.evaluations,
                   (unsigned long long)quads.stats.evaluations, (unsigned long long)solids.stats.evaluations_useful);
@@ -222,7 +222,7 @@ static void test_walls_in_view_TD_8(void **state) {
             frame.shading = tiled ? FNL_SHADING_DEFERRED : FNL_SHADING_DEFERRED_VOLUMES;
             frame.lists = FNL_LISTS_TILED;
             struct shot culled = stage_shoot(&stage, &frame);
-            frame.list_options.frustum_cull = false;
+            frame.list.frustum_cull = false;
             struct shot all = stage_shoot(&stage, &frame);
             assert_int_equal(culled.stats.lights_in_view, visible[test]);
             assert_int_equal(all.stats.lights_in_view, total[test]);
@@ -299,7 +299,7 @@ static void test_rectangles_MP_22(void **state) {
         frame.count_lights = true;
         frame.outputs |= FNL_OUTPUT_NORMAL;
         frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
-        frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+        frame.volume_shape = FNL_VOLUME_QUADS;
         if (kind == 1) {
             frame.camera.orthographic = true;
             frame.camera.vertical_extent = 8;
@@ -345,15 +345,15 @@ static void test_order_of_evaluations_ES_14_ES_15_ES_17_MP_22(void **state) {
         struct shot all = stage_shoot(&stage, &frame);
         frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
         struct shot solids = stage_shoot(&stage, &frame);
-        frame.list_options.volume_shape = FNL_VOLUME_DEPTH_BOUNDS;
+        frame.volume_shape = FNL_VOLUME_DEPTH_BOUNDS;
         struct shot bounds = stage_shoot(&stage, &frame);
-        frame.list_options.volume_shape = FNL_VOLUME_STENCIL;
+        frame.volume_shape = FNL_VOLUME_STENCIL;
         struct shot stencil = stage_shoot(&stage, &frame);
-        frame.list_options.volume_shape = FNL_VOLUME_FULLSCREEN;
+        frame.volume_shape = FNL_VOLUME_FULLSCREEN;
         struct shot screen = stage_shoot(&stage, &frame);
-        frame.list_options.volume_shape = FNL_VOLUME_ELLIPSE;
+        frame.volume_shape = FNL_VOLUME_ELLIPSE;
         struct shot ellipses = stage_shoot(&stage, &frame);
-        frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+        frame.volume_shape = FNL_VOLUME_QUADS;
         struct shot quads = stage_shoot(&stage, &frame);
         print_message("  %s: screen %llu, rectangles %llu, ellipses %llu, solids %llu, depth bounds %llu, stencil %llu\n",
                       hidden ? "hidden" : "open", (unsigned long long)screen.stats.evaluations,
@@ -420,10 +420,10 @@ static void test_random_spheres_ES_15_ES_16(void **state) {
     uint64_t evaluations[FNL_VOLUME_SHAPE_COUNT];
     struct shot solids = {0};
     for (uint32_t i = 0; i < FNL_VOLUME_SHAPE_COUNT; i++) {
-        frame.list_options.volume_shape = (fnl_volume_shape)i;
+        frame.volume_shape = (fnl_volume_shape)i;
         struct shot shape = stage_shoot(&stage, &frame);
         evaluations[i] = shape.stats.evaluations;
-        print_message("  %s: %llu evaluations, %llu of use\n", fnl_volume_shape_name((fnl_volume_shape)i),
+        print_message("  %s: %llu evaluations, %llu of use\n", fnl_value_name(FNL_ENUM_VOLUME_SHAPE, (fnl_volume_shape)i),
                       (unsigned long long)shape.stats.evaluations, (unsigned long long)shape.stats.evaluations_useful);
         assert_int_equal(shape.stats.evaluations_useful, all.stats.evaluations_useful);
         if (i == FNL_VOLUME_STENCIL) { /* more lights than are drawn alone, and far more than the stencil has marks */
@@ -459,7 +459,7 @@ static void test_tiles_against_rectangles_MP_23(void **state) {
     frame.lists = FNL_LISTS_TILED;
     struct shot tiles = stage_shoot(&stage, &frame);
     frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
-    frame.list_options.volume_shape = FNL_VOLUME_QUADS;
+    frame.volume_shape = FNL_VOLUME_QUADS;
     struct shot quads = stage_shoot(&stage, &frame);
     print_message("  rectangles %llu, tiles %llu, of use %llu\n", (unsigned long long)quads.stats.evaluations,
                   (unsigned long long)tiles.stats.evaluations, (unsigned long long)tiles.stats.evaluations_useful);
@@ -553,7 +553,7 @@ static void test_one_light_at_a_time_ES_18(void **state) {
             assert_int_equal(fnl_scene_add_light(stage.scene, &light, &id), FNL_OK);
         }
         stage.frame.shading = FNL_SHADING_DEFERRED_VOLUMES;
-        stage.frame.list_options.volume_shape = FNL_VOLUME_STENCIL;
+        stage.frame.volume_shape = FNL_VOLUME_STENCIL;
         for (uint32_t count = 1; !without && count <= HOOKED; count += HOOKED - 1) {
             struct volumes_hook hook = {keep_off, &keeper, keeper.passes, count};
             keeper.next = 0;

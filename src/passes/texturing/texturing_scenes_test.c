@@ -42,14 +42,14 @@ static void test_scene(void **state) {
     double psnr = compare(c, "stored", &forward, &stored, &beyond);
     assert_true(beyond * 500 <= frame.width * frame.height);
     assert_true(psnr >= 58);
-    frame.gbuffer_prepass = true;
+    frame.gbuffer.prepass = true;
     struct shot prepass = stage_shoot(&stage, &frame);
     assert_int_equal(count_differing(&stored.radiance, &prepass.radiance), 0);
-    frame.gbuffer_prepass = false;
-    frame.gradients = FNL_GRADIENTS_DERIVED;
+    frame.gbuffer.prepass = false;
+    frame.texturing.gradients = FNL_GRADIENTS_DERIVED;
     struct shot derived = stage_shoot(&stage, &frame);
     assert_true(compare(c, "derived", &forward, &derived, &beyond) >= c->derived_psnr);
-    frame.gradients = FNL_GRADIENTS_STORED;
+    frame.texturing.gradients = FNL_GRADIENTS_STORED;
     frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
     struct shot paged = stage_shoot(&stage, &frame), again = stage_shoot(&stage, &frame);
     assert_true(compare(c, "virtual", &forward, &paged, &beyond) >= c->virtual_psnr);

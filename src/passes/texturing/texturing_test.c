@@ -156,10 +156,10 @@ static void test_every_kind_of_surface(void **state) {
         for (int derived = 0; derived < (cases[i].derived ? 2 : 1); derived++) {
             fnl_scene *scene = variety(cases[i].kinds);
             fnl_frame frame = wide_frame();
-            frame.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
+            frame.texturing.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
             uint32_t bytes;
             double psnr = psnr_against_forward(scene, frame, FNL_SHADING_TEXTURING, &bytes);
-            print_message("kinds %u, %s: %.1f dB, %u bytes a pixel\n", cases[i].kinds, fnl_gradients_name(frame.gradients),
+            print_message("kinds %u, %s: %.1f dB, %u bytes a pixel\n", cases[i].kinds, fnl_value_name(FNL_ENUM_GRADIENTS, frame.texturing.gradients),
                           psnr, bytes);
             assert_int_equal(bytes, derived ? cases[i].derived : cases[i].stored);
             assert_true(psnr > (derived ? 38 : 58));
@@ -251,7 +251,7 @@ static void test_derived_at_seams(void **state) {
         frame.shading = FNL_SHADING_TEXTURING;
         fnl_image shown[2];
         for (int derived = 0; derived < 2; derived++) {
-            frame.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
+            frame.texturing.gradients = derived ? FNL_GRADIENTS_DERIVED : FNL_GRADIENTS_STORED;
             test_render_frame(renderer, &frame);
             shown[derived] = test_read(renderer, FNL_OUTPUT_RADIANCE);
         }
@@ -318,7 +318,7 @@ static void test_every_kind_with_samples(void **state) {
     fnl_scene *scene = variety(WITH_UV1 | WITH_COLORS | WITH_DECALS | WITH_MESH_DECALS);
     fnl_frame frame = wide_frame();
     frame.msaa = 4;
-    frame.gradients = FNL_GRADIENTS_DERIVED;
+    frame.texturing.gradients = FNL_GRADIENTS_DERIVED;
     uint32_t bytes;
     double psnr = psnr_against_forward(scene, frame, FNL_SHADING_TEXTURING, &bytes);
     print_message("derived, 4 samples: %.1f dB, %u bytes a pixel\n", psnr, bytes);
@@ -428,7 +428,7 @@ static void test_odd_textures(void **state) {
             double rms = sqrt(sum / count);
             /* Where coordinates are clamped along one axis, the other alone tells the atlas' level: 100x60 gets more detail. */
             if (rms > (k & 1 ? 6 : 3))
-                fail_msg("%s, %u samples, case %u: off by %.2f of 255", fnl_shading_name(frame.shading), frame.msaa, i, rms);
+                fail_msg("%s, %u samples, case %u: off by %.2f of 255", fnl_value_name(FNL_ENUM_SHADING, frame.shading), frame.msaa, i, rms);
         }
         for (int order = 0; order < 2; order++) free_picture(&colors[order]);
     }

@@ -301,7 +301,7 @@ static void test_overflow(void **state) {
         frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
         struct shot whole = stage_shoot(&stage, &frame);
         assert_int_equal(whole.stats.atlas_missing, 0);
-        frame.atlas_size = 512;
+        frame.texturing.atlas_size = 512;
         struct shot first = stage_shoot(&stage, &frame), later = stage_shoot(&stage, &frame);
         assert_true(first.stats.atlas_missing > 0);
         assert_int_equal(first.stats.atlas_resident, 16);
@@ -343,7 +343,7 @@ static void test_overflow(void **state) {
         stage_close(&stage);
     }
     struct stage stage = open_squares(12, 4, 64, true); /* not even a page for each material */
-    stage.frame.atlas_size = 256;
+    stage.frame.texturing.atlas_size = 256;
     assert_int_equal(fnl_renderer_render(stage.renderer, &stage.frame), FNL_ERROR_UNSUPPORTED);
     stage_close(&stage);
 }
@@ -500,7 +500,7 @@ static void test_wanted_pages(void **state) {
         assert_int_equal(later.stats.atlas_missing, 0);
         shot_free(&later);
         /* Room for 16: what is left out is as fine as anything that is there, or finer. */
-        frame.atlas_size = 512;
+        frame.texturing.atlas_size = 512;
         shot = stage_shoot(&stage, &frame);
         assert_int_equal(gpu_read_buffer(device, &atlas->wanted, 0, wanted, count * 4ull), FNL_OK);
         shot_free(&shot);
@@ -539,7 +539,7 @@ static void test_views(void **state) {
     UNUSED(state);
     struct stage stage = open_squares(4, 2, 512, true);
     fnl_frame frame = stage.frame;
-    frame.atlas_size = 1024;
+    frame.texturing.atlas_size = 1024;
     frame.camera.position.z = 1;
     frame.debug = FNL_DEBUG_ATLAS;
     struct shot atlas = stage_shoot(&stage, &frame);
@@ -570,7 +570,7 @@ static void test_views(void **state) {
     frame = stage.frame;
     frame.camera.position.z = 1;
     frame.debug = FNL_DEBUG_PAGES;
-    frame.atlas_size = 512;
+    frame.texturing.atlas_size = 512;
     shown_pages = stage_shoot(&stage, &frame);
     uint32_t striped = count_color(&shown_pages.color, 255, 0, 255, 0), black = count_color(&shown_pages.color, 0, 0, 0, 0);
     print_message("%u stripes in %u pixels of pages\n", striped, frame.width * frame.height - black);

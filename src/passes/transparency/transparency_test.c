@@ -260,12 +260,12 @@ static void test_random_squares(void **state) {
                 if (shading < FNL_SHADING_DEFERRED) {
                     assert_true(v.sure > 1000);
                     if (v.wrong)
-                        fail_msg("%s, %u samples: %u of %u pixels", fnl_shading_name(frame.shading), samples, v.wrong,
+                        fail_msg("%s, %u samples: %u of %u pixels", fnl_value_name(FNL_ENUM_SHADING, frame.shading), samples, v.wrong,
                                  v.sure);
                 } else {
                     /* Opaque colours have 8 bits; approximate orders may round what is behind the glass more coarsely. */
                     double allowed = shading_is(frame.shading, SHADING_APPROXIMATE) ? 0.05 : 0.005;
-                    if (v.worst > allowed) fail_msg("%s: off by %g", fnl_shading_name(frame.shading), v.worst);
+                    if (v.worst > allowed) fail_msg("%s: off by %g", fnl_value_name(FNL_ENUM_SHADING, frame.shading), v.worst);
                 }
                 if (samples == 1) assert_true(stats.blend_fragments >= v.layers && stats.blend_longest <= 20);
                 free_picture(&image);
@@ -715,8 +715,8 @@ static void test_glass_lights(void **state) {
                 double worst = glass_error(&radiance, lights, COUNT_OF(lights), t != FNL_TRANSPARENCY_WEIGHTED);
                 /* Where there is a G-buffer the wall's colour has 8 bits, off by half a per cent. */
                 if (!approximate && worst >= (shading < FNL_SHADING_DEFERRED ? 1e-3 : 1e-2))
-                    fail_msg("%s, %s, %s: off by %g", fnl_shading_name(frame.shading), fnl_light_lists_name(frame.lists),
-                             fnl_transparency_name(frame.transparency), worst);
+                    fail_msg("%s, %s, %s: off by %g", fnl_value_name(FNL_ENUM_SHADING, frame.shading), fnl_value_name(FNL_ENUM_LISTS, frame.lists),
+                             fnl_value_name(FNL_ENUM_TRANSPARENCY, frame.transparency), worst);
                 if (!first[t].pixels) {
                     first[t] = radiance;
                     continue;
@@ -727,7 +727,7 @@ static void test_glass_lights(void **state) {
         double difference = relative_difference(&first[FNL_TRANSPARENCY_SORTED], &first[FNL_TRANSPARENCY_LINKED]);
         bool stippled = shading == FNL_SHADING_INFERRED; /* sorted glass has light of its own resolution, in a pattern */
         if (!stippled && difference > (approximate ? 0.05 : 1e-5))
-            fail_msg("%s: linked differs from sorted by %g", fnl_shading_name((fnl_shading)shading), difference);
+            fail_msg("%s: linked differs from sorted by %g", fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)shading), difference);
         for (int t = 0; t < FNL_TRANSPARENCY_COUNT; t++) free_picture(&first[t]);
     }
     fnl_renderer_destroy(&renderer);

@@ -106,7 +106,7 @@ static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height
         }
         if (!test_equal(&plain, &radiance))
             fail_msg("%u materials, %ux%u: %s differs", material_count, width, height,
-                     fnl_visibility_sort_name((fnl_visibility_sort)sort));
+                     fnl_value_name(FNL_ENUM_VISIBILITY_SORT, (fnl_visibility_sort)sort));
         free_picture(&radiance);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
@@ -216,7 +216,7 @@ static void test_order_of_the_list(void **state) {
             last_material = material;
         }
         print_message("%s: %u pixels, %u classes, %u runs of one material\n",
-                      fnl_visibility_sort_name((fnl_visibility_sort)sort), stats.visibility_entries, classes, runs);
+                      fnl_value_name(FNL_ENUM_VISIBILITY_SORT, (fnl_visibility_sort)sort), stats.visibility_entries, classes, runs);
         assert_true(stats.visibility_entries > 1500);
         assert_int_equal(classes, stats.visibility_classes);
         if (bits) assert_int_equal(runs, COUNT);
@@ -464,7 +464,7 @@ static void test_edges(void **state) {
         test_render_frame(renderer, &frame);
         fnl_image color = test_read(renderer, FNL_OUTPUT_COLOR);
         errors[i] = error_of(&color, truth);
-        print_message("%s, %u samples: %.3f of 255\n", fnl_shading_name(frame.shading), frame.msaa, errors[i]);
+        print_message("%s, %u samples: %.3f of 255\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), frame.msaa, errors[i]);
         free_picture(&color);
     }
     assert_true(errors[1] < 0.9 * errors[0]);

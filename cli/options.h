@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/** The options of a frame on the command line: by key (--set), and the common ones by names of their own. */
+#ifndef FNL_CLI_OPTIONS_H
+#define FNL_CLI_OPTIONS_H
+
+#include "fanal/fanal.h"
+
+#include <jansson.h>
+
+/** Options with a name of their own, such as "cull" for "culling"; NULL beyond the last. `key` may be NULL. */
+const char *options_named(uint32_t index, const char **key);
+
+/** Sets one; a wrong key or value prints a line that begins with --`option` and returns false. */
+bool options_set(fnl_frame *frame, const char *option, const char *key, const char *value);
+/** The same from "KEY=VALUE"; `key` (or NULL) becomes that of the option, which lives as long as the program. */
+bool options_set_text(fnl_frame *frame, const char *option, const char *text, const char **key);
+
+/** "8, 16, 32 or 64 pixels": what an option takes. */
+void options_print_range(const fnl_option *option, char *text, size_t capacity);
+enum options_form { OPTIONS_TEXT, OPTIONS_JSON, OPTIONS_MARKDOWN };
+/** Prints all options: for people, for programs, or as docs/options.md. */
+void options_print(enum options_form form);
+/** The value of each option by its key. */
+json_t *options_json(const fnl_frame *frame);
+
+#endif

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+/** What a frame is rendered with. Options can also be set by name: fnl_frame_set() in fanal/options.h. */
+#ifndef FANAL_FRAME_H
+#define FANAL_FRAME_H
+
+#include "fanal/scene.h"
+#include "fanal/shading.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What is culled before it is drawn. The picture is the same. docs/techniques/culling.md compares them. */
+typedef enum fnl_culling {
+    FNL_CULLING_INSTANCES = 0, /**< instances outside the view */
+    FNL_CULLING_CLUSTERS,      /**< also clusters of up to 124 triangles that are outside it, face away, or fall between samples */
+    FNL_CULLING_TRIANGLES,     /**< also single triangles, by the same tests */
+    FNL_CULLING_COUNT
+} fnl_culling;
+
+/** What draws the clusters that culling leaves. The picture is the same. docs/techniques/culling.md compares them. */
+typedef enum fnl_geometry {
+    FNL_GEOMETRY_VERTEX = 0, /**< vertex shaders, with an index buffer that culling writes */
+    FNL_GEOMETRY_MESH,       /**< mesh shaders, a work group per cluster; needs fnl_device_info.mesh_shader and culling by clusters or triangles */
+    FNL_GEOMETRY_AUTO,       /**< mesh shaders where a GPU has them; on CPU drivers they are several times slower, so vertex shaders there */
+    FNL_GEOMETRY_COUNT
+} fnl_geometry;
+
+/** How blended surfaces (FNL_ALPHA_BLEND) that overlap in a pixel are composited. docs/techniques/transparency.md compares them. */
+typedef enum fnl_transparency {
+    FNL_TRANSPARENCY_SORTED = 0, /**< objects back to front by their centres: wrong where they intersect */
+    FNL_TRANSPARENCY_WEIGHTED,   /**< in any order, by a mean weighted by distance; exact where one surface covers a pixel */
+    FNL_TRANSPARENCY_LINKED,     /**< exact: the fragments of each pixel are listed and sorted */
+    FNL_TRANSPARENCY_COUNT
+} fnl_transparency;
+
+/** How box and volume decals are applied to surfaces. Both ways give the same picture. docs/techniques/decals.md compares them. */
+typedef enum fnl_decals {
+    FNL_DECALS_LISTS = 0, /**< surfaces, blended ones too, look them up in a list while they are shaded */
+    /** Boxes drawn over the finished G-buffer (in mobile close, not equal). Blended surfaces, paths without a G-buffer, and MSAA use lists all the same. */
+    FNL_DECALS_GBUFFER,
+    FNL_DECALS_OFF, /**< no decals, except those baked into textures */
+    FNL_DECALS_COUNT
+} fnl_decals;
+
+/** What smooths edges besides MSAA. docs/techniques/antialiasing.md compares them. */
+typedef enum fnl_antialiasing {
+    FNL_ANTIALIASING_NONE = 0,
+    FNL_ANTIALIASING_MLAA, /**< morphological antialiasing, as first published */
+    FNL_ANTIALIASING_SMAA, /**< the same with diagonals, sharp corners and local contrast */
+    FNL_ANTIALIASING_TAA,  /**< temporal: frames sample pixels at changing places and accumulate; no MSAA */
+    FNL_ANTIALIASING_COUNT
+} fnl_antialiasing;
+
+/** The tone mapping curve. */
+typedef enum fnl_tonemap {
+    FNL_TONEMAP_NONE = 0,
+    FNL_TONEMAP_KHRONOS_NEUTRAL,
+    FNL_TONEMAP_ACES,
+    FNL_TONEMAP_AGX,
+    FNL_TONEMAP_COUNT
+} fnl_tonemap;
+
+typedef enum fnl_exposure {
+    FNL_EXPOSURE_AUTO = 0, /**< metered from the frame itself */
+    FNL_EXPOSURE_EV,       /**< from fnl_frame.ev: radiance is scaled by 1 / (1.2 * 2^ev) */
+    FNL_EXPOSURE_NONE      /**< radiance is shown as it is */
+} fnl_exposure;
+
+/** Pictures of what goes on inside a frame. docs/debug-views.md shows them. */
+typedef enum fnl_debug_view {
+    FNL_DEBUG_NONE = 0,
+    FNL_DEBUG_ALBEDO,
+    FNL_DEBUG_NORMAL,
+    FNL_DEBUG_DEPTH,
+    FNL_DEBUG_ROUGHNESS,
+    FNL_DEBUG_LIGHTS,         /**< heat map of the lights that each pixel visits, with a legend */
+    FNL_DEBUG_CELLS,          /**< the tiles of the light list, or its depth slices in colours */
+    FNL_DEBUG_OVERDRAW,       /**< fragments per pixel, occluded ones too, with a legend */
+    FNL_DEBUG_TILE_NORMALS,   /**< backface lists: the mean normal of each tile */
+    FNL_DEBUG_BACKFACES,      /**< backface lists: heat map of the lights that each tile drops, with a legend */
+    FNL_DEBUG_OVERSHADING,    /**< fragment shader invocations per pixel of visible surfaces, helper lanes of 2x2 quads too, with a legend */
+    FNL_DEBUG_LAYERS,         /**< heat map of the blended surfaces in each pixel, with a legend */
+    FNL_DEBUG_DECALS,         /**< heat map of the box and volume decals that contain a pixel's surface, with a legend */
+    FNL_DEBUG_GBUFFER_0,      /**< the fields of a render target of the G-buffer, as lighting reads them; several share the picture */
+    FNL_DEBUG_GBUFFER_1,
+    FNL_DEBUG_GBUFFER_2,
+    FNL_DEBUG_GBUFFER_3,
+    FNL_DEBUG_GBUFFER_4,
+    FNL_DEBUG_MATERIAL_ID,    /**< a colour for each material id in the G-buffer */
+    FNL_DEBUG_LIT_FORWARD,    /**< white where the layout cannot hold the material, which is therefore shaded forward */
+    FNL_DEBUG_EDGES,          /**< MSAA: pixels that show several things: blue one surface and sky, green 2 surfaces, yellow 3, red more */
+    FNL_DEBUG_MOTION,         /**< motion vectors: hue is direction, saturation is speed; grey stands still */
+    FNL_DEBUG_HALOS,          /**< metals blue; metalness from 0.1 to 0.9 red, brighter where the colour is bright: the cause of halos */
+    FNL_DEBUG_COARSE,         /**< coarse: green where a block is shaded once */
+    FNL_DEBUG_COARSE_REASON,  /**< coarse: why others are not: depth or triangle red, normal blue, material yellow */
+    FNL_DEBUG_DAIS_ADDRESSES, /**< dais: a colour for each stored triangle; white where there was no room for it */
+    FNL_DEBUG_DAIS_TRIANGLES, /**< dais: different triangles in a pixel: 1 grey, 2 green, 3 yellow, more red */
+    FNL_DEBUG_DAIS_FAILURES,  /**< dais: red where a triangle was stored again because its cache bucket stayed locked */
+    FNL_DEBUG_CLUSTERS,       /**< a colour for each cluster of triangles; needs fnl_device_info.primitive_ids */
+    FNL_DEBUG_ATLAS,          /**< virtual-texturing: the base colours in its atlas; hatched where it is empty */
+    FNL_DEBUG_PAGES,          /**< virtual-texturing: a colour for each page, darker where coarser, striped where a finer one was wanted; 1 sample */
+    FNL_DEBUG_COUNT
+} fnl_debug_view;
+
+/** What a frame keeps for fnl_renderer_read; bits. */
+typedef enum fnl_output {
+    FNL_OUTPUT_COLOR = 1,     /**< tone-mapped, sRGB-encoded RGBA8: the picture, or the debug view */
+    FNL_OUTPUT_RADIANCE = 2,  /**< linear radiance in cd/m^2 before exposure and tone mapping, RGBA32F */
+    FNL_OUTPUT_SURFACE = 4,   /**< RGBA32F: base colour RGB and roughness of the nearest surface that is not blended */
+    FNL_OUTPUT_NORMAL = 8,    /**< RGBA32F: world-space normal, view depth in metres; 0 where there is nothing */
+    FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position, draw item id + 1; 0 where there is nothing */
+    /**
+     * RGBA32F. XY: how many pixels right and down an opaque surface, or the background, was in the last frame. Z: its view depth then in metres,
+     * 1e30 for an empty background. W: 1 plus the part of the motion in pixels that is not the camera's, or 0 where it was behind the camera or
+     * there was no last frame. No MSAA.
+     */
+    FNL_OUTPUT_MOTION = 32
+} fnl_output;
+
+typedef struct fnl_frame {
+    /** Size of the picture in pixels, 1 .. 16384. Default 1280 x 720. */
+    uint32_t width, height;
+    /** Default fnl_camera_default(). */
+    fnl_camera camera;
+    /** Default FNL_SHADING_DEFERRED. */
+    fnl_shading shading;
+    /** Default FNL_LISTS_AUTO. */
+    fnl_light_lists lists;
+    /** Samples per pixel: 1, 2, 4 or 8, up to fnl_device_info.max_msaa. Default 1. */
+    uint32_t msaa;
+    /** Default sorted. */
+    fnl_transparency transparency;
+    /** mlaa and smaa change only the colour output; taa accumulates over the frames of a renderer. Default none. */
+    fnl_antialiasing aa;
+    /** Moves the sample of each pixel right and down, pixels, -8 .. 8. The mean of frames with the places that fnl_jitter() gives is a picture with as
+        many samples per pixel. Default 0. */
+    fnl_vec2 jitter;
+    /** Forgets what was accumulated from earlier frames: for camera cuts, which cannot be told from fast motion. Default false. */
+    bool reset_history;
+    /** Default FNL_TONEMAP_KHRONOS_NEUTRAL. */
+    fnl_tonemap tonemap;
+    /** Default FNL_EXPOSURE_AUTO. */
+    fnl_exposure exposure;
+    /** EV100 for FNL_EXPOSURE_EV, -64 .. 64. Default 0. */
+    float ev;
+    /** Default none. */
+    fnl_debug_view debug;
+    /** fnl_output bits. Default FNL_OUTPUT_COLOR. */
+    uint32_t outputs;
+    /** Counts light evaluations and more exactly, which is slower. Default false. */
+    bool count_lights;
+    /** Measures each pass on the GPU. Default true. */
+    bool timers;
+    /**
+     * With FNL_SHADING_AUTO or FNL_LISTS_AUTO: do not use this frame for measuring. It tries no candidate, compiles no pipelines for one and adds no
+     * timers. It takes the choice made so far, else the one remembered from an earlier run, else the best of what was measured, else the likely one. Set
+     * in all frames, the renderer never measures, and a choice changes only with the scene, the size or what is asked for. For single frames, and where
+     * every frame must cost the same. Default false.
+     */
+    bool pin_choice;
+    /** Threads that record commands, 0 .. 1024; 0 (default): as many as the job system has. */
+    uint32_t record_threads;
+    /** Lights whose bounding sphere has a smaller radius on the screen, in pixels, >= 0, are drawn as points of equal brightness and light nothing;
+        up to twice the size they fade. 0 (default): off. */
+    float light_lod;
+    /** Extra loop iterations per light evaluation, 0 .. 100000, to imitate a more expensive material; the picture is the same. Paths that
+        separate light from materials, and mobile, ignore it. Default 0. */
+    uint32_t shade_cost;
+
+    /** Of opaque and alpha-masked surfaces. Default instances, which adds no passes. Large scenes gain from triangles, most with occlusion. */
+    fnl_culling culling;
+    /** Default vertex. A frame with a pass that needs vertex shaders uses them for everything: motion and taa, stored barycentrics of visibility, the
+        lists batches and multipass, mesh decals. fnl_frame_stats.geometry says what was used. */
+    fnl_geometry geometry;
+    /** Culls occluded surfaces too, by the depths of this very frame. The picture is the same; the debug view overdraw shows less. No effect in low-res,
+        inferred and with visibility.grid, nor with MSAA where a debug view or an output looks at pixel centres. Default false. */
+    bool occlusion;
+    /** Default lists. */
+    fnl_decals decals;
+    /** FNL_DECALS_GBUFFER: chooses mip levels by the slope of the surface, not by how positions differ between pixels, which draws fringes at
+        silhouettes. False shows the fault. Default true. */
+    bool decal_mip_fix;
+
+    /* Light lists, by the kinds that heed them (fanal/lights.h). */
+    fnl_list_options list;
+    fnl_tile_options tiles;
+    fnl_cluster_options clusters;
+    fnl_fine_options fine;
+    fnl_raster_options raster;
+
+    /* Shading paths (fanal/shading.h). */
+    fnl_gbuffer_options gbuffer;
+    fnl_deferred_options deferred;
+    fnl_volume_shape volume_shape;
+    fnl_light_buffer_options light_buffer;
+    fnl_light_indexed_options light_indexed;
+    fnl_visibility_options visibility;
+    fnl_texturing_options texturing;
+    fnl_coarse_options coarse;
+    fnl_dais_options dais;
+    fnl_mobile_options mobile;
+} fnl_frame;
+
+/** A frame with all defaults. */
+FNL_API fnl_frame fnl_frame_default(void);
+/** Place `index` of a sequence that fills the pixel evenly, each coordinate -0.5 .. 0.5; the first is the centre. */
+FNL_API fnl_vec2 fnl_jitter(uint32_t index);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

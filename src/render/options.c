@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/options.h"
+
+#include "base/values.h"
+#include "fanal/options.h"
+
+#include <errno.h>
+
+struct row {
+    fnl_option option;
+    size_t offset;
+    const char *member; /* of fnl_frame, in C */
+};
+
+/* ---- who heeds what ---- */
+
+#define PATH(name) (1u << FNL_SHADING_##name)
+#define LISTS(name) (1u << FNL_LISTS_##name)
+#define EVERY UINT32_MAX
+
+enum {
+    /* The view-independent kinds and those without cells take no tiles. */
+    PATHS_GBUFFER = PATH(DEFERRED) | PATH(DEFERRED_VOLUMES), /* with a choice of layouts */
+    PATHS_PREPASS = PATHS_GBUFFER | PATH(LIGHT_PREPASS) | PATH(PRE_LIGHTING) | PATH(LOW_RES) | PATH(COARSE) | PATH(TEXTURING) |
+                    PATH(VIRTUAL_TEXTURING) | PATH(MOBILE),
+    PATHS_LIGHT_BUFFER = PATH(LIGHT_PREPASS) | PATH(LOW_RES) | PATH(INFERRED),
+    TILES = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D) | LISTS(ENHANCED) | LISTS(TREE) | LISTS(BACKFACE) | LISTS(FINE) | LISTS(ZBIN),
+    TILES_WITH_BOUNDS = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D),
+    CLUSTERS = LISTS(CLUSTERED) | LISTS(CLUSTERED_CPU) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)
+};
+
+/* ---- the rows ---- */
+
+/* Behind the help, where needed: .choices, .multiple, .exact and so on. */
+#define AT(field) offsetof(fnl_frame, field), #field
+#define SWITCH(key_, field, paths, kinds, ...)                                                                                \
+    {{.key = key_, .kind = FNL_OPTION_SWITCH, .unit = "", .shadings = paths, .lists = kinds, .help = __VA_ARGS__}, AT(field)}
+#define NAME(key_, field, type, paths, kinds, ...)                                                                            \
+    {{.key = key_, .kind = FNL_OPTION_NAME, .names = type, .unit = "", .shadings = paths, .lists = kinds, .help = __VA_ARGS__}, \
+     AT(field)}
+#define NUMERIC(kind_, key_, field, low_, high_, unit_, paths, kinds, ...)                                                    \
+    {{.key = key_, .kind = kind_, .low = low_, .high = high_, .unit = unit_, .shadings = paths, .lists = kinds,               \
+      .help = __VA_ARGS__},                                                                                                   \
+     AT(field)}
+#define COUNT(...) NUMERIC(FNL_OPTION_COUNT, __VA_ARGS__)
+#define NUMBER(...) NUMERIC(FNL_OPTION_NUMBER, __VA_ARGS__)
+#define ONLY(...)                                                                                                             \
+    .choices = (const uint32_t[]){__VA_ARGS__}, .choice_count = sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t)
+#define EXACT .exact = true
+
+static const struct row rows[] = {
+    /* every frame */
+    COUNT("width", width, 1, 16384, "pixels", EVERY, EVERY, "width of the picture"),
+    COUNT("height", height, 1, 16384, "pixels", EVERY, EVERY, "height of the picture"),
+    NAME("shading", shading, FNL_ENUM_SHADING, EVERY, EVERY, "shading path: how visible surfaces are shaded"),
+    NAME("lists", lists, FNL_ENUM_LISTS, EVERY, EVERY, "light list: how a pixel finds the lights that reach it", EXACT),
+    COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel", ONLY(1, 2, 4, 8)),
+    NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
+         "how blended surfaces that overlap are composited"),
+    NAME("aa", aa, FNL_ENUM_ANTIALIASING, EVERY, EVERY, "antialiasing besides MSAA"),
+    NUMBER("jitter.x", jitter.x, -8, 8, "pixels", EVERY, EVERY, "moves the sample of each pixel to the right"),
+    NUMBER("jitter.y", jitter.y, -8, 8, "pixels", EVERY, EVERY, "moves the sample of each pixel down"),
+    SWITCH("reset-history", reset_history, EVERY, EVERY, "forgets earlier frames, as after a camera cut"),
+    NAME("tonemap", tonemap, FNL_ENUM_TONEMAP, EVERY, EVERY, "tone mapping curve"),
+    NAME("exposure", exposure, FNL_ENUM_EXPOSURE, EVERY, EVERY, "how the exposure is found"),
+    NUMBER("ev", ev, -64, 64, "EV100", EVERY, EVERY, "the exposure, with exposure=ev"),
+    NAME("debug", debug, FNL_ENUM_DEBUG_VIEW, EVERY, EVERY, "debug view shown instead of the picture"),
+    SWITCH("count-lights", count_lights, EVERY, EVERY, "counts light evaluations exactly, which is slower", EXACT),
+    SWITCH("timers", timers, EVERY, EVERY, "measures each pass on the GPU", EXACT),
+    SWITCH("pin-choice", pin_choice, EVERY, EVERY, "auto keeps its choice and measures nothing", EXACT),
+    COUNT("record-threads", record_threads, 0, 1024, "threads", EVERY, EVERY,
+          "threads that record commands; 0: as many as there are jobs", EXACT),
+    NUMBER("light-lod", light_lod, 0, (double)FLT_MAX, "pixels", EVERY, EVERY,
+           "lights whose radius on the screen is smaller are drawn as points and light nothing; 0: off"),
+    COUNT("shade-cost", shade_cost, 0, 100000, "iterations", EVERY, EVERY,
+          "extra loop iterations per light evaluation, to imitate a more expensive material", EXACT),
+
+    /* what is drawn */
+    NAME("culling", culling, FNL_ENUM_CULLING, EVERY, EVERY, "what is culled: instances, clusters or triangles", EXACT),
+    NAME("geometry", geometry, FNL_ENUM_GEOMETRY, EVERY, EVERY, "what draws the clusters that culling leaves"),
+    SWITCH("occlusion", occlusion, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
+    NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
+    SWITCH("decal-mip-fix", decal_mip_fix, EVERY, EVERY, "decals=gbuffer: no fringes where depth jumps"),
+
+    /* light lists */
+    SWITCH("list.frustum-cull", list.frustum_cull, EVERY,
+           (TILES | LISTS(CLUSTERED) | LISTS(MESH) | LISTS(BATCHES) | LISTS(MULTIPASS) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)),
+           "culls lights outside the view first"),
+    SWITCH("list.cone-tests", list.cone_tests, EVERY, TILES_WITH_BOUNDS | LISTS(CLUSTERED) | LISTS(BVH),
+           "tests spot lights as cones, not as spheres"),
+    NAME("list.backface-axis", list.backface_axis, FNL_ENUM_BACKFACE_AXIS, EVERY, LISTS(BACKFACE),
+         "where the axis of a tile's normal cone comes from"),
+    SWITCH("list.tree-hybrid", list.tree_hybrid, EVERY, LISTS(TREE), "no tree where a plain list is cheaper"),
+    SWITCH("list.normal-cones", list.normal_cones, EVERY, LISTS(SPARSE),
+           "drops lights behind all surfaces of a cluster (deferred paths)"),
+    COUNT("tiles.size", tiles.size, 8, 64, "pixels", EVERY, TILES, "side of a tile", ONLY(8, 16, 32, 64)),
+    NAME("tiles.bounds", tiles.bounds, FNL_ENUM_TILE_BOUNDS, EVERY, TILES_WITH_BOUNDS, "what bounds a tile"),
+    SWITCH("tiles.min-depth", tiles.min_depth, EVERY, LISTS(TILED), "drops lights in front of a tile's nearest pixel"),
+    SWITCH("tiles.max-depth", tiles.max_depth, EVERY, LISTS(TILED), "drops lights behind a tile's farthest pixel"),
+    COUNT("clusters.size", clusters.size, 8, 256, "pixels", EVERY, CLUSTERS, "side of a cluster on the screen"),
+    COUNT("clusters.slices", clusters.slices, 1, 1024, "", EVERY, CLUSTERS, "depth slices"),
+    NAME("clusters.distribution", clusters.distribution, FNL_ENUM_SLICES, EVERY, CLUSTERS,
+         "how depth is divided into slices"),
+    NUMBER("clusters.near", clusters.near, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS,
+           "view depth where the first slice ends; auto: from the scene", .above_low = true, .has_auto = true),
+    NUMBER("clusters.far", clusters.far, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS,
+           "view depth where the last slice begins; auto: from the scene", .above_low = true, .has_auto = true),
+    SWITCH("fine.pruning", fine.pruning, EVERY, LISTS(FINE), "tests each pixel against the lights' volumes"),
+    COUNT("fine.masks", fine.masks, 0, 2, "pixels", EVERY, LISTS(FINE),
+          "side of the squares that share a light mask; 0: no masks"),
+    SWITCH("fine.packed", fine.packed, EVERY, LISTS(FINE), "32 bytes per tile, for at most 24 of 1024 lights"),
+    NAME("raster.path", raster.path, FNL_ENUM_RASTER_PATH, EVERY, LISTS(RASTER),
+         "what rasterises the light volumes"),
+    NAME("raster.nodes", raster.nodes, FNL_ENUM_RASTER_NODES, EVERY, LISTS(RASTER), "how clusters store lights"),
+
+    /* shading paths */
+    NAME("volume-shape", volume_shape, FNL_ENUM_VOLUME_SHAPE, PATH(DEFERRED_VOLUMES) | PATH(MOBILE), EVERY,
+         "the shape drawn for each light"),
+    NAME("light-buffer.kind", light_buffer.kind, FNL_ENUM_LIGHT_BUFFER, PATHS_LIGHT_BUFFER, EVERY,
+         "which sums of light a pixel keeps"),
+    COUNT("light-buffer.scale", light_buffer.scale, 2, 4, "pixels", PATH(LOW_RES) | PATH(INFERRED), EVERY,
+          "side of the squares that are lit once", ONLY(2, 4)),
+    NAME("light-indexed.packing", light_indexed.packing, FNL_ENUM_LIGHT_PACKING, PATH(LIGHT_INDEXED), EVERY,
+         "how a pixel stores the ids of its lights"),
+    COUNT("light-indexed.layers", light_indexed.layers, 1, 16, "", PATH(LIGHT_INDEXED) | PATH(ZIOMA), EVERY,
+          "layers of lights per pixel; zioma takes 8 at most"),
+    NAME("gbuffer.layout", gbuffer.layout, FNL_ENUM_GBUFFER, PATHS_GBUFFER, EVERY, "layout of the G-buffer"),
+    NAME("gbuffer.normals", gbuffer.normals, FNL_ENUM_NORMALS, PATHS_GBUFFER, EVERY, "encoding of normals in the G-buffer"),
+    SWITCH("gbuffer.chroma", gbuffer.chroma, PATHS_GBUFFER, EVERY, "default layout: luma and half of the chroma in each pixel"),
+    SWITCH("gbuffer.prepass", gbuffer.prepass, PATHS_PREPASS, EVERY, "draws depth first, so that occluded surfaces read no textures", EXACT),
+    NAME("deferred.pass", deferred.pass, FNL_ENUM_DEFERRED_PASS, PATH(DEFERRED), EVERY, "what runs the lighting pass", EXACT),
+    COUNT("deferred.class-blocks", deferred.class_blocks, 0, 8, "pixels", PATH(DEFERRED), EVERY,
+          "side of the blocks that are sorted by shader variant; 0: one shader for all", ONLY(0, 4, 8), EXACT),
+    NAME("deferred.msaa-method", deferred.msaa_method, FNL_ENUM_MSAA_METHOD, PATH(DEFERRED), EVERY, "which samples are shaded"),
+    COUNT("deferred.msaa-groups", deferred.msaa_groups, 2, 3, "", PATH(DEFERRED), EVERY,
+          "msaa-method=aggregate: surfaces per pixel at most", ONLY(2, 3)),
+    NUMBER("deferred.msaa-tolerance", deferred.msaa_tolerance, 0, 1, "", PATH(DEFERRED), EVERY,
+           "samples that differ by no more are one surface"),
+    NAME("visibility.sort", visibility.sort, FNL_ENUM_VISIBILITY_SORT, PATH(VISIBILITY), EVERY,
+         "what pixels are sorted by before shading"),
+    SWITCH("visibility.barycentrics", visibility.barycentrics, PATH(VISIBILITY), EVERY,
+           "stores barycentrics, so that shading fetches no positions; 1 sample"),
+    SWITCH("visibility.grid", visibility.grid, PATH(VISIBILITY), EVERY,
+           "draws ids at half the size with 4 samples: a quarter of the fragments; 1 sample"),
+    NAME("texturing.gradients", texturing.gradients, FNL_ENUM_GRADIENTS, PATH(TEXTURING), EVERY, "where texture gradients come from"),
+    COUNT("texturing.atlas-size", texturing.atlas_size, 256, 8192, "texels", PATH(VIRTUAL_TEXTURING), EVERY, "greatest side of the atlas",
+          .multiple = 256),
+    COUNT("coarse.size", coarse.size, 1, 4, "pixels", PATH(COARSE), EVERY, "side of a block", ONLY(1, 2, 4)),
+    NAME("coarse.criterion", coarse.criterion, FNL_ENUM_COARSE_CRITERION, PATH(COARSE), EVERY,
+         "what shows that a block is one surface"),
+    NUMBER("coarse.depth-factor", coarse.depth_factor, 0, (double)FLT_MAX, "", PATH(COARSE), EVERY,
+           "how far depths may differ from the slope of the first pixel"),
+    NUMBER("coarse.normal-degrees", coarse.normal_degrees, 0, 180, "degrees", PATH(COARSE), EVERY,
+           "how far normals may differ"),
+    NUMBER("coarse.tolerance", coarse.tolerance, 0, 1, "", PATH(COARSE), EVERY, "how far material parameters may differ"),
+    NUMBER("coarse.albedo-tolerance", coarse.albedo_tolerance, 0, 1, "", PATH(COARSE), EVERY,
+           "how far base colours may differ"),
+    NAME("coarse.split", coarse.split, FNL_ENUM_COARSE_SPLIT, PATH(COARSE), EVERY, "what a block does not share"),
+    NAME("coarse.filter", coarse.filter, FNL_ENUM_COARSE_FILTER, PATH(COARSE), EVERY, "where a block's base colour comes from"),
+    SWITCH("coarse.gather", coarse.gather, PATH(COARSE), EVERY, "writes what blocks share in a pass of its own", EXACT),
+    NUMBER("coarse.ao-radius", coarse.ao_radius, 0, (double)FLT_MAX, "metres", PATH(COARSE), EVERY,
+           "radius of ambient occlusion at the coarse rate; 0: off"),
+    NAME("dais.mode", dais.mode, FNL_ENUM_DAIS_MODE, PATH(DAIS), EVERY, "where references to triangles are stored"),
+    COUNT("dais.cache-buckets", dais.cache_buckets, 1, 1 << 22, "", PATH(DAIS), EVERY,
+          "buckets of the triangle cache, two triangles each", .power_of_two = true),
+    SWITCH("dais.multirate", dais.multirate, PATH(DAIS), EVERY, "ambient light once for four pixels of a triangle"),
+    NAME("mobile.layout", mobile.layout, FNL_ENUM_MOBILE_LAYOUT, PATH(MOBILE), EVERY, "what tile memory holds per pixel"),
+    NAME("mobile.gamma", mobile.gamma, FNL_ENUM_MOBILE_GAMMA, PATH(MOBILE), EVERY, "how 8-bit colours are encoded"),
+    NAME("mobile.light", mobile.light, FNL_ENUM_MOBILE_LIGHT, PATH(MOBILE), EVERY, "format in which light is summed up"),
+    NAME("mobile.lights", mobile.lights, FNL_ENUM_MOBILE_LIGHTS, PATH(MOBILE), EVERY, "how a pixel finds its lights"),
+    NUMBER("mobile.range", mobile.range, 0, (double)FLT_MAX, "", PATH(MOBILE), EVERY,
+           "light=unorm: the greatest exposed radiance", .above_low = true),
+    SWITCH("mobile.separate", mobile.separate, PATH(MOBILE), EVERY, "separate passes, as on devices that cannot merge them"),
+    SWITCH("mobile.recycle", mobile.recycle, PATH(MOBILE), EVERY, "the picture reuses the memory of the normals"),
+};
+
+static const struct row *find(const char *key) {
+    for (uint32_t i = 0; key && i < COUNT_OF(rows); i++)
+        if (strcmp(rows[i].option.key, key) == 0) return &rows[i];
+    return NULL;
+}
+
+bool fnl_option_query(uint32_t index, fnl_option *out) {
+    if (check_handle(__func__, "out", out) != FNL_OK || index >= COUNT_OF(rows)) return false;
+    *out = rows[index].option;
+    out->multiple = MAX(out->multiple, 1u);
+    out->exact = out->exact || out->lists != EVERY; /* no list changes the picture */
+    return true;
+}
+
+bool fnl_option_find(const char *key, fnl_option *out) {
+    const struct row *row = check_handle(__func__, "key", key) == FNL_OK ? find(key) : NULL;
+    if (row && out) fnl_option_query((uint32_t)(row - rows), out);
+    return row;
+}
+
+/* ---- checks ---- */
+
+static fnl_result check_row(const struct call *call, const struct row *row, const char *name, const void *field) {
+    const fnl_option *o = &row->option;
+    char unit[32];
+    uint32_t count;
+    float number;
+    snprintf(unit, sizeof unit, "%s%s", *o->unit ? " " : "", o->unit);
+    switch (o->kind) {
+    case FNL_OPTION_SWITCH:
+        return FNL_OK;
+    case FNL_OPTION_COUNT:
+        memcpy(&count, field, sizeof count);
+        if (o->choice_count) return check_choice(call, name, count, o->choices, o->choice_count);
+        TRY(check_count(call, name, count, (uint64_t)o->low, (uint64_t)o->high));
+        if (o->multiple && count % o->multiple) return misuse(call, "%s is %u, must be a multiple of %u", name, count, o->multiple);
+        if (o->power_of_two && (count & (count - 1))) return misuse(call, "%s is %u, must be a power of two", name, count);
+        return FNL_OK;
+    case FNL_OPTION_NUMBER:
+        memcpy(&number, field, sizeof number);
+        if (o->has_auto && isinf(number) && number > 0) return FNL_OK;
+        if (o->above_low) return check_above(call, name, (double)number, o->low, o->has_auto ? (double)INFINITY : o->high, unit);
+        return check_range(call, name, (double)number, o->low, o->high, unit);
+    default:
+        memcpy(&count, field, sizeof count); /* enums have the size of int */
+        return check_enum(call, name, (int)count, value_count(o->names), value_type(o->names));
+    }
+}
+
+fnl_result options_check(const struct call *call, const fnl_frame *frame) {
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++)
+        TRY(check_row(call, &rows[i], rows[i].member, (const char *)frame + rows[i].offset));
+    return FNL_OK;
+}
+
+/* ---- by text ---- */
+
+static fnl_result parse_name(const struct call *call, const fnl_option *o, const char *text, uint32_t *out) {
+    char known[512] = "";
+    if (fnl_value_find(o->names, text, out)) return FNL_OK;
+    const char *name;
+    for (uint32_t i = 0; (name = fnl_value_name(o->names, i)); i++) {
+        size_t length = strlen(known);
+        snprintf(known + length, sizeof known - length, "%s%s", i ? ", " : "", name);
+    }
+    return misuse(call, "%s is '%.80s', must be one of %s", o->key, text, known);
+}
+
+static fnl_result parse(const struct call *call, const struct row *row, const char *text, void *out, size_t *out_size) {
+    const fnl_option *o = &row->option;
+    char *end = NULL;
+    if (o->kind == FNL_OPTION_SWITCH) {
+        bool on = strcmp(text, "on") == 0;
+        if (!on && strcmp(text, "off") != 0) return misuse(call, "%s is '%.80s', must be on or off", o->key, text);
+        memcpy(out, &on, *out_size = sizeof on);
+        return FNL_OK;
+    }
+    if (o->kind == FNL_OPTION_NAME) {
+        uint32_t value = 0;
+        TRY(parse_name(call, o, text, &value));
+        memcpy(out, &value, *out_size = sizeof value);
+        return FNL_OK;
+    }
+    if (o->kind == FNL_OPTION_COUNT) {
+        errno = 0;
+        unsigned long long count = strtoull(text, &end, 10);
+        if (*text < '0' || *text > '9' || *end) return misuse(call, "%s is '%.80s', must be a whole number", o->key, text);
+        uint32_t narrow = errno || count > UINT32_MAX ? UINT32_MAX : (uint32_t)count;
+        memcpy(out, &narrow, *out_size = sizeof narrow);
+        return check_row(call, row, o->key, out);
+    }
+    float number = o->has_auto && strcmp(text, "auto") == 0 ? INFINITY : strtof(text, &end);
+    if (end && (end == text || *end || !isfinite(number)))
+        return misuse(call, "%s is '%.80s', must be a number%s", o->key, text, o->has_auto ? " or auto" : "");
+    memcpy(out, &number, *out_size = sizeof number);
+    return check_row(call, row, o->key, out);
+}
+
+fnl_result fnl_frame_set(const fnl_host *host, fnl_frame *frame, const char *key, const char *value) {
+    const fnl_host built_in = fnl_host_default();
+    const struct call *call = CALL(host ? host : &built_in);
+    char bytes[8];
+    size_t size = 0;
+    TRY(check_pointer(call, "frame", frame));
+    TRY(check_pointer(call, "key", key));
+    TRY(check_pointer(call, "value", value));
+    const struct row *row = find(key);
+    if (!row) return misuse(call, "there is no option '%.80s'", key);
+    TRY(parse(call, row, value, bytes, &size));
+    memcpy((char *)frame + row->offset, bytes, size);
+    return FNL_OK;
+}
+
+size_t fnl_frame_get(const fnl_frame *frame, const char *key, char *text, size_t capacity) {
+    if (check_handle(__func__, "frame", frame) != FNL_OK || check_handle(__func__, "key", key) != FNL_OK) return 0;
+    if (!text && capacity && check_handle(__func__, "text", text) != FNL_OK) return 0;
+    const struct row *row = find(key);
+    if (!row) return 0;
+    const void *field = (const char *)frame + row->offset;
+    const char *name;
+    uint32_t count;
+    float number;
+    bool on;
+    int length = 0;
+    char digits[32];
+    switch (row->option.kind) {
+    case FNL_OPTION_SWITCH:
+        memcpy(&on, field, sizeof on);
+        length = snprintf(text, capacity, "%s", on ? "on" : "off");
+        break;
+    case FNL_OPTION_COUNT:
+        memcpy(&count, field, sizeof count);
+        length = snprintf(text, capacity, "%u", count);
+        break;
+    case FNL_OPTION_NUMBER:
+        memcpy(&number, field, sizeof number);
+        length = snprintf(text, capacity, "%s", isinf(number) ? "auto" : number_text((double)number, digits));
+        break;
+    default:
+        memcpy(&count, field, sizeof count);
+        name = fnl_value_name(row->option.names, count);
+        length = snprintf(text, capacity, "%s", name ? name : "?");
+    }
+    return (size_t)length;
+}
