@@ -232,7 +232,7 @@ static void parse_line(struct chooser *c, const char *line) {
     if (entry.choice.shading >= FNL_SHADING_AUTO || entry.choice.lists >= FNL_LISTS_AUTO) return;
     double time;
     for (int n; entry.count < CHOOSER_TIMES && sscanf(line + used, "%lf%n", &time, &n) == 1; used += n)
-        if (time > 0 && time < 1e9) entry.times[entry.count++] = time;
+        if (time >= 1e-4 && time < 1e9) entry.times[entry.count++] = time; /* less would be written as 0 */
     if (entry.count == 0) return;
     if (is_trial)
         keep_trial(c, entry);
