@@ -39,7 +39,6 @@ static const struct {
     FEATURE(minmax_samplers, "coarse shading by ranges (minmax) reads fewer texels"),
     FEATURE(post_depth_coverage, "dais shading with lists of covered samples"),
     FEATURE(quad_operations, "dais shading at a lower rate"),
-    FEATURE(pipeline_statistics, "invocation counts"),
     FEATURE(conservative_raster, "light lists by conservative rasterisation"),
     FEATURE(barycentrics, "not used: visibility shading stores weights without it"),
     FEATURE(mesh_shader, "clusters of triangles drawn by mesh shaders"),

@@ -48,7 +48,7 @@ typedef struct fnl_device_info {
     uint32_t max_msaa;     /**< highest sample count for colour and depth */
     bool async_compute;    /**< has a second queue that can compute */
     bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate,
-        multiview, pipeline_statistics,
+        multiview,
         primitive_ids; /**< optional features; primitive_ids: fragment shaders know the number of their triangle */
     bool minmax_samplers; /**< samplers can give the least and the greatest of four texels */
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */

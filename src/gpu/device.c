@@ -254,7 +254,6 @@ static fnl_result create_device(gpu_device *device, const struct gpu_physical *p
     enabled->geometryShader = supported->geometryShader; /* fragment shaders get gl_PrimitiveID with it */
     enabled->imageCubeArray = supported->imageCubeArray;
     enabled->sampleRateShading = supported->sampleRateShading;
-    enabled->pipelineStatisticsQuery = supported->pipelineStatisticsQuery;
     features.features_11.multiview = physical->supported.features_11.multiview;
     features.features_12.samplerFilterMinmax = physical->supported.features_12.samplerFilterMinmax;
 

@@ -201,7 +201,6 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     info->multiview = out->supported.features_11.multiview;
     info->primitive_ids = out->supported.features.features.geometryShader;
     info->minmax_samplers = out->supported.features_12.samplerFilterMinmax;
-    info->pipeline_statistics = out->supported.features.features.pipelineStatisticsQuery;
     info->usable = !info->missing[0];
 }
 
