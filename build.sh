@@ -12,6 +12,7 @@ usage: ./build.sh VERB [OPTIONS]
   demo              installs what the command alone needs, builds it, renders the city with 4096 lights to demo.png
   test              setup, builds, runs every test
        -R REGEX       only tests whose name matches
+       --quick        only those that take a few seconds (not those in tests/slow.txt): all within two minutes
        --coverage     also says of each checklist line whether tests show it, wholly or in part
        --sanitize     in build/sanitize, with AddressSanitizer and UndefinedBehaviorSanitizer
        --clang        in build/clang, compiled by clang
@@ -30,13 +31,14 @@ fail() { echo "build.sh: $*" >&2; exit 2; }
 
 verb=${1:-help}
 [ $# -gt 0 ] && shift
-install=yes sanitize='' clang='' coverage='' regex='' seconds=60
+install=yes sanitize='' clang='' coverage='' quick='' regex='' seconds=60
 while [ $# -gt 0 ]; do
     case $verb:$1 in
     *:--no-install) install= ;;
     test:--sanitize) sanitize=yes ;;
     test:--clang) clang=yes ;;
     test:--coverage) coverage=yes ;;
+    test:--quick) quick="^($(grep -v '^#' tests/slow.txt | paste -sd '|'))\$" ;;
     test:-R) [ $# -gt 1 ] || fail "-R needs a regular expression"; regex=$2; shift ;;
     fuzz:[1-9]*) seconds=$1 ;;
     *) fail "'$verb' has no option '$1' (see ./build.sh help)" ;;
@@ -103,7 +105,7 @@ test)
     if [ -n "$sanitize" ]; then folder+=/sanitize; options+=("-DFANAL_SANITIZE=address,undefined"); fi
     build $folder all "${options[@]}"
     [ -z "$coverage" ] || tools/checklist.sh
-    ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"}
+    ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
     ;;
 fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
     -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
