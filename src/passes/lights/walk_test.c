@@ -46,7 +46,7 @@ static uint32_t *walk(struct list_lab *lab, const struct light_list *list, const
     graph_use_buffer(pass, handles[0], GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, handles[1], GRAPH_WRITE_COMPUTE);
     graph_buffer all[LIST_READS] = {handles[1]}; /* keeps the walk, which nothing else depends on */
-    memcpy(all + 1, reads, read_count * sizeof *reads);
+    if (read_count) memcpy(all + 1, reads, read_count * sizeof *reads);
     list_lab_run(lab, all, read_count + 1);
     uint32_t *rows = list_reads_take(&lab->reads, 0);
     gpu_buffer_destroy(device, &asked);
