@@ -174,8 +174,7 @@ enum {
     O_OVERWRITE,
     O_ALL,
     O_DEVICE,
-    O_VALIDATE,
-    O_NAMED = 512 /* and up: options_named() */
+    O_VALIDATE
 };
 
 static const struct option own_options[] = {{"output", required_argument, NULL, 'o'},
@@ -201,27 +200,11 @@ static const struct option own_options[] = {{"output", required_argument, NULL, 
                                              {"all", no_argument, NULL, O_ALL},
                                              {"device", required_argument, NULL, O_DEVICE},
                                              {"validate", no_argument, NULL, O_VALIDATE},};
-enum { OWN_COUNT = sizeof own_options / sizeof *own_options, LONG_MAX_COUNT = OWN_COUNT + 32 };
-
-/* shading, lists and msaa make the cases; the other options that have names may be varied by them. */
-static bool is_own(const char *name) {
-    for (int i = 0; i < OWN_COUNT; i++)
-        if (strcmp(own_options[i].name, name) == 0) return true;
-    return strcmp(name, "debug") == 0;
-}
-
-static void make_long_options(struct option out[LONG_MAX_COUNT]) {
-    const char *name;
-    int count = OWN_COUNT;
-    memcpy(out, own_options, sizeof own_options);
-    for (uint32_t i = 0; (name = options_named(i, NULL)); i++)
-        if (!is_own(name)) out[count++] = (struct option){name, required_argument, NULL, O_NAMED + (int)i};
-    out[count] = (struct option){0};
-}
+enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
 static bool parse_option(struct bench_options *o, int option, const char *value) {
     struct bench_settings *s = &o->settings;
-    const char *key, *name = option >= O_NAMED ? options_named((uint32_t)(option - O_NAMED), &key) : NULL;
+    const char *key, *name = option >= OPTIONS_NAMED ? options_named((uint32_t)(option - OPTIONS_NAMED), &key) : NULL;
     int index;
     if (name) return bench_vary_add(&o->matrix, name, key, value);
     switch (option) {
@@ -378,8 +361,8 @@ static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t 
 
 /* The status to end with, or -1 to go on. */
 static int read_arguments(struct bench_options *o, int argc, char **argv) {
-    struct option long_options[LONG_MAX_COUNT];
-    make_long_options(long_options);
+    struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
+    options_make_long(own_options, OWN_COUNT, true, long_options); /* but for those that make the cases, any may vary */
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {
@@ -404,8 +387,8 @@ static struct bench_options default_options(void) {
 static int read_over_suite(struct bench_options *o, int argc, char **argv) {
     const struct bench_suite *suite = o->suite;
     const char *const *preset;
-    struct option long_options[LONG_MAX_COUNT];
-    make_long_options(long_options);
+    struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
+    options_make_long(own_options, OWN_COUNT, true, long_options); /* but for those that make the cases, any may vary */
     *o = default_options();
     for (int i = 0; (preset = bench_suite_option(suite, i)) != NULL; i++) {
         const struct option *option = long_options;

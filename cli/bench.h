@@ -204,7 +204,7 @@ json_t *bench_find(const struct bench_data *data, const struct bench_case *where
 json_t *bench_key(const struct bench_case *where, const struct bench_candidate *what);
 /** Are two results of one case, that is, comparable? */
 bool bench_same_case(const json_t *a, const json_t *b);
-/** "deferred with tiled lists (tile-size=8)", "forward with brute force", of a result or a candidate. */
+/** "deferred with tiled lists (tiles.size=8)", "forward with brute force", of a result or a candidate. */
 void bench_describe(const json_t *result, char *text, size_t capacity);
 void bench_describe_candidate(const struct bench_candidate *candidate, char *text, size_t capacity);
 /** "hall.glb with 1024 lights at 1280x720, MSAA 4", of one of the results. */

@@ -15,7 +15,7 @@ static const char *string_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-/* "visibility (cull=triangles,occlusion=on)"; of several kinds of lists, "visibility with tiled lists". */
+/* "visibility (culling=triangles,occlusion=on)"; of several kinds of lists, "visibility with tiled lists". */
 static void label_of(const json_t *results, const json_t *result, char *text, size_t capacity) {
     const char *lists = string_of(result, "lists"), *options = string_of(result, "options");
     bool several = false;

@@ -54,7 +54,7 @@ static const char *string_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-/* "deferred with tiled lists (tile-size=8)"; brute force is the kind `all`. */
+/* "deferred with tiled lists (tiles.size=8)"; brute force is the kind `all`. */
 static void describe(const char *shading, const char *lists, const char *options, char *text, size_t capacity) {
     bool brute = strcmp(lists, "all") == 0;
     snprintf(text, capacity, "%s with %s%s%s%s%s", shading, brute ? "brute force" : lists, brute ? "" : " lists", *options ? " (" : "", options,

@@ -30,6 +30,25 @@ const char *options_named(uint32_t index, const char **key) {
     return named[index].name;
 }
 
+static bool has_option(const struct option *options, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(options[i].name, name) == 0) return true;
+    return false;
+}
+
+void options_make_long(const struct option *own, int count, bool several, struct option *out) {
+    const char *name, *key;
+    int end = count;
+    fnl_option o;
+    memcpy(out, own, (size_t)count * sizeof *out);
+    for (uint32_t i = 0; (name = options_named(i, &key)) && end + 1 < count + OPTIONS_NAMED_MAX; i++) {
+        bool is_switch = fnl_option_find(key, &o) && o.kind == FNL_OPTION_SWITCH;
+        if (!has_option(own, count, name))
+            out[end++] = (struct option){name, is_switch && !several ? no_argument : required_argument, NULL, OPTIONS_NAMED + (int)i};
+    }
+    out[end] = (struct option){0};
+}
+
 /* ---- setting ---- */
 
 /* The library's line without the function that it is about: the option says that. */

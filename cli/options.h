@@ -5,10 +5,18 @@
 
 #include "fanal/fanal.h"
 
+#include <getopt.h>
 #include <jansson.h>
 
 /** Options with a name of their own, such as "cull" for "culling"; NULL beyond the last. `key` may be NULL. */
 const char *options_named(uint32_t index, const char **key);
+
+enum { OPTIONS_NAMED = 512, OPTIONS_NAMED_MAX = 32 }; /* values of getopt_long: OPTIONS_NAMED and up */
+/**
+ * Writes the `count` long options of a command, those with names that it does not have itself, and the end: room for count +
+ * OPTIONS_NAMED_MAX. `several`: each takes a list of values, else switches take none.
+ */
+void options_make_long(const struct option *own, int count, bool several, struct option *out);
 
 /** Sets one; a wrong key or value prints a line that begins with --`option` and returns false. */
 bool options_set(fnl_frame *frame, const char *option, const char *key, const char *value);

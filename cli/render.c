@@ -18,7 +18,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-/* The names that an option takes, in lines of their own behind its help; the default in brackets. */
+/* The options with names of their own: help, default in brackets, then what each takes on lines of its own. */
 static void print_named(void) {
     const fnl_frame usual = fnl_frame_default();
     const char *key, *name;
@@ -32,12 +32,11 @@ static void print_named(void) {
         snprintf(head, sizeof head, "--%s%s", name, is_switch ? "" : o.kind == FNL_OPTION_NAME ? " KIND" : " N");
         printf("  %-26s %s (%s)\n", head, o.help, value);
         if (is_switch) continue;
-        /* Words of the range, wrapped. */
-        int column = 0;
+        int column = 200; /* begins a line */
         for (char *word = strtok(range, " "); word; word = strtok(NULL, " ")) {
-            int length = (int)strlen(word);
-            if (column == 0 || column + 1 + length > 118) column = printf("%s%29s%s", column ? "\n" : "", "", word) - (column ? 1 : 0);
-            else column += printf(" %s", word);
+            bool wraps = column + 1 + (int)strlen(word) > 118;
+            if (wraps && column < 200) putchar('\n');
+            column = wraps ? printf("%29s%s", "", word) : column + printf(" %s", word);
         }
         putchar('\n');
     }
@@ -75,7 +74,7 @@ static void print_help(void) {
          "  --grow-metal N             grows metal areas of textures by N texels, against halos at their edges (0)\n"
          "  --time SECONDS             time of the animation (0)\n"
          "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP "\n"
-         "Method");
+         "Method (with --msaa and without --shading: forward-prepass)");
     print_named();
     puts("  --set KEY=VALUE            any option of a frame; can be given several times. 'fanal render --options' prints\n"
          "                             all of them, with what they take and who heeds them; with --json for programs\n"
@@ -173,7 +172,6 @@ enum {
     O_CAMERA_PATH,
     O_START_FRAME,
     O_FORMAT,
-    O_NAMED = 512 /* and up: options_named() */
 };
 
 /* Options of the frame by their keys, and whose use may be worth a warning. */
@@ -201,7 +199,7 @@ static bool parse_option(struct render_options *o, int option, const char *value
     long long integer;
     double number;
     int index;
-    const char *key, *name = option >= O_NAMED ? options_named((uint32_t)(option - O_NAMED), &key) : NULL;
+    const char *key, *name = option >= OPTIONS_NAMED ? options_named((uint32_t)(option - OPTIONS_NAMED), &key) : NULL;
     if (name) return set_option(o, name, key, value ? value : "on");
     switch (option) {
     case O_SET:
@@ -362,17 +360,7 @@ static const struct option own_options[] = {
     {"format", required_argument, NULL, O_FORMAT},
     LOADING_OPTIONS,
 };
-enum { OWN_COUNT = sizeof own_options / sizeof *own_options, LONG_MAX_COUNT = OWN_COUNT + 32 };
-
-/* Its own, and those of a frame that have names. */
-static void make_long_options(struct option out[LONG_MAX_COUNT]) {
-    const char *name;
-    memcpy(out, own_options, sizeof own_options);
-    int count = OWN_COUNT;
-    for (uint32_t i = 0; (name = options_named(i, NULL)); i++)
-        out[count++] = (struct option){name, strcmp(name, "occlusion") == 0 ? no_argument : required_argument, NULL, O_NAMED + (int)i};
-    out[count] = (struct option){0};
-}
+enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
 /* Of two outputs that are one file the first would be lost. Patterns of sequences count without the widths of their numbers. */
 static bool is_same_file(const char *a, const char *b) {
@@ -458,10 +446,10 @@ int command_render(int argc, char **argv) {
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
-    struct option long_options[LONG_MAX_COUNT];
+    struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
     bool prints_options = false;
     enum options_form form = OPTIONS_TEXT;
-    make_long_options(long_options);
+    options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
     for (int option; (option = getopt_long(argc, argv, "o:qh", long_options, NULL)) != -1;) {
         if (option == 'h') {

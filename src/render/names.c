@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Names and defaults of what a frame can ask for. */
+/** The defaults of a frame, and what the layouts of the G-buffer consist of. */
 #include "base/check.h"
 #include "fanal/renderer.h"
 #include "passes/shade/gbuffer_layouts.h"

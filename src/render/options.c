@@ -19,7 +19,6 @@ struct row {
 #define EVERY UINT32_MAX
 
 enum {
-    /* The view-independent kinds and those without cells take no tiles. */
     PATHS_GBUFFER = PATH(DEFERRED) | PATH(DEFERRED_VOLUMES), /* with a choice of layouts */
     PATHS_PREPASS = PATHS_GBUFFER | PATH(LIGHT_PREPASS) | PATH(PRE_LIGHTING) | PATH(LOW_RES) | PATH(COARSE) | PATH(TEXTURING) |
                     PATH(VIRTUAL_TEXTURING) | PATH(MOBILE),
