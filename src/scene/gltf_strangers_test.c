@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Files from strangers: what they may require, which other files they may read, how much memory they may take; and resolvers. */
 #include "scene/gltf_test_file.h"
+#include "tests/test_meter.h"
 
 #include <meshoptimizer.h>
 #include <setjmp.h>
@@ -288,19 +289,6 @@ static void test_files_count_against_the_limit(void **state) {
     remove_place(&place);
 }
 
-struct meter {
-    uint64_t held, peak;
-};
-
-static void *metered_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
-    struct meter *meter = user;
-    meter->held += new_size - old_size;
-    meter->peak = MAX(meter->peak, meter->held);
-    if (new_size > 0) return realloc(old, new_size);
-    free(old);
-    return NULL;
-}
-
 static void collect(void *user, fnl_log_level level, const char *line) {
     UNUSED(user);
     test_log_line(&file_log, level, line);
@@ -308,11 +296,11 @@ static void collect(void *user, fnl_log_level level, const char *line) {
 
 /** Loads a GLB with a limit; `peak` gets the most memory that was held at once. */
 static fnl_result load_limited(const char *json, const void *binary, size_t size, uint64_t limit, uint64_t *peak) {
-    struct meter meter = {0};
+    struct test_meter meter = {0};
     size_t glb_size;
     unsigned char *glb = test_glb(json, binary, size, &glb_size);
     test_host(&file_log);
-    fnl_host host = {.user = &meter, .reallocate = metered_reallocate, .log = collect};
+    fnl_host host = {.user = &meter, .reallocate = test_meter_reallocate, .log = collect};
     fnl_load_params params = fnl_load_params_default();
     params.max_memory = limit;
     fnl_scene *scene = NULL;

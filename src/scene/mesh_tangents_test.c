@@ -5,6 +5,7 @@
  * vertices and of edges, spreads groups by recursion, and works out every corner for itself.
  */
 #include "scene/scene.h"
+#include "tests/test_meter.h"
 
 #include <setjmp.h>
 #include <unistd.h>
@@ -551,19 +552,6 @@ static void test_tangents_do_not_depend_on_how_faces_begin(void **state) {
     free(turned);
 }
 
-struct meter {
-    uint64_t held, peak;
-};
-
-static void *metered_reallocate(void *user, void *old, size_t old_size, size_t new_size) {
-    struct meter *meter = user;
-    meter->held += new_size - old_size;
-    meter->peak = MAX(meter->peak, meter->held);
-    if (new_size > 0) return realloc(old, new_size);
-    free(old);
-    return NULL;
-}
-
 /**
  * A vertex where many faces meet, or that many groups share, takes no time by the square of that: 9e10 pairs are more than the
  * time that CTest grants. And the memory is no more
@@ -588,8 +576,8 @@ static void test_many_faces_at_a_vertex(void **state) {
             indices[f * 3 + 2] = kind % 3 == 0 ? f + 2 : kind == 1 ? f * 2 + 2 : f + 2;
         }
         fnl_scene *scene;
-        struct meter meter = {0};
-        assert_int_equal(scene_create(&(fnl_host){.user = &meter, .reallocate = metered_reallocate}, "fan", &scene), FNL_OK);
+        struct test_meter meter = {0};
+        assert_int_equal(scene_create(&(fnl_host){.user = &meter, .reallocate = test_meter_reallocate}, "fan", &scene), FNL_OK);
         struct scene_primitive p = {.vertex_count = COUNT * 2 + 1,
                                     .index_count = COUNT * 3,
                                     .positions = positions,
