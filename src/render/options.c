@@ -200,7 +200,7 @@ static fnl_result check_row(const struct call *call, const struct row *row, cons
     char unit[32];
     uint32_t count;
     float number;
-    snprintf(unit, sizeof unit, "%s%s", *o->unit ? " " : "", o->unit);
+    double high;
     switch (o->kind) {
     case FNL_OPTION_SWITCH:
         return FNL_OK;
@@ -213,9 +213,11 @@ static fnl_result check_row(const struct call *call, const struct row *row, cons
         return FNL_OK;
     case FNL_OPTION_NUMBER:
         memcpy(&number, field, sizeof number);
-        if (o->has_auto && isinf(number) && number > 0) return FNL_OK;
-        if (o->above_low) return check_above(call, name, (double)number, o->low, o->has_auto ? (double)INFINITY : o->high, unit);
-        return check_range(call, name, (double)number, o->low, o->high, unit);
+        high = o->has_auto ? (double)INFINITY : o->high;
+        if ((double)number <= high && (o->above_low ? (double)number > o->low : (double)number >= o->low)) return FNL_OK;
+        snprintf(unit, sizeof unit, "%s%s", *o->unit ? " " : "", o->unit); /* only now: frames come here */
+        if (o->above_low) return check_above(call, name, (double)number, o->low, high, unit);
+        return check_range(call, name, (double)number, o->low, high, unit);
     default:
         memcpy(&count, field, sizeof count); /* enums have the size of int */
         return check_enum(call, name, (int)count, value_count(o->names), value_type(o->names));
