@@ -177,7 +177,7 @@ static void run_graph(struct graph *graph, const struct graph_execute_params *pa
 
 void list_lab_run(struct list_lab *lab, const graph_buffer *reads, uint32_t read_count) {
     list_reads_add(lab->graph, reads, read_count, &lab->reads);
-    run_graph(lab->graph, &(struct graph_execute_params){.record_threads = 1}); /* vulkan_spy.h looks at one thread */
+    run_graph(lab->graph, &(struct graph_execute_params){.record_threads = 1}); /* for vulkan_spy.h */
 }
 
 void list_lab_close(struct list_lab *lab) {
@@ -220,7 +220,7 @@ struct list_copy list_build(const struct list_request *request) {
     }
     struct list_readback readback;
     list_readback_add(lab.graph, &list, &readback);
-    run_graph(lab.graph, NULL);
+    run_graph(lab.graph, &(struct graph_execute_params){.record_threads = 1}); /* for vulkan_spy.h */
     struct gpu_light_list grid = list_grid(request);
     struct list_copy copy = list_readback_take(&readback, &grid);
     list_lab_close(&lab);
