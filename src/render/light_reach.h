@@ -4,7 +4,7 @@
 #define FNL_RENDER_LIGHT_REACH_H
 
 #include "passes/lights/clustered.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 #include "view_shared.h"
 
 struct light_reach {

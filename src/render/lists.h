@@ -13,7 +13,7 @@
 #include "passes/lights/sparse.h"
 #include "passes/shade/gbuffer.h"
 #include "passes/lights/world_grid.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 #include "view_shared.h"
 
 /** What builders keep from frame to frame. */

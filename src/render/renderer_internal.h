@@ -10,7 +10,7 @@
 #include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 #include "render/lists.h"
 #include "render/temporal.h"
 #include "render/view.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Culling by clusters and by triangles: pictures against drawing whole items, counts against the CPU. */
 #include "passes/geometry/view_cases.h"
-#include "render/device_clusters.h"
+#include "render/device/clusters.h"
 #include "render/render_test.h"
 #include "render/shading.h"
 

@@ -5,7 +5,7 @@
  */
 #include "passes/geometry/view_cases.h"
 #include "passes/geometry/clusters_shared.h"
-#include "render/device_clusters.h"
+#include "render/device/clusters.h"
 #include "render/render_test.h"
 #include "render/shading.h"
 #include "tests/vulkan_spy.h"

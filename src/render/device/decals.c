@@ -2,7 +2,7 @@
 #include "image/image.h"
 #include "decals_shared.h"
 #include "passes/decals/decals_redraw_shared.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 /* ---- pictures ---- */
 

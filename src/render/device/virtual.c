@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Which pages the scene's materials have in the atlas of virtual texturing. */
 #include "fanal/renderer.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 _Static_assert((int)VIRTUAL_FORWARD == (int)FNL_GBUFFER_COUNT, "behind the G-buffer layouts");
 _Static_assert((int)SCENE_WRAP_REPEAT == VIRTUAL_REPEAT && (int)SCENE_WRAP_MIRROR == VIRTUAL_MIRROR &&

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 static const struct scene_material *material_of(const fnl_scene *scene, const struct scene_primitive *p,
                                                 const struct scene_material *standard) {

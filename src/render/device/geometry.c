@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/device_clusters.h"
-#include "render/device_scene.h"
+#include "render/device/clusters.h"
+#include "render/device/scene.h"
 
 /* Whether a node's vertices are its own, moved every frame. */
 static bool node_deforms(const struct scene_node *node, const struct scene_primitive *p) {

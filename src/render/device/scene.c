@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene) {
     *d = (struct device_scene){.device = device,

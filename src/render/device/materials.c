@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/gbuffer_layouts.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 static VkSamplerAddressMode address_mode(enum scene_wrap wrap) {
     return wrap == SCENE_WRAP_REPEAT   ? VK_SAMPLER_ADDRESS_MODE_REPEAT

@@ -27,7 +27,7 @@ struct decal_picture {
     struct gpu_image gpu; /* handle 0: missing or broken */
 };
 
-/** The decals on the device (device_decals.c). */
+/** The decals on the device (decals.c). */
 struct device_decals {
     struct gpu_buffer decals, boxes;         /* struct gpu_decal, struct gpu_light; sent inside the frame */
     struct gpu_buffer mesh_ranges, mesh_ids; /* of mesh decals: see struct gpu_decal_set */
@@ -129,7 +129,7 @@ static inline bool device_node_draws(const struct scene_node *node) {
 }
 
 /**
- * Declares the update of the light array, directional ones first (device_lights.c): only the lights that changed are sent, unless some came
+ * Declares the update of the light array, directional ones first (lights.c): only the lights that changed are sent, unless some came
  * or went.
  */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
@@ -156,13 +156,13 @@ struct device_decals_frame {
 /** Sends what changed. */
 fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out);
 
-/** Decodes on all threads and uploads the images that materials use (device_images.c). */
+/** Decodes on all threads and uploads the images that materials use (images.c). */
 fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
 
-/** After the images; the last material is glTF's default, for primitives without one (device_materials.c). */
+/** After the images; the last material is glTF's default, for primitives without one (materials.c). */
 fnl_result device_materials_upload(struct device_scene *d);
 /**
- * Makes the atlas of virtual texturing, `side` texels at most, unless it is there (device_virtual.c). The atlas cannot hold materials whose
+ * Makes the atlas of virtual texturing, `side` texels at most, unless it is there (virtual.c). The atlas cannot hold materials whose
  * textures differ in coordinates or wraps, or are not filtered smoothly.
  */
 fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct virtual_atlas *atlas);
@@ -170,11 +170,11 @@ bool device_virtual_holds(const struct device_scene *d, const struct scene_mater
 /** A bit for each G-buffer layout that cannot hold a material, and VIRTUAL_FORWARD; `id` is its index. */
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);
 
-/** Vertices, indices, primitives and what deforms, then everything below (device_geometry.c). */
+/** Vertices, indices, primitives and what deforms, then everything below (geometry.c). */
 fnl_result device_geometry_upload(struct device_scene *d);
 
 /**
- * Instances, items, groups and buckets (device_items.c). `primitives` are those of the scene, then those of deforming nodes;
+ * Instances, items, groups and buckets (items.c). `primitives` are those of the scene, then those of deforming nodes;
  * node_primitives[node] is the first own primitive of a deforming node, else SCENE_NONE.
  */
 fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,

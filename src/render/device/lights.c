@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 #include "passes/lights/sprites.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/device_clusters.h"
+#include "render/device/clusters.h"
 
 #include <float.h>
 #include <math.h>

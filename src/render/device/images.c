@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "image/image.h"
-#include "render/device_scene.h"
+#include "render/device/scene.h"
 
 enum { BATCH = 16 }; /* decoded at once: bounds the memory that waits for upload */
 
