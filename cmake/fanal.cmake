@@ -55,16 +55,20 @@ function(fanal_library)
 endfunction()
 
 # fanal_test(maths SOURCES maths_test.c LAYERS base) makes the cmocka program test_maths and its CTest entry. LAYERS lists
-# every layer whose objects the test needs.
+# every layer whose objects the test needs; HELPERS are those of tests/CMakeLists.txt, SHADERS the test's own.
 function(fanal_test name)
   if(NOT FANAL_TESTS)
     return()
   endif()
-  cmake_parse_arguments(test "" "TIMEOUT" "SOURCES;LAYERS;LINKS;ARGUMENTS" ${ARGN})
+  cmake_parse_arguments(test "" "TIMEOUT" "SOURCES;LAYERS;HELPERS;SHADERS;LINKS;ARGUMENTS" ${ARGN})
   add_executable(test_${name} ${test_SOURCES})
   foreach(layer ${test_LAYERS})
     target_link_libraries(test_${name} PRIVATE fanal_${layer})
   endforeach()
+  foreach(helper ${test_HELPERS})
+    target_link_libraries(test_${name} PRIVATE fanal_helper_${helper})
+  endforeach()
+  fanal_shaders(test_${name} ${test_SHADERS})
   target_link_libraries(test_${name} PRIVATE fanal_options PkgConfig::cmocka ${test_LINKS} m)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
   add_test(NAME ${name} COMMAND test_${name} ${test_ARGUMENTS} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
@@ -79,6 +83,12 @@ function(fanal_test name)
   if(test_TIMEOUT)
     set_tests_properties(${name} PROPERTIES TIMEOUT ${test_TIMEOUT})
   endif()
+endfunction()
+
+# fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h).
+function(fanal_render_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "HELPERS")
+  fanal_test(${name} ${test_UNPARSED_ARGUMENTS} HELPERS render_harness ${test_HELPERS} LAYERS base image scene gpu graph passes render)
 endfunction()
 
 # fanal_fuzz(image SOURCES fuzz_image.c LAYERS base image) makes the libFuzzer program fuzz/fuzz_image when FANAL_FUZZ

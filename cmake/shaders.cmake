@@ -17,42 +17,51 @@ add_executable(fanal_layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
 set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
 
-# fanal_shaders(fanal_passes lights/tiled_count.comp.glsl …) compiles each file (STEM.vert.glsl, .geom.glsl,
-# .mesh.glsl, .frag.glsl or .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
+# fanal_shaders(fanal_passes_lights tiled_bounds.comp.glsl …) compiles each file (STEM.vert.glsl, .geom.glsl, .mesh.glsl, .frag.glsl or
+# .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
 # directory that makes the target. Includes are looked for beside the including file, in shaders/ and in src/.
 # Shaders with includes enable GL_GOOGLE_include_directive (Debian 12's glslang has no preamble option for it).
 function(fanal_shaders target)
   foreach(file ${ARGN})
-    cmake_path(GET file FILENAME filename)
-    if(NOT filename MATCHES "^([a-z0-9_]+)\\.(vert|geom|mesh|frag|comp)\\.glsl$")
-      message(FATAL_ERROR "${file}: shaders are called STEM.vert.glsl, STEM.geom.glsl, STEM.mesh.glsl, STEM.frag.glsl or STEM.comp.glsl")
-    endif()
-    set(stage ${CMAKE_MATCH_2})
-    set(name ${CMAKE_MATCH_1}.${stage})
-    get_property(names GLOBAL PROPERTY fanal_shader_names)
-    if(name IN_LIST names)
-      message(FATAL_ERROR "${file}: there is another shader called ${name}")
-    endif()
-    set_property(GLOBAL APPEND PROPERTY fanal_shader_names ${name})
-
-    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE source)
-    set(module ${FANAL_GENERATED}/${name}.spv)
-    set(optimised ${FANAL_GENERATED}/${name}.opt.spv)
-    set(embedded ${FANAL_GENERATED}/${name}.c)
-    add_custom_command(OUTPUT ${module} DEPENDS ${source} DEPFILE ${module}.d VERBATIM COMMENT "Shader ${name}"
-      COMMAND ${FANAL_GLSLANG} --quiet -V --target-env vulkan1.3 -S ${stage} -I${PROJECT_SOURCE_DIR}/shaders
-        -I${PROJECT_SOURCE_DIR}/src --depfile ${module}.d
-        -o ${module} ${source}
-      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
-    add_custom_command(OUTPUT ${embedded} DEPENDS ${module} fanal_spirv_embed VERBATIM COMMENT "Embedding ${name}"
-      BYPRODUCTS ${optimised}
-      COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
-        --eliminate-dead-variables ${module} -o ${optimised}
-      COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
-      COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
-    target_sources(${target} PRIVATE ${embedded})
-    set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
+    cmake_path(GET file STEM stem)
+    fanal_shader_variant(${target} ${stem} FROM ${file})
   endforeach()
+endfunction()
+
+# fanal_shader_variant(fanal_passes_shade forward_known FROM forward.frag.glsl DEFINES EARLY_DEPTH HOLES_ARE_CUT) compiles the file with these
+# macros, NAME or NAME=VALUE, and embeds it as `shader_forward_known_frag`.
+function(fanal_shader_variant target stem)
+  cmake_parse_arguments(PARSE_ARGV 2 variant "" "FROM" "DEFINES")
+  cmake_path(GET variant_FROM FILENAME filename)
+  if(NOT filename MATCHES "^[a-z0-9_]+\\.(vert|geom|mesh|frag|comp)\\.glsl$" OR NOT stem MATCHES "^[a-z0-9_]+$")
+    message(FATAL_ERROR "${stem} from ${variant_FROM}: shaders are called STEM.vert.glsl, STEM.geom.glsl, STEM.mesh.glsl, STEM.frag.glsl or STEM.comp.glsl")
+  endif()
+  string(REGEX REPLACE "^.*\\.([a-z]+)\\.glsl$" "\\1" stage ${filename})
+  set(name ${stem}.${stage})
+  get_property(names GLOBAL PROPERTY fanal_shader_names)
+  if(name IN_LIST names)
+    message(FATAL_ERROR "${variant_FROM}: there is another shader called ${name}")
+  endif()
+  set_property(GLOBAL APPEND PROPERTY fanal_shader_names ${name})
+
+  cmake_path(ABSOLUTE_PATH variant_FROM BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE source)
+  list(TRANSFORM variant_DEFINES PREPEND -D OUTPUT_VARIABLE defines)
+  set(module ${FANAL_GENERATED}/${name}.spv)
+  set(optimised ${FANAL_GENERATED}/${name}.opt.spv)
+  set(embedded ${FANAL_GENERATED}/${name}.c)
+  add_custom_command(OUTPUT ${module} DEPENDS ${source} DEPFILE ${module}.d VERBATIM COMMENT "Shader ${name}"
+    COMMAND ${FANAL_GLSLANG} --quiet -V --target-env vulkan1.3 -S ${stage} ${defines} -I${PROJECT_SOURCE_DIR}/shaders
+      -I${PROJECT_SOURCE_DIR}/src --depfile ${module}.d
+      -o ${module} ${source}
+    COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${module})
+  add_custom_command(OUTPUT ${embedded} DEPENDS ${module} fanal_spirv_embed VERBATIM COMMENT "Embedding ${name}"
+    BYPRODUCTS ${optimised}
+    COMMAND ${FANAL_SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout -O --remove-unused-interface-variables
+      --eliminate-dead-variables ${module} -o ${optimised}
+    COMMAND ${FANAL_SPIRV_VAL} --target-env vulkan1.3 --scalar-block-layout ${optimised}
+    COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
+  target_sources(${target} PRIVATE ${embedded})
+  set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
 endfunction()
 
 # Called once, when every shader is known: writes shaders.h, and compiles the assertions that the structs of all

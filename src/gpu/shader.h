@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * SPIR-V that the build embeds in the library. fanal_shaders() of cmake/fanal.cmake makes one of these per entry point:
+ * SPIR-V that the build embeds in the library. fanal_shaders() of cmake/shaders.cmake makes one of these per entry point:
  * tiled_count.comp.glsl becomes shader_tiled_count_comp. The generated "shaders.h" declares them all.
  */
 #ifndef FNL_GPU_SHADER_H

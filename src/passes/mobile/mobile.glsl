@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the mobile order keeps at a pixel, in four layouts (Smith and Einig 2016, "Physically Based Deferred Shading on Mobile", 2.2). Entry
-// points define MOBILE_LAYOUT, and MOBILE_LOCAL where the targets are input attachments of a scope.
+// What the mobile order keeps at a pixel, in four layouts (Smith and Einig 2016, "Physically Based Deferred Shading on Mobile", 2.2). The build
+// compiles variants: MOBILE_LAYOUT is one of GPU_MOBILE_…; MOBILE_LOCAL is defined where the targets are input attachments of a scope.
 //
 //   metallic 128   light RGB | depth | normal XYZ, roughness | colour RGB, metalness
 //   specular 160   light RGB | depth | normal XYZ, roughness | diffuse RGB | F0 RGB

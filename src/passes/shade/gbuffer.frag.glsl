@@ -20,7 +20,7 @@ layout(location = 4) out vec4 out_3;
 layout(location = 5) out vec4 out_4;
 layout(location = 6) out vec4 out_5;
 
-// 1: depth is complete, and what is left of a fragment is no hole (forward_known.frag.glsl tells more).
+// 1: depth is complete, and what is left of a fragment is no hole (forward.frag.glsl tells more).
 layout(constant_id = 9) const uint HOLES_ARE_CUT = 0u;
 
 void main() {

@@ -78,7 +78,7 @@ void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
-    // With several samples a pixel what is left of a cutout at its depth is no hole (forward_known.frag.glsl).
+    // With several samples a pixel what is left of a cutout at its depth is no hole (forward.frag.glsl).
     bool hole = SAMPLES <= 1u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
     if (material_culled(materials, in_ids.x) || hole) discard;
     ivec2 pixel = ivec2(gl_FragCoord.xy);

@@ -20,7 +20,7 @@ void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
-    if (material_culled(materials, in_ids.x)) discard; // holes are cut (forward_known.frag.glsl)
+    if (material_culled(materials, in_ids.x)) discard; // holes are cut (forward.frag.glsl)
     view_block v = push.geometry.view;
     light_list_block l = push.geometry.lights;
     vec3 view_position = (v.view.world_to_view * vec4(s.position, 1.0)).xyz;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes the id of what a pixel shows: what both entry points share.
+// Writes the id of what a pixel shows: what the entry points share.
 #include "common.glsl"
 #include "view.glsl"
 #include "lights/iterate.glsl"

@@ -1,5 +1,0 @@
-#version 460
-// SPDX-License-Identifier: MIT
-#extension GL_GOOGLE_include_directive : require
-#define MOBILE_LAYOUT 2 // metallic 256
-#include "passes/mobile/mobile_decals.glsl"

@@ -1,0 +1,37 @@
+#version 460
+// SPDX-License-Identifier: MIT
+#extension GL_GOOGLE_include_directive : require
+// Lights as volumes: what one light adds to one pixel, times view.light_scale, into a sum that is added to the light later.
+#include "common.glsl"
+#include "shade.glsl"
+#include "passes/shade/volumes.glsl"
+#define MOBILE_READS 2
+#include "passes/mobile/mobile.glsl"
+#include "passes/mobile/mobile_volume_shared.h"
+
+layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
+
+layout(early_fragment_tests) in;
+layout(push_constant, scalar) uniform push_block { gpu_mobile_volume_push push; };
+
+layout(location = 0) flat in uint in_light;
+layout(location = 1) flat in vec2 in_depths;
+layout(location = 0) out vec4 out_sum;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    mobile_texel g;
+    MOBILE_LOAD_ALL(g)
+    if (mobile_is_sky(g)) discard;
+    float view_depth;
+    surface s = mobile_surface(g, push.view, pixel, view_depth);
+    if (BOUND_DEPTHS == 1u && (view_depth < in_depths.x || view_depth > in_depths.y)) discard;
+    uint counter = (uint(pixel.y) * push.view.view.size.x + uint(pixel.x)) * 2u;
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter], 1u);
+    vec3 to_light;
+    vec3 illuminance = illuminate(push.list, push.list.list.directional_count + in_light, s.position, to_light);
+    if (illuminance == vec3(0.0)) discard;
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.counters.at[counter + 1u], 1u);
+    brdf_view b = brdf_prepare(s, to_viewer(push.view, s.position));
+    out_sum = vec4(mobile_scaled(push.view, illuminance * brdf_cos(s, b, to_light)), 0.0);
+}
