@@ -138,6 +138,7 @@ fnl_result graph_create(const fnl_host *host, gpu_device *device, struct graph *
     graph->host = resolved;
     graph->device = device;
     arena_init(&graph->arena, &graph->host, ARENA_BLOCK);
+    graph_names_init(graph);
     *out = graph;
     return FNL_OK;
 }
@@ -158,6 +159,7 @@ void graph_destroy(struct graph **handle) {
         array_free(&host, &graph->timer_slots[i].names);
         array_free(&host, &graph->timer_slots[i].results);
     }
+    graph_names_finish(graph);
     arena_finish(&graph->arena);
     host_free(&host, graph, sizeof *graph);
     *handle = NULL;
@@ -170,6 +172,7 @@ void graph_begin(struct graph *graph) {
     graph->executed = false;
     graph->resources.count = graph->passes.count = 0;
     graph->scope = NULL;
+    graph->names.depth = graph->names.lost = 0;
     memset(&graph->plan, 0, sizeof graph->plan);
     arena_reset(&graph->arena);
     for (uint32_t i = graph->histories.count; i-- > 0;)
@@ -204,14 +207,18 @@ static bool normalise_params(struct graph *graph, struct graph_image_params *par
     return true;
 }
 
-graph_image graph_create_image(struct graph *graph, const struct graph_image_params *params) {
-    struct graph_resource resource = {.name = params->name, .is_image = true, .params = *params};
+static graph_image create_image(struct graph *graph, const char *full_name, const struct graph_image_params *params) {
+    struct graph_resource resource = {.name = full_name, .is_image = true, .params = *params};
     if (!normalise_params(graph, &resource.params)) return (graph_image){0};
     return (graph_image){add_resource(graph, &resource)};
 }
 
+graph_image graph_create_image(struct graph *graph, const struct graph_image_params *params) {
+    return create_image(graph, graph_scoped_name(graph, params->name), params);
+}
+
 graph_buffer graph_create_buffer(struct graph *graph, const char *name, uint64_t size) {
-    struct graph_resource resource = {.name = name, .buffer_size = MAX(size, 16u)};
+    struct graph_resource resource = {.name = graph_scoped_name(graph, name), .buffer_size = MAX(size, 16u)};
     return (graph_buffer){add_resource(graph, &resource)};
 }
 
@@ -265,10 +272,11 @@ struct graph_history graph_history(struct graph *graph, const struct graph_image
         return none;
     }
     if (!normalise_params(graph, &wanted)) return none;
+    const char *name = graph_scoped_name(graph, wanted.name);
     uint32_t index = 0;
-    while (index < graph->histories.count && strcmp(graph->histories.data[index].name, wanted.name) != 0) index++;
+    while (index < graph->histories.count && strcmp(graph->histories.data[index].name, name) != 0) index++;
     if (index == graph->histories.count) {
-        struct graph_history_entry fresh = {.name = wanted.name, .params = wanted};
+        struct graph_history_entry fresh = {.name = name, .params = wanted};
         if (!array_push(&graph->host, &graph->histories, fresh)) {
             graph_fail(graph, FNL_ERROR_MEMORY);
             return none;
@@ -285,7 +293,7 @@ struct graph_history graph_history(struct graph *graph, const struct graph_image
     if (!same_image(&entry->params, &wanted)) {
         for (uint32_t i = 0; i < 2; i++)
             if (graph->device) gpu_image_destroy(graph->device, &entry->images[i]);
-        *entry = (struct graph_history_entry){.name = wanted.name, .params = wanted};
+        *entry = (struct graph_history_entry){.name = name, .params = wanted};
     }
     entry->valid = false;
     entry->last_frame = graph->frame;
@@ -328,7 +336,7 @@ struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum gr
         return NULL;
     }
     *pass = (struct graph_pass){
-        .graph = graph, .name = name, .queue = queue, .execute = execute, .data = copy, .scope = graph->scope};
+        .graph = graph, .name = graph_scoped_name(graph, name), .queue = queue, .execute = execute, .data = copy, .scope = graph->scope};
     pass->depth.resource = pass->depth.resolve = GRAPH_NONE;
     return pass;
 }
@@ -539,7 +547,7 @@ bool graph_begin_scope(struct graph *graph, const struct graph_scope_params *par
     }
     bool fits = graph->device ? gpu_scope_supports(graph->device, params->most_colors, params->most_inputs)
                               : params->most_colors <= GPU_MAX_COLORS && params->most_inputs <= GPU_MAX_INPUTS;
-    *scope = (struct graph_scope){.name = params->name, .merged = fits && !params->separate};
+    *scope = (struct graph_scope){.name = graph_scoped_name(graph, params->name), .merged = fits && !params->separate};
     graph->scope = scope;
     return scope->merged;
 }
@@ -579,9 +587,7 @@ graph_image graph_local_rewrite(struct graph_pass *pass, uint32_t input, graph_i
     if (!merged) {
         const struct graph_resource *resource = graph_find_resource(pass->graph, image.id, true);
         if (!resource) return image;
-        struct graph_image_params params = resource->params;
-        params.name = resource->name;
-        target = graph_create_image(pass->graph, &params);
+        target = create_image(pass->graph, resource->name, &resource->params);
     }
     graph_color(pass, target, merged ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_DONT_CARE, NULL);
     return target;

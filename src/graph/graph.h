@@ -27,13 +27,28 @@ typedef struct graph_buffer {
 fnl_result graph_create(const fnl_host *host, gpu_device *device, struct graph **out);
 void graph_destroy(struct graph **graph);
 
+/* ---- names ---- */
+
+/**
+ * Passes, merged scopes, buffers, images and histories declared until graph_pop_names are called `name`/…: "left/tiled count". Scopes nest,
+ * up to 8 deep. So whatever adds passes can be added once for each view, and keeps a history for each. Imported resources keep their names.
+ * What is not popped when the frame is compiled is misuse, and so is one pop too many.
+ */
+void graph_push_names(struct graph *graph, const char *name);
+void graph_pop_names(struct graph *graph);
+/**
+ * A name made from parts, which lives as long as the graph; the same text gives the same pointer and allocates nothing. For the few names
+ * of a renderer, not for numbers that rise from frame to frame. At most 255 bytes.
+ */
+const char *graph_name(struct graph *graph, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* ---- declaring a frame ---- */
 
 /** Forgets the last frame's declarations (not the history images, nor the memory). */
 void graph_begin(struct graph *graph);
 
 struct graph_image_params {
-    const char *name; /* a string that lives as long as the graph (a literal) */
+    const char *name; /* a string that lives as long as the graph: a literal, or of graph_name */
     VkFormat format;
     uint32_t width, height;
     uint32_t layers, mips, samples; /* 0 means 1 */

@@ -13,23 +13,6 @@ static const VkAccessFlags2 WRITE_ACCESS = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT 
 
 /* ---- checks ---- */
 
-static void check_names(struct graph *graph) {
-    uint32_t capacity = 16;
-    while (capacity < graph->passes.count * 2) capacity *= 2;
-    const char **table = ARENA_ARRAY(&graph->arena, const char *, capacity);
-    if (!table) {
-        graph_fail(graph, FNL_ERROR_MEMORY);
-        return;
-    }
-    for (uint32_t i = 0; i < graph->passes.count; i++) {
-        const char *name = graph->passes.data[i]->name;
-        uint32_t slot = (uint32_t)hash_bytes(name, strlen(name), HASH_SEED) & (capacity - 1);
-        while (table[slot] && strcmp(table[slot], name) != 0) slot = (slot + 1) & (capacity - 1);
-        if (table[slot]) graph_misuse(graph, "two passes are called '%s'", name);
-        table[slot] = name;
-    }
-}
-
 static void check_attachments(struct graph *graph, const struct graph_pass *pass) {
     const struct graph_resource *first = NULL;
     for (uint32_t i = 0; i <= pass->color_count; i++) {
@@ -55,7 +38,7 @@ static void check_attachments(struct graph *graph, const struct graph_pass *pass
 }
 
 static void check(struct graph *graph) {
-    check_names(graph);
+    graph_check_names(graph);
     bool *written = ARENA_ARRAY(&graph->arena, bool, graph->resources.count);
     if (!written) {
         graph_fail(graph, FNL_ERROR_MEMORY);

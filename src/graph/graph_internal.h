@@ -8,6 +8,8 @@
 #define GRAPH_NONE UINT32_MAX
 
 enum {
+    GRAPH_NAME_SCOPES = 8, /* one in another */
+    GRAPH_NAME_BUCKETS = 512,
     GRAPH_KEEP_FRAMES = 4, /* histories and physical resources that were not used for so many frames are released */
 };
 
@@ -200,6 +202,14 @@ struct graph_timer_slot {
     ARRAY(struct graph_timer) results;
 };
 
+/** All names that were ever made, and the scopes that are open. */
+struct graph_names {
+    struct arena arena; /* never reset */
+    struct graph_kept_name *buckets[GRAPH_NAME_BUCKETS];
+    const char *prefixes[GRAPH_NAME_SCOPES]; /* "left/shadows/" */
+    uint32_t depth, lost;                    /* lost: pushes that found no room */
+};
+
 struct graph {
     fnl_host host;
     gpu_device *device; /* NULL: null back end */
@@ -211,6 +221,7 @@ struct graph {
     const struct graph_scope *scope; /* the open one */
     struct graph_plan plan;
     bool executed;
+    struct graph_names names;
 
     ARRAY(struct graph_pool) pools;
     ARRAY(struct graph_physical) physicals;
@@ -228,6 +239,13 @@ struct graph_resource *graph_find_resource(const struct graph *graph, uint32_t i
 /** D16, X8_D24, D32, S8, a stencil, and D32_S8, both. */
 bool graph_is_depth_format(VkFormat format);
 struct gpu_image_params graph_gpu_params(const struct graph_resource *resource);
+
+void graph_names_init(struct graph *graph);
+void graph_names_finish(struct graph *graph);
+/** The name with the scopes that are open before it; NULL stays NULL. */
+const char *graph_scoped_name(struct graph *graph, const char *name);
+/** Misuse: two passes of one name, scopes that are still open. */
+void graph_check_names(struct graph *graph);
 
 /** Index of a resource among the attachments of a merged scope, or GRAPH_NONE. */
 uint32_t graph_merged_attachment(const struct graph_merged *merged, uint32_t resource);

@@ -1,42 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Plans as text, misuse, and the cost of compiling, on the null back end. */
-#include "graph/graph.h"
-
-#include <setjmp.h>
-
-#include <cmocka.h>
-
-/* ---- a host that keeps the log and counts allocations ---- */
-
-static char logged[8192];
-static uint64_t allocation_count;
-
-static void keep_log(void *user, fnl_log_level level, const char *line) {
-    UNUSED(user);
-    UNUSED(level);
-    size_t length = strlen(logged);
-    snprintf(logged + length, sizeof logged - length, "%s\n", line);
-}
-
-static void *count_allocations(void *user, void *old, size_t old_size, size_t new_size) {
-    UNUSED(user);
-    UNUSED(old_size);
-    if (new_size == 0) {
-        free(old);
-        return NULL;
-    }
-    allocation_count++;
-    return realloc(old, new_size);
-}
-
-static struct graph *make_graph(void) {
-    fnl_host host = {.log = keep_log, .reallocate = count_allocations};
-    struct graph *graph;
-    assert_int_equal(graph_create(&host, NULL, &graph), FNL_OK);
-    logged[0] = 0;
-    graph_begin(graph);
-    return graph;
-}
+#include "graph/graph_cases.h"
 
 static void expect_plan(struct graph *graph, const char *expected) {
     static char text[16384], again[16384];
@@ -60,19 +24,10 @@ static void expect_plan(struct graph *graph, const char *expected) {
     assert_null(graph);
 }
 
-static graph_image color_image(struct graph *graph, const char *name, uint32_t width) {
-    return graph_create_image(
-        graph, &(struct graph_image_params){.name = name, .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width, .height = 64});
-}
-
 static graph_image depth_image(struct graph *graph, const char *name, uint32_t samples) {
     return graph_create_image(
         graph, &(struct graph_image_params){
                    .name = name, .format = VK_FORMAT_D32_SFLOAT, .width = 64, .height = 64, .samples = samples});
-}
-
-static struct graph_pass *pass_of(struct graph *graph, const char *name) {
-    return graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
 }
 
 static struct graph_pass *async_pass_of(struct graph *graph, const char *name) {
@@ -553,20 +508,6 @@ static void test_empty_frame(void **state) {
 
 /* ---- misuse ---- */
 
-static void expect_misuse(struct graph *graph, const char *message) {
-    assert_int_equal(graph_compile(graph), FNL_ERROR_INVALID);
-    if (!strstr(logged, message)) fail_msg("the log is\n%s\nand lacks\n%s", logged, message);
-    char text[100];
-    graph_print(graph, text, sizeof text);
-    assert_string_equal(text, "no plan: the graph is not compiled\n");
-    /* The next frame is not concerned. */
-    logged[0] = 0;
-    graph_begin(graph);
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_string_equal(logged, "");
-    graph_destroy(&graph);
-}
-
 static void test_misuse_of_resources(void **state) {
     UNUSED(state);
     struct graph *graph = make_graph();
@@ -732,7 +673,9 @@ static void test_running_out_of_memory(void **state) {
         fnl_result result = graph_create(&host, NULL, &graph);
         if (result == FNL_OK) {
             graph_begin(graph);
+            graph_push_names(graph, "left");
             declare_frame(graph, 12);
+            graph_pop_names(graph);
             result = graph_compile(graph);
             graph_destroy(&graph);
         }
