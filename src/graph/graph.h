@@ -41,6 +41,8 @@ void graph_pop_names(struct graph *graph);
  * of a renderer, not for numbers that rise from frame to frame. At most 255 bytes.
  */
 const char *graph_name(struct graph *graph, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/** "name number", or `name` alone where the number is 0: the first of several that the others are numbered after. */
+const char *graph_numbered_name(struct graph *graph, const char *name, uint32_t number);
 
 /* ---- declaring a frame ---- */
 

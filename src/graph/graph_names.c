@@ -44,6 +44,10 @@ const char *graph_name(struct graph *graph, const char *format, ...) {
     return name;
 }
 
+const char *graph_numbered_name(struct graph *graph, const char *name, uint32_t number) {
+    return number ? graph_name(graph, "%s %u", name, number) : name;
+}
+
 const char *graph_scoped_name(struct graph *graph, const char *name) {
     const struct graph_names *names = &graph->names;
     return names->depth && name ? graph_name(graph, "%s%s", names->prefixes[names->depth - 1], name) : name;

@@ -67,8 +67,7 @@ static bool needs_list(const struct frame_state *f) {
     return false;
 }
 
-fnl_result decals_add_list(struct frame_state *f) {
-    if (!is_on(f)) return FNL_OK;
+static void add_list(struct frame_state *f) {
     const struct device_decals *all = decals_of(f);
     struct geometry_scene *geometry = &f->scene->geometry;
     struct frame_decals *d = &f->decals;
@@ -79,8 +78,7 @@ fnl_result decals_add_list(struct frame_state *f) {
                                 .width = f->frame->width,
                                 .height = f->frame->height,
                                 .spheres_only = true,
-                                .queue = GRAPH_QUEUE_ASYNC,
-                                .use = LIGHTS_DECALS};
+                                .queue = GRAPH_QUEUE_ASYNC};
     d->input = input;
     if (all->count) d->in_view = lights_in_view_add(f->graph, f->r->device, &input);
     *d->set = (struct gpu_decal_set){.decals = all->decals.address,
@@ -93,7 +91,7 @@ fnl_result decals_add_list(struct frame_state *f) {
     geometry->features |= all->mesh_count ? GPU_FEATURE_MESH_DECALS : 0;
     const graph_buffer uses[] = {d->buffers.decals, d->buffers.mesh_ranges, d->buffers.mesh_ids};
     memcpy(geometry->feature_buffers, uses, sizeof uses);
-    if (!needs_list(f)) return FNL_OK;
+    if (!needs_list(f)) return;
     struct clustered_params params = cluster_params(f);
     d->list = all->count < f->r->decal_tree ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
                                             : bvh_add(f->graph, f->r->device, &input, &d->in_view, &params);
@@ -102,6 +100,13 @@ fnl_result decals_add_list(struct frame_state *f) {
     geometry->feature_buffers[3] = d->list.cells;
     geometry->feature_buffers[4] = d->list.ids;
     geometry->feature_buffers[5] = d->list.spare;
+}
+
+fnl_result decals_add_list(struct frame_state *f) {
+    if (!is_on(f)) return FNL_OK;
+    graph_push_names(f->graph, "decals");
+    add_list(f);
+    graph_pop_names(f->graph);
     return FNL_OK;
 }
 

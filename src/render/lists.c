@@ -304,16 +304,17 @@ struct light_list lists_add_fallback(const struct lists_context *c) {
     enum { TREE_LIGHTS = 1024, TILE = 32 };
     struct light_input input = *c->input;
     if (c->frame->lists == FNL_LISTS_ALL) return light_list_all_add(c->graph, c->device, &input);
-    input.use = LIGHTS_FALLBACK;
     input.queue = GRAPH_QUEUE_ASYNC;
     input.keep_unseen = !c->frame->list.frustum_cull;
     input.spheres_only = !c->frame->list.cone_tests;
     input.scattered = c->frame->msaa > 1;
+    graph_push_names(c->graph, "fallback");
     struct lights_in_view visible = lights_in_view_add(c->graph, c->device, &input);
     struct clustered_params params = cluster_params(c);
     params.tile_size = MIN(params.tile_size, (uint32_t)TILE); /* asked here and there, at edges: small cells pay */
     struct light_list list = input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
                                                              : bvh_add(c->graph, c->device, &input, &visible, &params);
+    graph_pop_names(c->graph);
     if (input.scattered) mark_scattered(&list);
     return list;
 }

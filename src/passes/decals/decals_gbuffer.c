@@ -155,7 +155,6 @@ static const uint32_t box_indices[BOX_INDICES] = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 
                                                   2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
 
 static void add_tiles(struct graph *graph, gpu_device *device, struct tiles_data *data) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("decal tiles");
     data->commands = gpu_frame_allocate(device, sizeof(struct gpu_draw) + sizeof box_indices);
     if (data->commands.data) {
         *(struct gpu_draw *)data->commands.data = (struct gpu_draw){.index_count = BOX_INDICES};
@@ -176,7 +175,7 @@ static void add_tiles(struct graph *graph, gpu_device *device, struct tiles_data
     graph_use_buffer(pass, data->depths, GRAPH_WRITE_COMPUTE);
     data->step = STEP_COUNT;
     add_boxes(graph, "decals count", "decal grid", data);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data->sums, data->tile_count + 1);
+    prefix_sum_add(graph, "decal tiles", GRAPH_QUEUE_GRAPHICS, data->sums, data->tile_count + 1);
     pass = graph_add_pass(graph, "decals cursors", GRAPH_QUEUE_GRAPHICS, execute_cursors, data, sizeof *data);
     graph_use_buffer(pass, data->sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);

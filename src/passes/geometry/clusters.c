@@ -133,9 +133,6 @@ static struct gpu_cluster_params make_params(gpu_device *device, const struct ge
 
 void clusters_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene, const struct gpu_view *camera,
                   VkDeviceAddress view, const struct clusters_params *params, struct geometry_draws *draws) {
-    static const struct prefix_sum_names item_names = PREFIX_SUM_NAMES("cull item clusters"),
-                                         triangle_names = PREFIX_SUM_NAMES("cull triangles"),
-                                         draw_names = PREFIX_SUM_NAMES("cull item draws");
     uint32_t items = scene->item_count, buckets = scene->bucket_count, capacity = params->cluster_capacity;
     if (items == 0 || scene->cluster_count == 0) return;
     uint64_t params_size = sizeof(struct gpu_cluster_params);
@@ -181,7 +178,7 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
     ADD_STEP("cull clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
              CHANGES(totals), READS(hidden));
-    prefix_sum_add(graph, &item_names, GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
+    prefix_sum_add(graph, "cull item clusters", GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
     ADD_STEP("cull clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
     ADD_STEP("cull clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
              WRITES(counts), CHANGES(totals), READS(hierarchy), {vertices, GRAPH_READ_COMPUTE});
@@ -189,7 +186,7 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
         ADD_STEP("cull clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots),
                  CHANGES(counts), WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE},
                  {d.totals, GRAPH_INDIRECT});
-    prefix_sum_add(graph, &triangle_names, GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
+    prefix_sum_add(graph, "cull triangles", GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
     draws->totals = d.totals;
     if (params->meshes) {
         ADD_STEP("cull clusters meshes", shader_clusters_meshes_comp, MAX(MAX(items, capacity), buckets * p.mesh_draws),
@@ -205,7 +202,7 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     }
     ADD_STEP("cull clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts),
              WRITES(draw_sums), CHANGES(totals));
-    prefix_sum_add(graph, &draw_names, GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
+    prefix_sum_add(graph, "cull item draws", GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
     ADD_STEP("cull clusters draws", shader_clusters_draws_comp, MAX(items, buckets), READS(visible_sums),
              READS(cluster_sums), READS(counts), READS(draw_sums), WRITES(draws), WRITES(triangles), CHANGES(totals));
     ADD_STEP("cull clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts),

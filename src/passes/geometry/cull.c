@@ -74,7 +74,6 @@ static struct graph_pass *add_sort_pass(struct graph *graph, const char *name, c
 
 static void add_sort(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                      struct geometry_draws *draws) {
-    static const struct radix_sort_names names = RADIX_SORT_NAMES("blend");
     uint32_t count = scene->blend_item_count;
     graph_buffer keys = graph_create_buffer(graph, "sort keys", count * 8ull);
     struct graph_pass *keys_pass = add_sort_pass(
@@ -84,7 +83,7 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
     graph_use_buffer(keys_pass, scene->vertices, GRAPH_READ_COMPUTE);
     keys = radix_sort_add(graph,
                           &(struct radix_sort_params){
-                              .names = &names, .queue = GRAPH_QUEUE_GRAPHICS, .pairs = keys, .capacity = count, .bits = 32});
+                              .what = "blend", .queue = GRAPH_QUEUE_GRAPHICS, .pairs = keys, .capacity = count, .bits = 32});
     draws->blend_draws = graph_create_buffer(graph, "blend draws", count * sizeof(struct gpu_draw));
     draws->blend_visible = graph_create_buffer(graph, "blend visible", count * 4ull);
     struct sort_data data = {.scene = scene,
@@ -97,28 +96,28 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
     graph_use_buffer(pass, draws->blend_visible, GRAPH_WRITE_COMPUTE);
 }
 
-struct geometry_draws cull_items_add(struct graph *graph, const struct cull_names *names, const struct geometry_scene *scene,
+struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders) {
     struct geometry_draws draws = {
-        .sums = graph_create_buffer(graph, names->sums, (scene->item_count + 1) * 4ull),
-        .visible = graph_create_buffer(graph, names->visible, MAX(scene->item_count, 1u) * 4ull),
-        .draws = graph_create_buffer(graph, names->draws, MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
-    if (occluders) draws.hidden = graph_create_buffer(graph, names->hidden, (scene->item_count + 1) * 4ull);
+        .sums = graph_create_buffer(graph, graph_name(graph, "%s visible sums", what), (scene->item_count + 1) * 4ull),
+        .visible = graph_create_buffer(graph, graph_name(graph, "%s visible items", what), MAX(scene->item_count, 1u) * 4ull),
+        .draws = graph_create_buffer(graph, graph_name(graph, "%s draw list", what), MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
+    if (occluders) draws.hidden = graph_create_buffer(graph, graph_name(graph, "%s hidden", what), (scene->item_count + 1) * 4ull);
     struct cull_data data = {.scene = scene, .view = view, .draws = draws, .shader = &shader_cull_mark_comp};
     if (occluders) {
         data.occluders = *occluders;
-        graph_add_clear(graph, names->clear, GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {draws.hidden}});
+        graph_add_clear(graph, graph_name(graph, "%s clear", what), GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {draws.hidden}});
     }
-    struct graph_pass *pass = graph_add_pass(graph, names->mark, GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, graph_name(graph, "%s mark", what), GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, draws.sums, GRAPH_WRITE_COMPUTE);
     if (occluders) {
         graph_use_buffer(pass, occluders->levels, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, draws.hidden, GRAPH_READ_WRITE_COMPUTE);
     }
-    prefix_sum_add(graph, &names->sum, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
+    prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
     data.shader = &shader_cull_fill_comp;
-    pass = graph_add_pass(graph, names->fill, GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
+    pass = graph_add_pass(graph, graph_name(graph, "%s fill", what), GRAPH_QUEUE_GRAPHICS, execute_cull, &data, sizeof data);
     graph_use_buffer(pass, draws.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, draws.visible, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, draws.draws, GRAPH_WRITE_COMPUTE);
@@ -127,9 +126,7 @@ struct geometry_draws cull_items_add(struct graph *graph, const struct cull_name
 
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,
                                       const struct hierarchy *occluders) {
-    static const struct cull_names names = {"cull clear",    "cull mark", "cull fill",    "visible sums",
-                                            "visible items", "draws",     "hidden items", PREFIX_SUM_NAMES("cull")};
-    struct geometry_draws draws = cull_items_add(graph, &names, scene, view, occluders);
+    struct geometry_draws draws = cull_items_add(graph, "cull", scene, view, occluders);
     if (scene->blend_item_count) add_sort(graph, scene, view, &draws);
     return draws;
 }

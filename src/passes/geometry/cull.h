@@ -7,18 +7,11 @@
 #include "passes/geometry/occlusion.h"
 #include "passes/geometry/prefix_sum.h"
 
-struct cull_names {
-    const char *clear, *mark, *fill, *sums, *visible, *draws, *hidden;
-    struct prefix_sum_names sum;
-};
-#define CULL_NAMES(what)                                                                                                    \
-    {                                                                                                                       \
-        what " clear", what " mark", what " fill", what " visible sums", what " visible items", what " draw list",          \
-            what " hidden", PREFIX_SUM_NAMES(what)                                                                          \
-    }
-
-/** cull_add without blended items, which have no order yet; opaque items that `occluders` (or NULL) hide are left out. */
-struct geometry_draws cull_items_add(struct graph *graph, const struct cull_names *names, const struct geometry_scene *scene,
+/**
+ * cull_add without blended items, which have no order yet; opaque items that `occluders` (or NULL) hide are left out.
+ * Passes and buffers are called "`what` …".
+ */
+struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
                                      VkDeviceAddress view, const struct hierarchy *occluders);
 /** cull_add with occluders. */
 struct geometry_draws cull_add_hidden(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view,

@@ -94,7 +94,6 @@ static struct hierarchy add_depth(struct graph *graph, struct occlusion_data dat
 struct geometry_draws occlusion_add(struct graph *graph, gpu_device *device, const struct geometry_scene *scene,
                                     const struct gpu_view *camera, const struct gpu_view *previous, VkDeviceAddress view,
                                     uint32_t samples, struct hierarchy *out) {
-    static const struct cull_names names = CULL_NAMES("cull occluders");
     struct occlusion_data data = {.view = view, .samples = samples};
     struct graph_history tiles =
         graph_history(graph, &(struct graph_image_params){.name = "depth tiles",
@@ -109,7 +108,7 @@ struct geometry_draws occlusion_add(struct graph *graph, gpu_device *device, con
         data.previous = slice.address;
         likely = add_reprojection(graph, data, camera, tiles.previous);
     }
-    struct geometry_draws occluders = cull_items_add(graph, &names, scene, view, likely.levels.id ? &likely : NULL);
+    struct geometry_draws occluders = cull_items_add(graph, "cull occluders", scene, view, likely.levels.id ? &likely : NULL);
     graph_image depth = graph_create_image(graph, &(struct graph_image_params){.name = "occluder depth",
                                                                                .format = GEOMETRY_DEPTH_FORMAT,
                                                                                .width = camera->size.x,

@@ -28,22 +28,22 @@ static void add_step(struct graph *graph, const char *name, struct sum_data data
     graph_use_buffer(pass, data.blocks, adds ? GRAPH_READ_COMPUTE : GRAPH_WRITE_COMPUTE);
 }
 
-static void add_level(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values,
-                      uint32_t count, int level) {
-    uint32_t block_count = DIVIDE_UP(count, PREFIX_SUM_BLOCK);
+static void add_level(struct graph *graph, const char *what, enum graph_queue queue, graph_buffer values, uint32_t count,
+                      uint32_t level) {
+    uint32_t block_count = DIVIDE_UP(count, PREFIX_SUM_BLOCK), number = level ? level + 1 : 0;
+    const char *totals = graph_numbered_name(graph, graph_name(graph, "%s totals", what), number);
     struct sum_data data = {.values = values,
                             .count = count,
                             .queue = queue,
                             .shader = &shader_prefix_sum_block_comp,
-                            .blocks = graph_create_buffer(graph, names->buffers[level], block_count * 4ull)};
-    add_step(graph, names->block[level], data);
+                            .blocks = graph_create_buffer(graph, totals, block_count * 4ull)};
+    add_step(graph, graph_numbered_name(graph, graph_name(graph, "%s sum", what), number), data);
     if (block_count == 1) return;
-    add_level(graph, names, queue, data.blocks, block_count, level + 1);
+    add_level(graph, what, queue, data.blocks, block_count, level + 1);
     data.shader = &shader_prefix_sum_add_comp;
-    add_step(graph, names->add[level], data);
+    add_step(graph, graph_numbered_name(graph, graph_name(graph, "%s sum add", what), number), data);
 }
 
-void prefix_sum_add(struct graph *graph, const struct prefix_sum_names *names, enum graph_queue queue, graph_buffer values,
-                    uint32_t count) {
-    add_level(graph, names, queue, values, count, 0);
+void prefix_sum_add(struct graph *graph, const char *what, enum graph_queue queue, graph_buffer values, uint32_t count) {
+    add_level(graph, what, queue, values, count, 0);
 }

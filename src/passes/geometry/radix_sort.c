@@ -37,16 +37,20 @@ static void add_step(struct graph *graph, const char *name, const struct sort_da
 }
 
 graph_buffer radix_sort_add(struct graph *graph, const struct radix_sort_params *params) {
+    const char *what = params->what;
     struct sort_data data = {
         .params = *params, .in = params->pairs, .block_count = DIVIDE_UP(params->capacity, RADIX_BLOCK)};
     for (uint32_t step = 0; step * RADIX_BITS < params->bits; step++) {
+        uint32_t number = step + 1;
         data.shift = step * RADIX_BITS;
         data.out = (graph_buffer){0};
-        data.counts = graph_create_buffer(graph, params->names->steps[step].counts, data.block_count * RADIX_DIGITS * 4ull);
-        add_step(graph, params->names->steps[step].count, &data);
-        prefix_sum_add(graph, &params->names->steps[step].sum, params->queue, data.counts, data.block_count * RADIX_DIGITS);
-        data.out = graph_create_buffer(graph, params->names->steps[step].pairs, params->capacity * 8ull);
-        add_step(graph, params->names->steps[step].scatter, &data);
+        data.counts = graph_create_buffer(graph, graph_name(graph, "%s sort counts %u", what, number),
+                                          data.block_count * RADIX_DIGITS * 4ull);
+        add_step(graph, graph_name(graph, "%s sort count %u", what, number), &data);
+        prefix_sum_add(graph, graph_name(graph, "%s sort %u", what, number), params->queue, data.counts,
+                       data.block_count * RADIX_DIGITS);
+        data.out = graph_create_buffer(graph, graph_name(graph, "%s sort pairs %u", what, number), params->capacity * 8ull);
+        add_step(graph, graph_name(graph, "%s sort scatter %u", what, number), &data);
         data.in = data.out;
     }
     return data.in;

@@ -9,31 +9,8 @@
 
 #include "passes/geometry/prefix_sum.h"
 
-enum { RADIX_STEPS = 8 };
-
-/** Names of the passes and buffers of one sort, made from a literal: RADIX_SORT_NAMES("lights") */
-struct radix_sort_names {
-    struct {
-        const char *count, *scatter, *counts, *pairs;
-        struct prefix_sum_names sum;
-    } steps[RADIX_STEPS];
-};
-#define RADIX_SORT_STEP_NAMES(what, n)                                                                                      \
-    {                                                                                                                       \
-        what " sort count " n, what " sort scatter " n, what " sort counts " n, what " sort pairs " n,                      \
-            PREFIX_SUM_NAMES(what " sort " n)                                                                               \
-    }
-#define RADIX_SORT_NAMES(what)                                                                                              \
-    {                                                                                                                       \
-        {                                                                                                                   \
-            RADIX_SORT_STEP_NAMES(what, "1"), RADIX_SORT_STEP_NAMES(what, "2"), RADIX_SORT_STEP_NAMES(what, "3"),           \
-                RADIX_SORT_STEP_NAMES(what, "4"), RADIX_SORT_STEP_NAMES(what, "5"), RADIX_SORT_STEP_NAMES(what, "6"),       \
-                RADIX_SORT_STEP_NAMES(what, "7"), RADIX_SORT_STEP_NAMES(what, "8")                                          \
-        }                                                                                                                   \
-    }
-
 struct radix_sort_params {
-    const struct radix_sort_names *names;
+    const char *what; /* passes and buffers are called "`what` sort …" */
     enum graph_queue queue;
     graph_buffer pairs;    /* key, value; not changed */
     uint32_t capacity;     /* pairs that the buffer holds, at least 1, below 2^31 */

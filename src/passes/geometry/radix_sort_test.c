@@ -34,7 +34,6 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 
 /* Sorts the first `count` of `capacity` pairs on the device; the result is to be freed. */
 static struct pair *sort(const struct pair *pairs, uint32_t capacity, uint32_t count, uint32_t bits) {
-    static const struct radix_sort_names names = RADIX_SORT_NAMES("test");
     gpu_device *device = harness_device();
     struct graph *graph;
     struct gpu_buffer in, counts, out;
@@ -47,7 +46,7 @@ static struct pair *sort(const struct pair *pairs, uint32_t capacity, uint32_t c
     graph_begin(graph);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct radix_sort_params params = {
-        .names = &names, .pairs = graph_import_buffer(graph, "in", &in), .capacity = capacity, .bits = bits};
+        .what = "test", .pairs = graph_import_buffer(graph, "in", &in), .capacity = capacity, .bits = bits};
     if (count < capacity) {
         params.count = graph_import_buffer(graph, "counts", &counts);
         params.count_offset = 4;

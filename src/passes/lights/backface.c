@@ -129,12 +129,11 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
 struct light_list backface_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                const struct lights_in_view *in_view, const struct gbuffer *gbuffer,
                                const struct backface_params *params) {
-    static const struct cells_names names = CELLS_NAMES("backface");
     struct own_data data = {.input = *input,
                             .in_view = *in_view,
                             .build = tiled_build(graph, device, input, gbuffer->depth, &params->tiles),
                             .gbuffer = *gbuffer};
-    data.build.names = &names;
+    data.build.what = "backface";
     const uint32_t tile_count = data.build.bounds_groups_x * data.build.bounds_groups_y;
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_backface));
     data.block = slice.data;

@@ -42,23 +42,13 @@ static void execute_tree(const struct graph_context *context, const void *data) 
     gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
 }
 
-/* Of passes and buffers. */
-struct tree_names {
-    const char *keys, *spheres, *boxes, *levels[BVH_LEVELS];
-    struct radix_sort_names sort;
-};
-#define TREE_NAMES(what)                                                                                                    \
-    {                                                                                                                       \
-        what " keys", what " spheres", what " boxes", {what " leaves",  what " nodes",   what " nodes 2", what " nodes 3",  \
-                                                       what " nodes 4", what " nodes 5", what " nodes 6"},                  \
-            RADIX_SORT_NAMES(what)                                                                                          \
-    }
+/* Leaves, nodes, nodes 2 … */
+static const char *level_name(struct graph *graph, const char *leaves, const char *nodes, uint32_t level) {
+    return level ? graph_numbered_name(graph, nodes, level > 1 ? level : 0) : leaves;
+}
 
 struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                         VkDeviceAddress header) {
-    static const struct tree_names all_names[LIGHT_USE_COUNT] = {TREE_NAMES("bvh"), TREE_NAMES("decal bvh"),
-                                                                 TREE_NAMES("fallback bvh")};
-    const struct tree_names *names = &all_names[input->use];
     uint32_t count = MAX(input->local_count, 1u), box_count = 0;
     struct tree_data data = {.input = *input, .in_view = *in_view, .header = header, .threads = count};
     struct bvh *tree = &data.tree;
@@ -68,27 +58,28 @@ struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, co
         box_count += nodes;
         if (nodes <= BVH_WIDTH) break;
     }
-    graph_buffer pairs = graph_create_buffer(graph, names->keys, count * 8ull);
+    graph_buffer pairs = graph_create_buffer(graph, "bvh keys", count * 8ull);
     tree->pairs = pairs;
     data.shader = &shader_bvh_keys_comp;
-    struct graph_pass *pass = graph_add_pass(graph, names->keys, input->queue, execute_tree, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "bvh keys", input->queue, execute_tree, &data, sizeof data);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, pairs, GRAPH_WRITE_COMPUTE);
 
-    tree->pairs = radix_sort_add(graph, &(struct radix_sort_params){.names = &names->sort,
+    tree->pairs = radix_sort_add(graph, &(struct radix_sort_params){.what = "bvh",
                                                                     .queue = input->queue,
                                                                     .pairs = pairs,
                                                                     .capacity = count,
                                                                     .bits = BVH_KEY_BITS,
                                                                     .count = in_view->sums,
                                                                     .count_offset = input->local_count * 4ull});
-    tree->spheres = graph_create_buffer(graph, names->spheres, count * sizeof(struct gpu_bound));
-    tree->boxes = graph_create_buffer(graph, names->boxes, box_count * sizeof(struct gpu_bvh_box));
+    tree->spheres = graph_create_buffer(graph, "bvh spheres", count * sizeof(struct gpu_bound));
+    tree->boxes = graph_create_buffer(graph, "bvh boxes", box_count * sizeof(struct gpu_bvh_box));
     for (data.level = 0; data.level < tree->level_count; data.level++) {
         data.shader = data.level == 0 ? &shader_bvh_leaves_comp : &shader_bvh_level_comp;
         data.threads = tree->counts[data.level];
-        pass = graph_add_pass(graph, names->levels[data.level], input->queue, execute_tree, &data, sizeof data);
+        pass = graph_add_pass(graph, level_name(graph, "bvh leaves", "bvh nodes", data.level), input->queue, execute_tree, &data,
+                              sizeof data);
         if (data.level == 0) {
             graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
             graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
@@ -235,7 +226,7 @@ static void choose_groups(struct query_data *d) {
 }
 
 static void add_masks(struct graph *graph, struct query_data *d) {
-    const struct bvh_names *names = d->query.names;
+    const char *what = d->query.what;
     uint32_t mask_count = 0;
     for (uint32_t l = 0; l < d->tree.level_count; l++) d->words[l] = DIVIDE_UP(d->tree.counts[l], 32u);
     choose_groups(d);
@@ -243,16 +234,17 @@ static void add_masks(struct graph *graph, struct query_data *d) {
         d->first_masks[l] = mask_count;
         mask_count += d->group_count * d->words[l];
     }
-    d->groups = graph_create_buffer(graph, names->groups_buffer, d->group_count * sizeof(struct gpu_bvh_box));
-    d->masks = graph_create_buffer(graph, names->masks_buffer, mask_count * 4ull);
+    d->groups = graph_create_buffer(graph, graph_name(graph, "%s group boxes", what), d->group_count * sizeof(struct gpu_bvh_box));
+    d->masks = graph_create_buffer(graph, graph_name(graph, "%s masks", what), mask_count * 4ull);
     d->step = QUERY_GROUPS;
-    struct graph_pass *pass = add_query_pass(graph, names->groups, execute_masks, d);
+    struct graph_pass *pass = add_query_pass(graph, graph_name(graph, "%s groups", what), execute_masks, d);
     graph_use_buffer(pass, d->query.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, d->groups, GRAPH_WRITE_COMPUTE);
     d->step = QUERY_MASKS;
+    const char *leaves = graph_name(graph, "%s leaves touched", what), *nodes = graph_name(graph, "%s nodes touched", what);
     for (uint32_t l = d->tree.level_count; l-- > 0;) {
         d->level = l;
-        pass = add_query_pass(graph, names->masks[l], execute_masks, d);
+        pass = add_query_pass(graph, level_name(graph, leaves, nodes, l), execute_masks, d);
         graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, d->groups, GRAPH_READ_COMPUTE);
         graph_use_buffer(pass, d->tree.boxes, GRAPH_READ_COMPUTE);
@@ -272,7 +264,7 @@ static void use_tree(struct graph_pass *pass, const struct query_data *d) {
 struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                 const struct lights_in_view *in_view, const struct bvh *tree,
                                 const struct bvh_query *query) {
-    const struct bvh_names *names = query->names;
+    const char *what = query->what;
     struct query_data data = {.input = *input, .in_view = *in_view, .tree = *tree, .query = *query};
     add_masks(graph, &data);
 
@@ -296,22 +288,22 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
     while (input->local_count > 1ull << bits) bits++;
     data.sort_steps = DIVIDE_UP(bits, RADIX_BITS);
 
-    data.sums = graph_create_buffer(graph, names->cells.sums_buffer, sum_count * 4ull);
-    data.cells = graph_create_buffer(graph, names->cells.cells_buffer, query->cell_count * sizeof(struct gpu_cell));
-    data.ids = graph_create_buffer(graph, names->cells.ids_buffer, MAX(query->pool_capacity, 1u) * 4ull);
-    data.unsorted = graph_create_buffer(graph, names->unsorted_buffer, MAX(query->pool_capacity, 1u) * 4ull);
-    data.overflow = graph_create_buffer(graph, names->cells.overflow_buffer, 4);
+    data.sums = graph_create_buffer(graph, graph_name(graph, "%s sums", what), sum_count * 4ull);
+    data.cells = graph_create_buffer(graph, graph_name(graph, "%s cells", what), query->cell_count * sizeof(struct gpu_cell));
+    data.ids = graph_create_buffer(graph, graph_name(graph, "%s ids", what), MAX(query->pool_capacity, 1u) * 4ull);
+    data.unsorted = graph_create_buffer(graph, graph_name(graph, "%s unsorted ids", what), MAX(query->pool_capacity, 1u) * 4ull);
+    data.overflow = graph_create_buffer(graph, graph_name(graph, "%s overflow", what), 4);
 
     data.step = QUERY_COUNT;
-    struct graph_pass *pass = add_query_pass(graph, names->cells.count, execute_query, &data);
+    struct graph_pass *pass = add_query_pass(graph, graph_name(graph, "%s count", what), execute_query, &data);
     use_tree(pass, &data);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
 
-    prefix_sum_add(graph, &names->cells.sum, input->queue, data.sums, sum_count);
+    prefix_sum_add(graph, what, input->queue, data.sums, sum_count);
 
     data.step = QUERY_FILL;
-    pass = add_query_pass(graph, names->cells.fill, execute_query, &data);
+    pass = add_query_pass(graph, graph_name(graph, "%s fill", what), execute_query, &data);
     use_tree(pass, &data);
     graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_READ_WRITE_COMPUTE);
@@ -320,7 +312,7 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
 
     data.step = QUERY_SORT;
-    pass = add_query_pass(graph, names->sort, execute_sort, &data);
+    pass = add_query_pass(graph, graph_name(graph, "%s sort", what), execute_sort, &data);
     graph_use_buffer(pass, data.cells, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.unsorted, data.sort_steps % 2 ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE);
@@ -329,7 +321,7 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
                                .header = query->header_address,
                                .cells = data.cells,
                                .ids = data.ids,
-                               .spare = light_spare_add(graph, names->cells.spare, names->cells.spare_buffer, input, in_view,
+                               .spare = light_spare_add(graph, what, input, in_view,
                                                         data.overflow, &query->header, &query->header_address, 1,
                                                         input->scattered && query->occupied),
                                .bounds = query->occupied && input->scattered ? query->bounds : (graph_buffer){0},
@@ -337,7 +329,7 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
                                .byte_count = query->cell_count * sizeof(struct gpu_cell) + query->pool_capacity * 4ull,
                                .fixed_bytes = query->cell_count * sizeof(struct gpu_cell),
                                .entry_bytes = 4,
-                               .totals = light_totals_add(graph, names->cells.totals, names->cells.totals_buffer, input,
+                               .totals = light_totals_add(graph, what, input,
                                                           in_view, data.sums, sum_count, data.overflow)};
 }
 
@@ -360,16 +352,16 @@ static void execute_bounds(const struct graph_context *context, const void *data
 }
 
 struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, const struct light_input *input,
-                                   const struct lights_in_view *in_view, const struct bvh *tree,
-                                   const struct bvh_names *names, struct gpu_light_list *header,
-                                   VkDeviceAddress header_address, const struct clustered_params *params) {
+                                   const struct lights_in_view *in_view, const struct bvh *tree, const char *what,
+                                   struct gpu_light_list *header, VkDeviceAddress header_address,
+                                   const struct clustered_params *params) {
     struct bounds_data data = {.view = input->view,
                                .header = header_address,
                                .cell_count = header ? header->tiles_x * header->tiles_y * header->slices : 1};
-    data.bounds = graph_create_buffer(graph, names->cells.bounds_buffer, data.cell_count * sizeof(struct gpu_cell_bounds));
-    struct graph_pass *pass = graph_add_pass(graph, names->cells.bounds, input->queue, execute_bounds, &data, sizeof data);
+    data.bounds = graph_create_buffer(graph, graph_name(graph, "%s cell bounds", what), data.cell_count * sizeof(struct gpu_cell_bounds));
+    struct graph_pass *pass = graph_add_pass(graph, graph_name(graph, "%s bounds", what), input->queue, execute_bounds, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
-    struct bvh_query query = {.names = names,
+    struct bvh_query query = {.what = what,
                               .bounds = data.bounds,
                               .cell_count = data.cell_count,
                               .cone_tests = params->cone_tests,
@@ -383,11 +375,9 @@ struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, cons
 
 struct light_list bvh_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                           const struct lights_in_view *in_view, const struct clustered_params *params) {
-    static const struct bvh_names names[LIGHT_USE_COUNT] = {BVH_NAMES("bvh"), BVH_NAMES("decal cells"),
-                                                            BVH_NAMES("fallback cells")};
     VkDeviceAddress address;
     struct gpu_light_list *header = light_list_header(device, input, &address);
     if (header) clustered_grid(header, input->width, input->height, params);
     struct bvh tree = bvh_tree_add(graph, input, in_view, address);
-    return bvh_clusters_add(graph, device, input, in_view, &tree, &names[input->use], header, address, params);
+    return bvh_clusters_add(graph, device, input, in_view, &tree, "bvh", header, address, params);
 }

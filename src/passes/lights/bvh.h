@@ -22,26 +22,12 @@ struct bvh {
     uint32_t counts[BVH_LEVELS], firsts[BVH_LEVELS]; /* nodes of each level, leaves first, as if all lights were in view */
 };
 
-/** The tree, one a frame; `header` is a list whose grid is filled in. */
+/** The tree, one a view; `header` is a list whose grid is filled in. */
 struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                         VkDeviceAddress header);
 
-/** Names of the passes and buffers of one query beside those of its cells. */
-struct bvh_names {
-    struct cells_names cells;
-    const char *groups, *masks[BVH_LEVELS], *sort;
-    const char *groups_buffer, *masks_buffer, *unsorted_buffer;
-};
-#define BVH_NAMES(what)                                                                                                     \
-    {                                                                                                                       \
-        CELLS_NAMES(what), what " groups",                                                                                  \
-            {what " leaves touched",  what " nodes touched",   what " nodes touched 2", what " nodes touched 3",            \
-             what " nodes touched 4", what " nodes touched 5", what " nodes touched 6"},                                    \
-            what " sort", what " group boxes", what " masks", what " unsorted ids"                                          \
-    }
-
 struct bvh_query {
-    const struct bvh_names *names;
+    const char *what;             /* passes and buffers are called "`what` …" */
     graph_buffer bounds;          /* struct gpu_cell_bounds */
     uint32_t cell_count;          /* that could be */
     graph_buffer cell_counter;    /* their number; id 0: cell_count, and they are the clusters of the header's grid */
@@ -60,9 +46,9 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
 
 /** Clusters of the header's grid, filled from the tree. */
 struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, const struct light_input *input,
-                                   const struct lights_in_view *in_view, const struct bvh *tree,
-                                   const struct bvh_names *names, struct gpu_light_list *header,
-                                   VkDeviceAddress header_address, const struct clustered_params *params);
+                                   const struct lights_in_view *in_view, const struct bvh *tree, const char *what,
+                                   struct gpu_light_list *header, VkDeviceAddress header_address,
+                                   const struct clustered_params *params);
 
 /** The clusters of clustered_add, filled from a tree made for them: the same entries in the same order. Needs no depth. */
 struct light_list bvh_add(struct graph *graph, gpu_device *device, const struct light_input *input,

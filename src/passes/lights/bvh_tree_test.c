@@ -14,7 +14,6 @@ enum { LIGHTS = 3000, WIDTH = 301, HEIGHT = 173, BLOCK_X = 2, BLOCK_Y = 2, BLOCK
 static fnl_light_params params[LIGHTS];
 static struct gpu_light lights[LIGHTS];
 
-static const struct bvh_names names = BVH_NAMES("tested");
 
 struct node_box {
     float low[3], high[3];
@@ -59,7 +58,7 @@ static struct built build(const struct gpu_view *view, const char *pass, const c
     b.list.grid = *header;
     b.tree = bvh_tree_add(lab.graph, &lab.input, &lab.in_view, address);
     struct light_list list =
-        bvh_clusters_add(lab.graph, device, &lab.input, &lab.in_view, &b.tree, &names, header, address, &grid);
+        bvh_clusters_add(lab.graph, device, &lab.input, &lab.in_view, &b.tree, "tested", header, address, &grid);
     struct gpu_buffer captured, box;
     assert_int_equal(gpu_buffer_create(device, "captured", 1 << 22, GPU_MEMORY_READBACK, &captured), FNL_OK);
     assert_int_equal(gpu_buffer_create(device, "spoiled box", sizeof *spoiled, GPU_MEMORY_UPLOAD, &box), FNL_OK);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/lights/cells.h"
 
+#include "passes/geometry/prefix_sum.h"
 #include "shaders.h"
 
 enum { MAX_SUMS = 1 << 24, MAX_CHUNKS = 65535 };
@@ -77,7 +78,7 @@ static void execute_step(const struct graph_context *context, const void *data) 
 
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build) {
-    const struct cells_names *names = build->names;
+    const char *what = build->what;
     struct step_data data = {.input = *input, .in_view = *in_view, .build = *build};
     /* Without memory for the header the device already carries a sticky error; the grid only has to be valid. */
     data.cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
@@ -88,15 +89,15 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         data.chunk_size *= 2;
     data.chunk_count = MAX(DIVIDE_UP(input->local_count, data.chunk_size), 1u);
     uint32_t sum_count = data.cell_count * data.chunk_count + 1;
-    data.bounds = graph_create_buffer(graph, names->bounds_buffer, data.cell_count * sizeof(struct gpu_cell_bounds));
-    data.sums = graph_create_buffer(graph, names->sums_buffer, sum_count * 4ull);
-    data.cells = graph_create_buffer(graph, names->cells_buffer, data.cell_count * sizeof(struct gpu_cell));
-    data.ids = graph_create_buffer(graph, names->ids_buffer, MAX(build->pool_capacity, 1u) * 4ull);
-    data.overflow = graph_create_buffer(graph, names->overflow_buffer, 4);
-    if (build->extra_bytes) data.extra = graph_create_buffer(graph, names->extra_buffer, build->extra_bytes);
+    data.bounds = graph_create_buffer(graph, graph_name(graph, "%s cell bounds", what), data.cell_count * sizeof(struct gpu_cell_bounds));
+    data.sums = graph_create_buffer(graph, graph_name(graph, "%s sums", what), sum_count * 4ull);
+    data.cells = graph_create_buffer(graph, graph_name(graph, "%s cells", what), data.cell_count * sizeof(struct gpu_cell));
+    data.ids = graph_create_buffer(graph, graph_name(graph, "%s ids", what), MAX(build->pool_capacity, 1u) * 4ull);
+    data.overflow = graph_create_buffer(graph, graph_name(graph, "%s overflow", what), 4);
+    if (build->extra_bytes) data.extra = graph_create_buffer(graph, graph_name(graph, "%s extra", what), build->extra_bytes);
     bool ranges = build->flags & CELLS_RANGES; /* then fill writes what is extra, else the bounds do */
 
-    struct graph_pass *pass = graph_add_pass(graph, names->bounds, input->queue, execute_step, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, graph_name(graph, "%s bounds", what), input->queue, execute_step, &data, sizeof data);
     if (build->depth.id) graph_use_image(pass, build->depth, GRAPH_SAMPLE_COMPUTE);
     if (build->front.id) graph_use_image(pass, build->front, GRAPH_SAMPLE_COMPUTE);
     if (build->bounds_input.id) graph_use_buffer(pass, build->bounds_input, GRAPH_READ_COMPUTE);
@@ -104,7 +105,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     if (data.extra.id && !ranges) graph_use_buffer(pass, data.extra, GRAPH_WRITE_COMPUTE);
 
     data.step = STEP_COUNT;
-    pass = graph_add_pass(graph, names->count, input->queue, execute_step, &data, sizeof data);
+    pass = graph_add_pass(graph, graph_name(graph, "%s count", what), input->queue, execute_step, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
@@ -120,10 +121,10 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                             data.chunk_count},
                     refine->user);
 
-    prefix_sum_add(graph, &names->sum, input->queue, data.sums, sum_count);
+    prefix_sum_add(graph, what, input->queue, data.sums, sum_count);
 
     data.step = STEP_FILL;
-    pass = graph_add_pass(graph, names->fill, input->queue, execute_step, &data, sizeof data);
+    pass = graph_add_pass(graph, graph_name(graph, "%s fill", what), input->queue, execute_step, &data, sizeof data);
     graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
@@ -141,7 +142,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     if (data.extra.id) graph_use_buffer(pass, data.extra, ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
 
     graph_buffer spare =
-        light_spare_add(graph, names->spare, names->spare_buffer, input, in_view, data.overflow, &build->header,
+        light_spare_add(graph, what, input, in_view, data.overflow, &build->header,
                         &build->header_address, 1, input->scattered && (build->depth.id || build->bounds_input.id));
     uint64_t fixed_bytes = data.cell_count * sizeof(struct gpu_cell) + (ranges ? 0 : build->extra_bytes);
     uint32_t entry_bytes = ranges ? 8 : 4;
@@ -156,6 +157,6 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                .byte_count = fixed_bytes + (uint64_t)build->pool_capacity * entry_bytes,
                                .fixed_bytes = fixed_bytes,
                                .entry_bytes = entry_bytes,
-                               .totals = light_totals_add(graph, names->totals, names->totals_buffer, input, in_view,
+                               .totals = light_totals_add(graph, what, input, in_view,
                                                           data.sums, sum_count, data.overflow)};
 }

@@ -3,22 +3,8 @@
 #ifndef FNL_PASSES_CELLS_H
 #define FNL_PASSES_CELLS_H
 
-#include "passes/geometry/prefix_sum.h"
 #include "passes/lights/cells_shared.h"
 #include "passes/lights/light_list.h"
-
-/** Names of the passes and buffers; one static table for each list that a frame may hold. */
-struct cells_names {
-    const char *bounds, *count, *fill, *totals, *spare;
-    const char *bounds_buffer, *sums_buffer, *cells_buffer, *ids_buffer, *overflow_buffer, *totals_buffer, *extra_buffer, *spare_buffer;
-    struct prefix_sum_names sum;
-};
-#define CELLS_NAMES(what)                                                                                                   \
-    {                                                                                                                       \
-        what " bounds", what " count", what " fill", what " totals", what " spare", what " cell bounds", what " sums",      \
-            what " cells", what " ids", what " overflow", what " list totals", what " extra", what " spare list",           \
-            PREFIX_SUM_NAMES(what)                                                                                          \
-    }
 
 /** What is known when the lights of each cell are counted: sums[cell * chunk_count + chunk]. */
 struct cells_counted {
@@ -42,7 +28,7 @@ struct cells_refine {
 static inline bool cells_use_reaches(uint32_t flags) { return (flags & (CELLS_CONES | CELLS_RECTANGLE)) != 0; }
 
 struct cells_build {
-    const struct cells_names *names;
+    const char *what; /* passes and buffers are called "`what` …" */
     const struct gpu_shader *bounds_shader;
     uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */

@@ -23,9 +23,7 @@ void clustered_grid(struct gpu_light_list *header, uint32_t width, uint32_t heig
 
 struct light_list clustered_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                 const struct lights_in_view *in_view, const struct clustered_params *params) {
-    static const struct cells_names names[LIGHT_USE_COUNT] = {CELLS_NAMES("clustered"), CELLS_NAMES("decal cells"),
-                                                              CELLS_NAMES("fallback cells")};
-    struct cells_build build = {.names = &names[input->use],
+    struct cells_build build = {.what = "clustered",
                                 .bounds_shader = &shader_clustered_bounds_comp,
                                 .bounds_samples = 1,
                                 .flags = params->cone_tests ? CELLS_CONES : 0,

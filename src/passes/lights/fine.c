@@ -124,7 +124,6 @@ static uint32_t mask_size_of(const struct fine_params *params, uint32_t cell_cou
 
 struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, graph_image depth, const struct fine_params *params) {
-    static const struct prefix_sum_names sum_names = PREFIX_SUM_NAMES("fine");
     uint32_t tiles_x = DIVIDE_UP(input->width, params->tile_size), tiles_y = DIVIDE_UP(input->height, params->tile_size),
              tile_count = tiles_x * tiles_y, words = MAX(DIVIDE_UP(input->local_count, 32u), 1u);
     struct step_data all = {.input = *input,
@@ -203,9 +202,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     add_step(graph, "fine mark", &shader_fine_mark_comp, &all, DIVIDE_UP(words, 64u),
              DIVIDE_UP(tiles_x, all.block) * DIVIDE_UP(tiles_y, all.block), all.list_count);
     add_step(graph, "fine count", &shader_fine_count_comp, &all, tiles_x, tiles_y, all.list_count);
-    prefix_sum_add(graph, &sum_names, input->queue, all.sums, cell_count + 1);
+    prefix_sum_add(graph, "fine", input->queue, all.sums, cell_count + 1);
     add_step(graph, "fine fill", &shader_fine_fill_comp, &all, tiles_x, tiles_y, all.list_count);
-    graph_buffer totals = light_totals_add(graph, "fine totals", "fine list totals", &all.input, &all.in_view, all.sums,
+    graph_buffer totals = light_totals_add(graph, "fine", &all.input, &all.in_view, all.sums,
                                            cell_count + 1, all.overflow);
 
     struct fine_lists lists = {.boxes = all.boxes};
@@ -215,7 +214,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                                        .cells = all.cells,
                                        .ids = params->packed ? in_view->ids : all.ids,
                                        .extra = all.extra,
-                                       .spare = light_spare_add(graph, "fine spare", "fine spare list", &all.input,
+                                       .spare = light_spare_add(graph, "fine", &all.input,
                                                                 &all.in_view, all.overflow, all.headers, addresses,
                                                                 all.list_count, false),
                                        .cell_count = cell_count,

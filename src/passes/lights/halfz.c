@@ -4,10 +4,9 @@
 
 struct light_list halfz_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
-    static const struct cells_names names = CELLS_NAMES("halfz");
     if (!depth.id) return tiled_add(graph, device, input, in_view, depth, params); /* nothing to split */
     struct cells_build build = tiled_build(graph, device, input, depth, params);
-    build.names = &names;
+    build.what = "halfz";
     build.bounds_shader = &shader_halfz_bounds_comp;
     build.flags |= CELLS_MIN_DEPTH | CELLS_MAX_DEPTH;
     build.extra_bytes = (uint64_t)build.bounds_groups_x * build.bounds_groups_y * 4;

@@ -2,7 +2,7 @@
 #include "passes/lights/light_list.h"
 
 #include "passes/geometry/prefix_sum.h"
-#include "passes/lights/cells.h"
+#include "passes/lights/cells_shared.h"
 #include "shaders.h"
 
 void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use) {
@@ -65,32 +65,20 @@ static void execute_lights(const struct graph_context *context, const void *data
 }
 
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
-    static const struct in_view_names {
-        const char *mark, *gather, *sums, *ids, *bounds, *reaches;
-        struct prefix_sum_names sum;
-    } all_names[LIGHT_USE_COUNT] = {
-        {"lights mark", "lights gather", "light sums", "lights in view", "light bounds", "light reaches",
-         PREFIX_SUM_NAMES("lights")},
-        {"decals mark", "decals gather", "decal sums", "decals in view", "decal bounds", "decal reaches",
-         PREFIX_SUM_NAMES("decals")},
-        {"fallback mark", "fallback gather", "fallback sums", "fallback in view", "fallback bounds", "fallback reaches",
-         PREFIX_SUM_NAMES("fallback")},
-    };
-    const struct in_view_names *names = &all_names[input->use];
     uint64_t count = MAX(input->local_count, 1u);
     struct view_data data = {.input = *input, .shader = &shader_lights_mark_comp};
-    data.in_view.sums = graph_create_buffer(graph, names->sums, (input->local_count + 1) * 4ull);
-    data.in_view.ids = graph_create_buffer(graph, names->ids, count * 4);
-    data.in_view.bounds = graph_create_buffer(graph, names->bounds, count * sizeof(struct gpu_bound));
+    data.in_view.sums = graph_create_buffer(graph, "light sums", (input->local_count + 1) * 4ull);
+    data.in_view.ids = graph_create_buffer(graph, "lights in view", count * 4);
+    data.in_view.bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound));
     if (!input->spheres_only)
-        data.in_view.reaches = graph_create_buffer(graph, names->reaches, count * sizeof(struct gpu_reach));
+        data.in_view.reaches = graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach));
     light_list_header(device, input, &data.header);
-    struct graph_pass *pass = graph_add_pass(graph, names->mark, input->queue, execute_lights, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, "lights mark", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names->sum, input->queue, data.in_view.sums, input->local_count + 1);
+    prefix_sum_add(graph, "lights", input->queue, data.in_view.sums, input->local_count + 1);
     data.shader = &shader_lights_gather_comp;
-    pass = graph_add_pass(graph, names->gather, input->queue, execute_lights, &data, sizeof data);
+    pass = graph_add_pass(graph, "lights gather", input->queue, execute_lights, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.in_view.ids, GRAPH_WRITE_COMPUTE);
@@ -117,16 +105,18 @@ static void execute_totals(const struct graph_context *context, const void *data
                     offsetof(struct light_totals, overflow_cells), 4);
 }
 
-graph_buffer light_totals_add(struct graph *graph, const char *pass_name, const char *buffer_name,
-                              const struct light_input *input, const struct lights_in_view *in_view, graph_buffer sums,
-                              uint32_t sum_count, graph_buffer overflow) {
+graph_buffer light_totals_add(struct graph *graph, const char *what, const struct light_input *input,
+                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
+                              graph_buffer overflow) {
     struct totals_data totals = {.sums = sums,
                                  .overflow = overflow,
                                  .lights = in_view->sums,
-                                 .totals = graph_create_buffer(graph, buffer_name, sizeof(struct light_totals)),
+                                 .totals = graph_create_buffer(graph, graph_name(graph, "%s list totals", what),
+                                                               sizeof(struct light_totals)),
                                  .sums_offset = (sum_count - 1) * 4ull,
                                  .lights_offset = input->local_count * 4ull};
-    struct graph_pass *pass = graph_add_pass(graph, pass_name, input->queue, execute_totals, &totals, sizeof totals);
+    struct graph_pass *pass = graph_add_pass(graph, graph_name(graph, "%s totals", what), input->queue, execute_totals,
+                                             &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.overflow, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.lights, GRAPH_COPY_FROM);
@@ -166,7 +156,7 @@ static void execute_spare(const struct graph_context *context, const void *data)
     gpu_dispatch_linear(context->commands, MIN(DIVIDE_UP(d->input.local_count, 32u), (uint32_t)SPARE_GROUPS));
 }
 
-graph_buffer light_spare_add(struct graph *graph, const char *name, const char *buffer_name, const struct light_input *input,
+graph_buffer light_spare_add(struct graph *graph, const char *what, const struct light_input *input,
                              const struct lights_in_view *in_view, graph_buffer overflow,
                              struct gpu_light_list *const headers[], const VkDeviceAddress addresses[], uint32_t header_count,
                              bool always) {
@@ -186,8 +176,9 @@ graph_buffer light_spare_add(struct graph *graph, const char *name, const char *
         headers[i]->spare_tile_size = size;
         headers[i]->spare_tiles = (uvec2){DIVIDE_UP(input->width, size), DIVIDE_UP(input->height, size)};
     }
-    data.spare = graph_create_buffer(graph, buffer_name, (1 + (uint64_t)SPARE_ROWS * words) * 4);
-    struct graph_pass *pass = graph_add_pass(graph, name, input->queue, execute_spare, &data, sizeof data);
+    data.spare = graph_create_buffer(graph, graph_name(graph, "%s spare list", what), (1 + (uint64_t)SPARE_ROWS * words) * 4);
+    struct graph_pass *pass =
+        graph_add_pass(graph, graph_name(graph, "%s spare", what), input->queue, execute_spare, &data, sizeof data);
     graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, overflow, GRAPH_READ_COMPUTE);

@@ -5,20 +5,13 @@
  *
  * All builders keep the contract: lists ascend by light index, hold every light whose volume touches a pixel's surface, are counted
  * exactly, and a cell that the pool cannot hold uses the spare list in that frame: coarse masks over all lights, which need no pool.
+ * A frame that holds several lists (of views, of decals) adds each under names of its own (graph_push_names).
  */
 #ifndef FNL_PASSES_LIGHT_LIST_H
 #define FNL_PASSES_LIGHT_LIST_H
 
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
-
-/** A frame may hold several lists: each use has passes and buffers of names of its own. */
-enum light_use {
-    LIGHTS_SHADE,    /* those that shading goes through */
-    LIGHTS_DECALS,   /* decals, over whose boxes a list is made as over lights */
-    LIGHTS_FALLBACK, /* lights once more, for pixels that the first list does not serve (clusters) */
-    LIGHT_USE_COUNT
-};
 
 /** Lights on the device: directional ones first. */
 struct light_input {
@@ -29,7 +22,6 @@ struct light_input {
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
-    enum light_use use;     /* default LIGHTS_SHADE */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
@@ -62,7 +54,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
 /** The reference: every light, every pixel. */
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 
-/** Lights in view, shared by all builders of a frame. */
+/** Lights in view, shared by all builders of a view. */
 struct lights_in_view {
     graph_buffer sums;    /* local_count + 1; the last is the number in view */
     graph_buffer ids;     /* ascending */
@@ -80,18 +72,17 @@ enum tile_bounds {
 
 /**
  * Keeps the counts of a list for the statistics: the last of `sum_count` prefix sums is the number of entries, overflow[0] that of cells
- * that did not fit. For builders.
+ * that did not fit. For builders. The pass is called "`what` totals".
  */
-graph_buffer light_totals_add(struct graph *graph, const char *pass_name, const char *buffer_name,
-                              const struct light_input *input, const struct lights_in_view *in_view, graph_buffer sums,
-                              uint32_t sum_count, graph_buffer overflow);
+graph_buffer light_totals_add(struct graph *graph, const char *what, const struct light_input *input,
+                              const struct lights_in_view *in_view, graph_buffer sums, uint32_t sum_count,
+                              graph_buffer overflow);
 
 /**
  * Makes the spare list of lights_shared.h for lists with these headers if overflow[0] is not 0, or always. For builders. Cost: 16 bytes a
- * light; 128 tests of whole numbers for each light where it is made, next to nothing where it is not. `name` and `buffer_name` as of all
- * passes and buffers.
+ * light; 128 tests of whole numbers for each light where it is made, next to nothing where it is not. The pass is called "`what` spare".
  */
-graph_buffer light_spare_add(struct graph *graph, const char *name, const char *buffer_name, const struct light_input *input,
+graph_buffer light_spare_add(struct graph *graph, const char *what, const struct light_input *input,
                              const struct lights_in_view *in_view, graph_buffer overflow,
                              struct gpu_light_list *const headers[], const VkDeviceAddress addresses[], uint32_t header_count,
                              bool always);

@@ -31,17 +31,16 @@ static struct light_list add_by_tree(struct graph *graph, gpu_device *device, co
                                      const struct lights_in_view *in_view, const struct geometry_scene *scene,
                                      const struct mesh_lists_params *params, struct gpu_light_list *header,
                                      VkDeviceAddress header_address) {
-    static const struct bvh_names names = BVH_NAMES("mesh");
     VkDeviceAddress curve;
     struct gpu_light_list *curve_header = light_list_header(device, input, &curve);
     if (curve_header) clustered_grid(curve_header, input->width, input->height, &params->grid);
     struct bounds_data data = {.view = input->view, .header = header_address, .item_count = scene->item_count};
-    data.bounds = graph_create_buffer(graph, names.cells.bounds_buffer, scene->item_count * sizeof(struct gpu_cell_bounds));
-    struct graph_pass *pass = graph_add_pass(graph, names.cells.bounds, input->queue, execute_bounds, &data, sizeof data);
+    data.bounds = graph_create_buffer(graph, "mesh cell bounds", scene->item_count * sizeof(struct gpu_cell_bounds));
+    struct graph_pass *pass = graph_add_pass(graph, "mesh bounds", input->queue, execute_bounds, &data, sizeof data);
     graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
     struct bvh tree = bvh_tree_add(graph, input, in_view, curve);
-    struct bvh_query query = {.names = &names,
+    struct bvh_query query = {.what = "mesh",
                               .bounds = data.bounds,
                               .cell_count = scene->item_count,
                               .occupied = true,
@@ -54,9 +53,8 @@ static struct light_list add_by_tree(struct graph *graph, gpu_device *device, co
 struct light_list mesh_lists_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                  const struct lights_in_view *in_view, const struct geometry_scene *scene,
                                  const struct mesh_lists_params *params) {
-    static const struct cells_names names = CELLS_NAMES("mesh");
     if (scene->item_count == 0 || scene->item_count > ITEM_LIMIT) return light_list_all_add(graph, device, input);
-    struct cells_build build = {.names = &names,
+    struct cells_build build = {.what = "mesh",
                                 .bounds_shader = &shader_mesh_bounds_comp,
                                 .bounds_samples = 1,
                                 .bounds_groups_x = DIVIDE_UP(scene->item_count, 64u),

@@ -185,8 +185,6 @@ bool raster_on_hardware(const gpu_device *device, const struct raster_params *pa
 
 struct raster_list raster_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                               const struct lights_in_view *in_view, const struct raster_params *params) {
-    static const struct prefix_sum_names slot_names = PREFIX_SUM_NAMES("raster slots"),
-                                         cell_names = PREFIX_SUM_NAMES("raster cells");
     struct raster_data d = {.input = *input, .in_view = *in_view};
     struct raster_list out = {.list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer}};
     d.nodes = raster_nodes(params, input->local_count);
@@ -231,7 +229,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     graph_use_buffer(pass, d.lights, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, d.slot_sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, d.arguments, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &slot_names, input->queue, d.slot_sums, input->local_count + 1);
+    prefix_sum_add(graph, "raster slots", input->queue, d.slot_sums, input->local_count + 1);
     if (raster_on_hardware(device, params) && make_indices(device, &d)) {
         d.centers = params->centers;
         add_draw(graph, &d);
@@ -243,7 +241,7 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     use_shells(pass, &d);
     graph_use_buffer(pass, d.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, d.overflow, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &cell_names, input->queue, d.sums, sum_count);
+    prefix_sum_add(graph, "raster cells", input->queue, d.sums, sum_count);
     pass = graph_add_pass(graph, "raster fill", input->queue, execute_fill, &d, sizeof d);
     use_shells(pass, &d);
     graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
@@ -262,8 +260,8 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     out.list.fixed_bytes = memory.offsets;
     out.list.entry_bytes = entry_bytes(d.nodes);
     out.list.totals =
-        light_totals_add(graph, "raster totals", "raster list totals", input, in_view, d.sums, sum_count, d.overflow);
-    out.list.spare = light_spare_add(graph, "raster spare", "raster spare list", input, in_view, d.overflow, &d.header,
+        light_totals_add(graph, "raster", input, in_view, d.sums, sum_count, d.overflow);
+    out.list.spare = light_spare_add(graph, "raster", input, in_view, d.overflow, &d.header,
                                      &out.list.header, 1, false);
     out.slots = d.slots;
     out.slot_sums = d.slot_sums;

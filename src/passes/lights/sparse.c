@@ -77,8 +77,6 @@ static struct graph_pass *add_step(struct graph *graph, const char *name, enum g
 
 struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                const struct lights_in_view *in_view, const struct sparse_params *params) {
-    static const struct bvh_names names = BVH_NAMES("sparse"), blend_names = BVH_NAMES("sparse blend");
-    static const struct prefix_sum_names sum_names = PREFIX_SUM_NAMES("sparse table");
     struct sparse_lists lists = {0};
     struct sparse_data data = {.view = input->view,
                                .depth = params->depth,
@@ -111,7 +109,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
 
     graph_add_clear(graph, "sparse clear", input->queue, (struct graph_clear){.buffers = {data.table}});
     add_step(graph, "sparse mark", input->queue, &data, STEP_MARK);
-    prefix_sum_add(graph, &sum_names, input->queue, data.table, data.key_count + 1);
+    prefix_sum_add(graph, "sparse table", input->queue, data.table, data.key_count + 1);
     struct graph_pass *pass = add_step(graph, "sparse compact", input->queue, &data, STEP_COMPACT);
     graph_use_buffer(pass, data.keys, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.extents, GRAPH_WRITE_COMPUTE);
@@ -128,7 +126,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
     if (data.facings.id) graph_use_buffer(pass, data.facings, GRAPH_WRITE_COMPUTE);
 
     struct bvh tree = bvh_tree_add(graph, input, in_view, data.header_address);
-    struct bvh_query query = {.names = &names,
+    struct bvh_query query = {.what = "sparse",
                               .bounds = data.bounds,
                               .cell_count = data.cell_limit,
                               .cell_counter = data.table,
@@ -148,7 +146,7 @@ struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const st
         VkDeviceAddress address;
         struct gpu_light_list *header = light_list_header(device, input, &address);
         if (header) clustered_grid(header, input->width, input->height, &params->grid);
-        lists.blend = bvh_clusters_add(graph, device, input, in_view, &tree, &blend_names, header, address, &params->grid);
+        lists.blend = bvh_clusters_add(graph, device, input, in_view, &tree, "sparse blend", header, address, &params->grid);
     }
     return lists;
 }

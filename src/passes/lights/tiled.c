@@ -34,9 +34,8 @@ struct cells_build tiled_build(struct graph *graph, gpu_device *device, const st
 
 struct light_list tiled_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                             const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
-    static const struct cells_names names[2] = {CELLS_NAMES("tiled"), CELLS_NAMES("tiled blend")};
     struct cells_build build = tiled_build(graph, device, input, depth, params);
-    build.names = &names[params->front.id != 0];
+    build.what = params->front.id ? "tiled blend" : "tiled";
     struct light_list list = cells_add(graph, input, in_view, &build);
     list.kind = GPU_LIST_TILES;
     return list;

@@ -4,10 +4,9 @@
 
 struct light_list tiled25d_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                const struct lights_in_view *in_view, graph_image depth, const struct tiled_params *params) {
-    static const struct cells_names names = CELLS_NAMES("2.5d");
     if (!depth.id) return tiled_add(graph, device, input, in_view, depth, params); /* all cells may be occupied */
     struct cells_build build = tiled_build(graph, device, input, depth, params);
-    build.names = &names;
+    build.what = "2.5d";
     build.bounds_shader = &shader_tiled25d_bounds_comp;
     build.flags |= CELLS_MIN_DEPTH | CELLS_MAX_DEPTH | CELLS_MASKS;
     build.extra_bytes = (uint64_t)build.bounds_groups_x * build.bounds_groups_y * 4;

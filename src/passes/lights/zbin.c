@@ -75,7 +75,6 @@ static uint32_t tile_size_of(const struct light_input *input, const struct zbin_
 
 struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, const struct zbin_params *params) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("zbin");
     struct step_data data = {.input = *input, .in_view = *in_view, .cell_count = 1, .capacity = params->pool_capacity};
     uint64_t group_count = DIVIDE_UP(input->local_count, ZBIN_GROUP);
     data.header = light_list_header(device, input, &data.header_address);
@@ -104,7 +103,7 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
     graph_use_buffer(pass, data.table, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, input->queue, data.sums, data.cell_count + 1);
+    prefix_sum_add(graph, "zbin", input->queue, data.sums, data.cell_count + 1);
     pass = add_step(graph, "zbin place", &data, STEP_PLACE);
     graph_use_buffer(pass, data.table, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
@@ -122,12 +121,12 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
                                .cells = data.table,
                                .ids = data.pool,
                                .extra = in_view->ids,
-                               .spare = light_spare_add(graph, "zbin spare", "zbin spare list", input, in_view,
+                               .spare = light_spare_add(graph, "zbin", input, in_view,
                                                         data.overflow, &data.header, &data.header_address, 1, false),
                                .cell_count = data.cell_count,
                                .byte_count = data.table_words * 4ull + params->pool_capacity * 4ull,
                                .fixed_bytes = data.table_words * 4ull,
                                .entry_bytes = 4,
-                               .totals = light_totals_add(graph, "zbin totals", "zbin list totals", input, in_view,
+                               .totals = light_totals_add(graph, "zbin", input, in_view,
                                                           data.sums, data.cell_count + 1, data.overflow)};
 }

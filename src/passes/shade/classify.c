@@ -42,7 +42,6 @@ static void execute_classify(const struct graph_context *context, const void *da
 
 struct shade_classes classify_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
                                   uint32_t block_size) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("classes");
     struct classify_data data = {.gbuffer = *gbuffer,
                                  .view = input->view,
                                  .lights = input->lights->header,
@@ -62,7 +61,7 @@ struct shade_classes classify_add(struct graph *graph, const struct shade_input 
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.classes, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.out.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data.out.sums, count * SHADE_CLASSES + 1);
+    prefix_sum_add(graph, "classes", GRAPH_QUEUE_GRAPHICS, data.out.sums, count * SHADE_CLASSES + 1);
     data.fills = true;
     pass = graph_add_pass(graph, "classify fill", GRAPH_QUEUE_GRAPHICS, execute_classify, &data, sizeof data);
     graph_use_buffer(pass, data.classes, GRAPH_READ_COMPUTE);

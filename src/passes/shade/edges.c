@@ -46,7 +46,6 @@ static void execute_fill(const struct graph_context *context, const void *data) 
 
 struct edges edges_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
                        graph_image radiance, const struct edges_params *params) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("edges");
     struct edges_data data = {.gbuffer = *gbuffer,
                               .radiance = radiance,
                               .view = input->view,
@@ -70,7 +69,7 @@ struct edges edges_add(struct graph *graph, const struct shade_input *input, con
     graph_use_buffer(pass, data.out.counts, GRAPH_READ_WRITE_COMPUTE);
     if (!params->lists) return data.out;
     graph_use_buffer(pass, data.out.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, data.out.sums, pixels + 1);
+    prefix_sum_add(graph, "edges", GRAPH_QUEUE_GRAPHICS, data.out.sums, pixels + 1);
     pass = graph_add_pass(graph, "edges fill", GRAPH_QUEUE_GRAPHICS, execute_fill, &data, sizeof data);
     graph_use_buffer(pass, data.out.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data.out.entries, GRAPH_WRITE_COMPUTE);

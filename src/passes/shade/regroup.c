@@ -9,16 +9,6 @@ enum { DRAW_LIMIT = 1 << 18 }; /* lights times groups; most of these draws have 
 
 /* ---- items by key ---- */
 
-struct regroup_names {
-    const char *clear, *count, *fill, *draws, *owners, *counts_buffer, *cursors_buffer, *items_buffer, *draws_buffer;
-    struct prefix_sum_names sum;
-};
-#define REGROUP_NAMES(what)                                                                                                 \
-    {                                                                                                                       \
-        what " clear", what " count", what " fill", what " draws", what " owners", what " counts", what " cursors",         \
-            what " items", what " draw list", PREFIX_SUM_NAMES(what)                                                        \
-    }
-
 struct regroup {
     const struct geometry_scene *scene;
     struct geometry_draws culled;
@@ -67,22 +57,22 @@ static struct graph_pass *add_step(struct graph *graph, const char *name, const 
     return pass;
 }
 
-static void regroup_add(struct graph *graph, const struct regroup_names *names, const struct light_list *lists,
+static void regroup_add(struct graph *graph, const char *what, const struct light_list *lists,
                         struct regroup *r) {
     uint64_t size = (draw_count(r) + 1) * 4ull;
-    r->counts = graph_create_buffer(graph, names->counts_buffer, size);
-    r->cursors = graph_create_buffer(graph, names->cursors_buffer, size);
-    r->items = graph_create_buffer(graph, names->items_buffer, MAX((uint64_t)r->scene->item_count + r->capacity, 1u) * 4ull);
-    r->draws = graph_create_buffer(graph, names->draws_buffer, MAX(draw_count(r), 1u) * sizeof(struct gpu_draw));
-    graph_add_clear(graph, names->clear, GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {r->counts, r->cursors}});
-    struct graph_pass *pass = add_step(graph, names->count, r, lists, REGROUP_COUNT);
+    r->counts = graph_create_buffer(graph, graph_name(graph, "%s counts", what), size);
+    r->cursors = graph_create_buffer(graph, graph_name(graph, "%s cursors", what), size);
+    r->items = graph_create_buffer(graph, graph_name(graph, "%s items", what), MAX((uint64_t)r->scene->item_count + r->capacity, 1u) * 4ull);
+    r->draws = graph_create_buffer(graph, graph_name(graph, "%s draw list", what), MAX(draw_count(r), 1u) * sizeof(struct gpu_draw));
+    graph_add_clear(graph, graph_name(graph, "%s clear", what), GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {r->counts, r->cursors}});
+    struct graph_pass *pass = add_step(graph, graph_name(graph, "%s count", what), r, lists, REGROUP_COUNT);
     graph_use_buffer(pass, r->counts, GRAPH_READ_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names->sum, GRAPH_QUEUE_GRAPHICS, r->counts, draw_count(r) + 1);
-    pass = add_step(graph, names->fill, r, lists, REGROUP_FILL);
+    prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, r->counts, draw_count(r) + 1);
+    pass = add_step(graph, graph_name(graph, "%s fill", what), r, lists, REGROUP_FILL);
     graph_use_buffer(pass, r->counts, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, r->cursors, GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, r->items, GRAPH_WRITE_COMPUTE);
-    pass = add_step(graph, names->draws, r, lists, REGROUP_DRAWS);
+    pass = add_step(graph, graph_name(graph, "%s draws", what), r, lists, REGROUP_DRAWS);
     graph_use_buffer(pass, r->counts, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, r->draws, GRAPH_WRITE_COMPUTE);
 }
@@ -210,10 +200,9 @@ static void execute_batches(const struct graph_context *context, const void *dat
 }
 
 void batches_add(struct graph *graph, const struct shade_input *input, graph_image radiance, graph_image depth) {
-    static const struct regroup_names names = REGROUP_NAMES("batches");
     struct draw_data data = draw_data_of(input, REGROUP_CLASSES, input->scene->item_count, true);
-    regroup_add(graph, &names, input->lights, &data.r);
-    data.owners = owners_add(graph, names.owners, &data, input, depth);
+    regroup_add(graph, "batches", input->lights, &data.r);
+    data.owners = owners_add(graph, "batches owners", &data, input, depth);
     data.state = state_of(&shader_batches_frag, graph_image_info(graph, radiance).format);
     struct graph_pass *pass =
         graph_add_pass(graph, "forward batches", GRAPH_QUEUE_GRAPHICS, execute_batches, &data, sizeof data);
@@ -257,11 +246,10 @@ bool multipass_fits(gpu_device *device, const struct geometry_scene *scene, uint
 
 void multipass_add(struct graph *graph, const struct shade_input *input, uint32_t local_count, uint32_t directional_count,
                    uint32_t capacity, graph_image radiance, graph_image depth) {
-    static const struct regroup_names names = REGROUP_NAMES("multipass");
     struct draw_data data = draw_data_of(input, local_count, capacity, false);
     data.directional_count = directional_count;
-    regroup_add(graph, &names, input->lights, &data.r);
-    data.owners = owners_add(graph, names.owners, &data, input, depth);
+    regroup_add(graph, "multipass", input->lights, &data.r);
+    data.owners = owners_add(graph, "multipass owners", &data, input, depth);
     graph_image sum = graph_create_image(graph, &(struct graph_image_params){.name = "light sum",
                                                                              .format = VK_FORMAT_R32G32B32A32_SFLOAT,
                                                                              .width = input->width,

@@ -125,7 +125,6 @@ static const uint32_t flat_indices[VOLUME_QUAD_INDICES + VOLUME_OCTAGON_INDICES 
     VOLUME_SCREEN_VERTEX + 2};
 
 struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const struct volumes_input *input) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("volumes");
     const struct light_input *lights = input->lights;
     const uint32_t count = lights->local_count;
     struct volumes volumes = {
@@ -148,7 +147,7 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
     struct graph_pass *pass = graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
     graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, cull.sums, 2 * count + 1);
+    prefix_sum_add(graph, "volumes", GRAPH_QUEUE_GRAPHICS, cull.sums, 2 * count + 1);
     cull.fills = true;
     pass = graph_add_pass(graph, "volumes fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
     graph_use_buffer(pass, cull.sums, GRAPH_READ_COMPUTE);

@@ -176,7 +176,6 @@ static void add_composite(struct graph *graph, const struct linked *lists, graph
 
 struct linked_lists linked_add(struct graph *graph, const struct shade_input *input, const struct linked_params *params,
                                graph_image radiance, graph_image depth) {
-    static const struct prefix_sum_names names = PREFIX_SUM_NAMES("linked");
     struct linked l = {.width = input->width,
                        .height = input->height,
                        .capacity = MIN(params->capacity, LINKED_CAPACITY_MAX),
@@ -193,7 +192,7 @@ struct linked_lists linked_add(struct graph *graph, const struct shade_input *in
     graph_add_clear(graph, "linked clear", GRAPH_QUEUE_GRAPHICS,
                     (struct graph_clear){.buffers = {l.sums, l.written, l.totals}});
     add_count(graph, "linked count", input->scene, input->draws, input->view, l.sums, depth);
-    prefix_sum_add(graph, &names, GRAPH_QUEUE_GRAPHICS, l.sums, pixel_count(&l) + 1);
+    prefix_sum_add(graph, "linked", GRAPH_QUEUE_GRAPHICS, l.sums, pixel_count(&l) + 1);
     struct graph_pass *pass = graph_add_pass(graph, "linked totals", GRAPH_QUEUE_GRAPHICS, execute_totals, &l, sizeof l);
     graph_use_buffer(pass, l.sums, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, l.totals, GRAPH_READ_WRITE_COMPUTE);

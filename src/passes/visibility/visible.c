@@ -117,11 +117,9 @@ static void add_counting(struct graph *graph, struct visible_data *data) {
 
 /* Sums up what has been counted, and lists it. */
 static void add_entries(struct graph *graph, struct visible_data *data) {
-    static const struct prefix_sum_names sum_names = PREFIX_SUM_NAMES("visible");
-    static const struct radix_sort_names sort_names = RADIX_SORT_NAMES("visible");
     uint32_t places = places_of(data);
     bool sorts = data->list.listed == VISIBLE_SORTED;
-    prefix_sum_add(graph, &sum_names, GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
+    prefix_sum_add(graph, "visible", GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
     data->list.entries = graph_create_buffer(graph, "visible entries", (uint64_t)data->list.capacity * (sorts ? 8 : 4));
     data->shader = &shader_visible_fill_comp;
     struct graph_pass *pass =
@@ -131,7 +129,7 @@ static void add_entries(struct graph *graph, struct visible_data *data) {
     if (data->list.words.id) graph_use_buffer(pass, data->list.words, GRAPH_READ_COMPUTE);
     graph_use_buffer(pass, data->list.entries, GRAPH_WRITE_COMPUTE);
     if (sorts)
-        data->list.entries = radix_sort_add(graph, &(struct radix_sort_params){.names = &sort_names,
+        data->list.entries = radix_sort_add(graph, &(struct radix_sort_params){.what = "visible",
                                                                                .queue = GRAPH_QUEUE_GRAPHICS,
                                                                                .pairs = data->list.entries,
                                                                                .capacity = data->list.capacity,
