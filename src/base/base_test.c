@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/jobs.h"
 #include "base/maths.h"
+#include "base/ranges.h"
 
 #include "tests/test_memory.h"
 
@@ -43,6 +44,48 @@ static void test_parallel_for_visits_each_index_once(void **state) {
         jobs_destroy(&jobs);
         assert_null(jobs);
     }
+}
+
+/* Runs that come and go, against a map of all numbers: the lowest that is wide enough is taken, and none is lost or taken twice. */
+static void test_ranges_come_and_go(void **state) {
+    UNUSED(state);
+    enum { NUMBERS = 400, RUNS = 60, STEPS = 4000 };
+    fnl_host host = host_resolve(NULL);
+    struct random_state random = {5};
+    struct ranges ranges = {0};
+    bool taken[NUMBERS] = {false};
+    struct range runs[RUNS] = {{0, 0}};
+    uint32_t total = 0, highest = 0;
+    for (uint32_t step = 0; step < STEPS; step++) {
+        struct range *run = &runs[random_bits(&random) % RUNS];
+        bool gives = run->count > 0;
+        if (gives) {
+            for (uint32_t i = 0; i < run->count; i++) taken[run->first + i] = false;
+            ranges_give(&host, &ranges, run->first, run->count);
+            total -= run->count;
+            run->count = 0;
+        } else {
+            uint32_t count = 1 + (uint32_t)(random_bits(&random) % 6), first = 0;
+            for (uint32_t free = 0; free < count; first++) free = taken[first] ? 0 : free + 1;
+            run->first = ranges_take(&ranges, count);
+            assert_int_equal(run->first, first - count);
+            run->count = count;
+            total += count;
+            for (uint32_t i = 0; i < count; i++) taken[run->first + i] = true;
+        }
+        uint32_t end = NUMBERS, gaps = 0;
+        while (end > 0 && !taken[end - 1]) end--;
+        for (uint32_t i = 0; i < ranges.gaps.count; i++) gaps += ranges.gaps.data[i].count;
+        assert_int_equal(ranges.end, end);
+        assert_int_equal(end - gaps, total);
+        highest = MAX(highest, end);
+    }
+    assert_true(highest > RUNS * 3 / 2 && highest < RUNS * 6);
+    for (uint32_t i = 0; i < RUNS; i++) ranges_give(&host, &ranges, runs[i].first, runs[i].count);
+    assert_int_equal(ranges.end, 0);
+    assert_int_equal(ranges_take(&ranges, RANGES_NONE - 1), 0);
+    assert_int_equal(ranges_take(&ranges, 1), RANGES_NONE);
+    ranges_finish(&host, &ranges);
 }
 
 /* ---- files ---- */
@@ -327,6 +370,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_arena_reuses_its_blocks),
         cmocka_unit_test(test_parallel_for_visits_each_index_once),
+        cmocka_unit_test(test_ranges_come_and_go),
         cmocka_unit_test_setup_teardown(test_file_appears_complete_or_not_at_all, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_files_without_memory_fail_and_give_all_back, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_only_regular_files_are_read_and_replaced, make_folder, remove_folder),
