@@ -54,7 +54,7 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
 
 // Whether the light's hull holds a point; `ray` leads from the point to the light's position.
 bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
-    plane_array planes = plane_array(l.list.lights);
+    plane_array planes = l.list.planes;
     uint first = l.list.lights.at[light].hull_first;
     for (uint i = 0u; i < count; i++) {
         precise float from_light = -dot(planes.at[first + i].xyz, ray);

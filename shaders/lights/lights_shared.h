@@ -17,7 +17,8 @@
 #define GPU_ENTITY_PROBE 1u
 #define GPU_ENTITY_DECAL 2u
 
-/* Directional lights come first in the light array; all others follow and are what lists index. */
+/* Directional lights come first in the light array; all others follow and are what lists index. Each of those keeps its index from when it is
+   added until it is removed; an index that no light has, or a hidden one, holds a light without range and bound. */
 struct gpu_light {
     vec3 position;       /* world space: centre, apex, or middle of a capsule or box */
     float range;         /* metres from the position; exactly no light from here on */
@@ -33,11 +34,11 @@ struct gpu_light {
     vec3 side;           /* unit, at right angles to the direction: across a wedge or box; not of point lights */
     vec3 size;           /* capsule: half length, range from the segment; wedge: tangents of the half angles across and up;
                             box: half sizes across, up and along */
-    uint hull_first;     /* index of its first plane, in units of 16 bytes from the start of the light array */
+    uint hull_first;     /* of its first plane in gpu_light_list.planes */
     uint entity;         /* GPU_ENTITY_… */
 };
 
-/* Planes of hulls lie behind the lights in the same buffer: xyz is unit and points outward, w the distance of the plane from the light's
+/* Planes of hulls: xyz is unit and points outward, w the distance of the plane from the light's
    position; inside is dot(xyz, p - position) < w. */
 #ifdef GL_core_profile
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer plane_array { vec4 at[]; };
@@ -126,6 +127,7 @@ struct gpu_light_list {
     uint linear;
     uint nodes;          /* GPU_NODES_…, of GPU_LIST_LINKS */
     ADDRESS(light_array) lights; /* directional ones first */
+    ADDRESS(plane_array) planes; /* of their hulls */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
     ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and

@@ -165,6 +165,11 @@ fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer
 /** Fills mip 0 of layer 0 and, with `generate_mips`, the smaller ones by 2x2 blits; `color` averages through the sRGB view. Leaves the image in SHADER_READ_ONLY_OPTIMAL. Thread-safe. */
 fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
                             bool generate_mips, bool color);
+/**
+ * Makes a device buffer larger: its first `used` bytes are copied on the device, and the old memory goes when the frames under way are over.
+ * `buffer` may have no handle; then it is created. On errors it stays what it was.
+ */
+fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size);
 /** Waits until all uploads are done and visible to later submissions. */
 fnl_result gpu_upload_flush(gpu_device *device);
 /** Copies a device buffer back; waits. For tests and one-off reads outside frames. */

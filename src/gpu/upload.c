@@ -187,6 +187,36 @@ fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer
     return result;
 }
 
+static fnl_result copy_buffer(gpu_device *device, const struct gpu_buffer *from, const struct gpu_buffer *to, uint64_t size) {
+    TRY(open_segment(device));
+    VkCommandBuffer commands = device->uploads.segments[device->uploads.segment].commands;
+    /* After uploads that the same segment holds, and before those that it will. */
+    const VkAccessFlags2 both = VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    barrier(device, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+            VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, both);
+    VkBufferCopy region = {0, 0, size};
+    device->vk.CmdCopyBuffer(commands, from->handle, to->handle, 1, &region);
+    barrier(device, commands, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+            VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, both);
+    return FNL_OK;
+}
+
+fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size) {
+    REQUIRE(&device->host, used <= buffer->size && used <= size);
+    struct gpu_buffer grown;
+    TRY(gpu_buffer_create(device, name, size, GPU_MEMORY_DEVICE, &grown));
+    fnl_result result = FNL_OK;
+    if (used) {
+        pthread_mutex_lock(&device->uploads.mutex);
+        result = copy_buffer(device, buffer, &grown, used);
+        pthread_mutex_unlock(&device->uploads.mutex);
+    }
+    if (result == FNL_OK) result = gpu_upload_flush(device);
+    gpu_buffer_destroy(device, result == FNL_OK ? buffer : &grown);
+    if (result == FNL_OK) *buffer = grown;
+    return result;
+}
+
 static fnl_result read_buffer(gpu_device *device, const struct gpu_buffer *buffer, uint64_t offset, void *data,
                               uint64_t size) {
     struct gpu_uploads *uploads = &device->uploads;

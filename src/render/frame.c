@@ -41,7 +41,7 @@ static fnl_result fade_lights(struct frame_state *f) {
     float lod = f->frame->light_lod;
     TRY(device_lights_fade(d, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
     f->whole_lights = f->scene->lights;
-    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, d->plane_data.count, lod);
+    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, lod);
     return FNL_OK;
 }
 
@@ -336,7 +336,8 @@ static void note_stats(struct frame_state *f) {
     fnl_renderer *r = f->r;
     const struct geometry_scene *scene = &f->scene->geometry;
     fnl_frame_stats *s = &r->stats;
-    *s = (fnl_frame_stats){.lights_total = f->scene->lights.local_count + f->scene->lights.directional_count,
+    const struct light_input *lights = &f->scene->lights;
+    *s = (fnl_frame_stats){.lights_total = lights->local_count - lights->unlit_count + lights->directional_count,
                            .items = scene->item_count,
                            .triangles_total = scene->triangle_count,
                            .clusters_total = scene->cluster_count,

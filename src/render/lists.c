@@ -65,7 +65,7 @@ static bool estimates_room(struct lists_context *c) {
 }
 
 static const struct gpu_light *local_lights(const struct lists_context *c) {
-    return c->input->local_count ? c->device_scene->light_data.data + c->input->directional_count : NULL;
+    return c->input->local_count ? c->device_scene->light_data.data : NULL;
 }
 
 static struct light_reach reach_of(const struct lists_context *c, const struct clustered_params *grid) {

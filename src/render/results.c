@@ -67,7 +67,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
     out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
     struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
-    out->lights_in_view = lights.in_view + r->device_scene.directional_count;
+    out->lights_in_view = lights.in_view + r->device_scene.sun_data.count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
     out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
     out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +

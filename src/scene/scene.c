@@ -65,7 +65,10 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
     array_free(&host, &scene->free_decals);
-    array_free(&host, &scene->changed_lights);
+    array_free(&host, &scene->light_slots);
+    array_free(&host, &scene->free_light_slots);
+    array_free(&host, &scene->suns);
+    array_free(&host, &scene->changed_slots);
     arena_finish(&scene->arena);
     host_free(&host, scene, sizeof *scene);
     *scene_address = NULL;
@@ -151,52 +154,6 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
     return index;
 }
 
-/** glTF lights sit at their node's origin and shine along its -Z axis; the node's scale does not matter. */
-static void pose_light(const fnl_scene *scene, struct scene_light *light) {
-    const float *m = scene->nodes.data[light->node].world.m;
-    light->params.position = vec3_make(m[12], m[13], m[14]);
-    vec3 direction = vec3_normalize(vec3_make(-m[8], -m[9], -m[10]));
-    light->params.direction = vec3_dot(direction, direction) > 0 ? direction : vec3_make(0, 0, -1);
-    light->params.up = light_up(light->params.direction, vec3_make(m[4], m[5], m[6]));
-}
-
-void scene_lights_changed(fnl_scene *scene) {
-    scene->light_set_version = scene->changed_lights_since = ++scene->light_version;
-    scene->changed_lights.count = 0;
-}
-
-/* At the present light_version. */
-static void list_changed_light(fnl_scene *scene, uint32_t index) {
-    struct scene_light *light = &scene->lights.data[index];
-    bool listed = light->changed_version > scene->changed_lights_since;
-    light->changed_version = scene->light_version;
-    if (listed) return;
-    uint32_t limit = 1024 + scene->lights.count / 16; /* as for nodes that move */
-    if (scene->changed_lights.count < limit && array_push(&scene->host, &scene->changed_lights, index)) return;
-    scene->changed_lights.count = 0;
-    scene->changed_lights_since = scene->light_version++;
-}
-
-void scene_light_changed(fnl_scene *scene, uint32_t light) {
-    scene->light_version++;
-    list_changed_light(scene, light);
-}
-
-uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
-    struct scene_light light = {.params = *params, .node = node, .generation = scene_take_generation(scene)};
-    if (node != SCENE_NONE) pose_light(scene, &light);
-    uint32_t index;
-    if (scene->free_lights.count > 0) {
-        index = scene->free_lights.data[--scene->free_lights.count];
-        scene->lights.data[index] = light;
-    } else {
-        index = scene->lights.count;
-        if (index == SCENE_NONE || !array_push(&scene->host, &scene->lights, light)) return SCENE_NONE;
-    }
-    scene_lights_changed(scene);
-    return index;
-}
-
 void scene_add_message(fnl_scene *scene, const char *format, ...) {
     if (scene->messages.count > MESSAGE_MAX) return;
     char text[1024];
@@ -235,18 +192,6 @@ static bool update_node(struct scene_node *nodes, uint32_t index, uint64_t versi
     return moved;
 }
 
-static void pose_moved_lights(fnl_scene *scene, uint64_t version) {
-    bool any = false;
-    for (uint32_t i = 0; i < scene->lights.count; i++) {
-        struct scene_light *light = &scene->lights.data[i];
-        if (light->removed || light->node == SCENE_NONE || scene->nodes.data[light->node].moved_version != version) continue;
-        pose_light(scene, light);
-        if (!any) scene->light_version++;
-        list_changed_light(scene, i);
-        any = true;
-    }
-}
-
 void scene_update_transforms(fnl_scene *scene) {
     struct scene_node *nodes = scene->nodes.data;
     uint64_t version = scene->transform_version + 1;
@@ -265,7 +210,7 @@ void scene_update_transforms(fnl_scene *scene) {
     scene->moved_since = listed ? scene->transform_version : version;
     scene->transform_version = version;
 
-    pose_moved_lights(scene, version);
+    scene_pose_lights(scene, version);
 }
 
 void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
@@ -283,7 +228,7 @@ void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
             scene->moved_since = version;
         }
     }
-    if (nodes[index].linked) pose_moved_lights(scene, version);
+    if (nodes[index].linked) scene_pose_lights(scene, version);
 }
 
 /* ---- showing and removing ---- */
@@ -296,14 +241,7 @@ void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {
         nodes[i].active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
     scene->structure_version++;
     scene->decal_version++;
-    if (nodes[index].linked) scene_lights_changed(scene);
-}
-
-void scene_remove_light(fnl_scene *scene, uint32_t index) {
-    light_hull_free(scene, &scene->lights.data[index]);
-    scene->lights.data[index].removed = true;
-    scene->free_lights.data[scene->free_lights.count++] = index;
-    scene_lights_changed(scene);
+    if (nodes[index].linked) scene_show_lights(scene, index);
 }
 
 fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {

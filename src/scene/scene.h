@@ -168,8 +168,14 @@ struct scene_light {
     const char *name, *extras; /* NULL: none */
     uint32_t node;           /* the node that carries it, or SCENE_NONE */
     uint32_t generation;
+    uint32_t slot;           /* of a local light, from when it is added until it is removed; else SCENE_NONE */
     bool removed;
-    uint64_t changed_version; /* light_version at which it last changed while it stayed in its place */
+};
+
+/* A place in the array of local lights on the device. Caches may key on the place and its light's generation. */
+struct scene_light_slot {
+    uint32_t light;           /* SCENE_NONE: free */
+    uint64_t changed_version; /* light_version at which what is in it last changed */
 };
 
 /* A decal (decal.c). Pictures are indices; the transform is that of the parameters. */
@@ -229,13 +235,19 @@ struct fnl_scene {
     uint64_t structure_version;     /* images, materials, meshes, nodes came or went: rebuild */
     uint64_t image_version;         /* pixels of images that were there: upload them anew */
     uint64_t light_version;         /* lights, ambient */
-    uint64_t light_set_version;     /* … at which lights last came or went, or all changed: re-read all */
-    ARRAY(uint32_t) changed_lights; /* every light whose changed_version is above changed_lights_since, once */
-    uint64_t changed_lights_since;
+    uint64_t light_set_version;     /* … at which all changed: re-read all */
+    uint64_t sun_version;           /* … at which a directional light last came, changed or went */
+    ARRAY(uint32_t) changed_slots;  /* every one whose changed_version is above changed_slots_since, once */
+    uint64_t changed_slots_since;
     uint64_t decal_version;     /* decals; those that move with nodes follow transform_version besides */
     uint64_t transform_version; /* node transforms or morph weights */
     ARRAY(uint32_t) moved; /* every node whose moved_version is above moved_since; a renderer that saw less re-reads all */
     uint64_t moved_since;
+
+    ARRAY(struct scene_light_slot) light_slots;
+    ARRAY(uint32_t) free_light_slots; /* a heap, the lowest first */
+    uint32_t light_slot_end;          /* no light is in a place from here on */
+    ARRAY(uint32_t) suns;             /* directional lights, ascending: they have no slots */
 
     ARRAY(uint32_t) free_nodes, free_lights, free_decals; /* the holes */
     uint32_t lost_nodes; /* removed, and not to be used again */
@@ -256,10 +268,14 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
-/** After a light's parameters changed, but neither its being directional nor its hull. */
+/** Before a light becomes local or directional: makes room for it. False when memory ran out. */
+bool scene_reserve_light(fnl_scene *scene);
+/** After a change of one light, or of all. */
 void scene_light_changed(fnl_scene *scene, uint32_t light);
-/** After any other change of lights. */
 void scene_lights_changed(fnl_scene *scene);
+/** After nodes moved at a transform_version; and after a node, with what is below it, was hidden or shown: the lights that they carry. */
+void scene_pose_lights(fnl_scene *scene, uint64_t version);
+void scene_show_lights(fnl_scene *scene, uint32_t root);
 /** Logs a warning and keeps it for `fanal info`. */
 void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -401,16 +401,12 @@ fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_l
     TRY(check_light_id(CALL(&scene->host), scene, light));
     fnl_light_params checked;
     TRY(check_light(CALL(&scene->host), params, &checked));
+    if (!scene_reserve_light(scene)) return FNL_ERROR_MEMORY;
     struct scene_light *target = &scene->lights.data[light.index];
     fnl_light_params *changed = &target->params;
-    bool leaves = target->node != SCENE_NONE && poses_differ(params, changed);
-    if (leaves) target->node = SCENE_NONE;
-    bool stays = !leaves && (changed->kind == FNL_LIGHT_DIRECTIONAL) == (checked.kind == FNL_LIGHT_DIRECTIONAL);
+    if (target->node != SCENE_NONE && poses_differ(params, changed)) target->node = SCENE_NONE;
     *changed = checked;
-    if (stays)
-        scene_light_changed(scene, light.index);
-    else
-        scene_lights_changed(scene);
+    scene_light_changed(scene, light.index);
     return FNL_OK;
 }
 
@@ -430,7 +426,7 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     struct scene_light *target = &scene->lights.data[light.index];
     if (!points) {
         light_hull_free(scene, target);
-        scene_lights_changed(scene);
+        scene_light_changed(scene, light.index);
         return FNL_OK;
     }
     TRY(check_count(call, "count", count, 4, LIGHT_HULL_POINTS_MAX));
@@ -440,7 +436,7 @@ fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const 
     light_hull_free(scene, target);
     target->hull = hull;
     scene->hull_plane_count += hull->plane_count;
-    scene_lights_changed(scene);
+    scene_light_changed(scene, light.index);
     return FNL_OK;
 }
 

@@ -139,7 +139,7 @@ bool fine_holds(fine_volume v, vec3 position, float slack) {
     vec3 from = position - v.position;
     slack += 2e-6 * v.range;
     for (uint i = 0u; i < v.hull_count; i++) {
-        vec4 plane = plane_array(push.list.list.lights).at[v.hull_first + i];
+        vec4 plane = push.list.list.planes.at[v.hull_first + i];
         if (dot(plane.xyz, from) > plane.w + slack) return false;
     }
     return true;
@@ -170,7 +170,7 @@ uint holds_few(fine_volume v, uint first) {
         if (slacks[first + k] >= 0.0 && fine_shape_holds(v, positions[first + k], slacks[first + k])) bits |= 1u << k;
     if (bits == 0u) return bits;
     for (uint i = 0u; i < v.hull_count; i++) {
-        vec4 plane = plane_array(push.list.list.lights).at[v.hull_first + i];
+        vec4 plane = push.list.list.planes.at[v.hull_first + i];
         for (uint k = 0u; k < FEW; k++) {
             float limit = plane.w + (slacks[first + k] + 2e-6 * v.range);
             if (dot(plane.xyz, positions[first + k] - v.position) > limit) bits &= ~(1u << k);

@@ -25,6 +25,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .tiles_y = 1,
                                                                        .slices = 1,
                                                                        .lights = input->lights,
+                                                                       .planes = input->planes,
                                                                        .view = input->view};
     return slice.data;
 }
@@ -32,7 +33,7 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
     struct light_list list = {
-        .kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count}};
+        .kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count - input->unlit_count}};
     light_list_header(device, input, &list.header);
     return list;
 }

@@ -17,7 +17,9 @@
 struct light_input {
     graph_buffer buffer;    /* the lights, for their hazards */
     VkDeviceAddress lights; /* struct gpu_light[directional_count + local_count] */
+    VkDeviceAddress planes; /* of their hulls; 0 where none has one */
     uint32_t directional_count, local_count;
+    uint32_t unlit_count; /* of the local ones, places without a light and hidden lights */
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */

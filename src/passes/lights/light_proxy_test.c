@@ -68,7 +68,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
     UNUSED(data);
 }
 
-static void ask_device(uint64_t light_bytes) {
+static void ask_device(uint64_t light_bytes, uint64_t planes) {
     gpu_device *device = harness_device();
     struct graph *graph;
     struct gpu_buffer buffers[4]; /* lights, points, answers, corners */
@@ -86,7 +86,8 @@ static void ask_device(uint64_t light_bytes) {
     memcpy(buffers[0].mapped, bench.lights, light_bytes);
     memcpy(buffers[1].mapped, bench.points, sizeof bench.points);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct light_input input = {.lights = buffers[0].address, .local_count = LIGHT_COUNT};
+    struct light_input input = {
+        .lights = buffers[0].address, .planes = buffers[0].address + planes, .local_count = LIGHT_COUNT};
     struct ask_data ask = {.push = {.points = buffers[1].address,
                                     .answers = buffers[2].address,
                                     .corners = buffers[3].address,
@@ -129,16 +130,17 @@ static int ask_begin(void **state) {
     }
     gathered = (struct device_scene){.host = *gpu_host(harness_device()), .scene = scene};
     assert_int_equal(device_lights_gather(&gathered), FNL_OK);
-    uint64_t planes = device_lights_planes_offset(LIGHT_COUNT), bytes = planes + gathered.plane_data.count * sizeof(vec4);
+    uint64_t planes = DIVIDE_UP(LIGHT_COUNT * sizeof *bench.lights, sizeof(vec4)) * sizeof(vec4),
+             bytes = planes + gathered.planes_taken.end * sizeof(vec4);
     bench.lights = calloc(1, bytes);
     memcpy(bench.lights, gathered.light_data.data, LIGHT_COUNT * sizeof *bench.lights);
-    memcpy((char *)bench.lights + planes, gathered.plane_data.data, gathered.plane_data.count * sizeof(vec4));
+    memcpy((char *)bench.lights + planes, gathered.plane_data.data, gathered.planes_taken.end * sizeof(vec4));
     for (uint32_t i = 0; i < LIGHT_COUNT; i++) {
         bench.hulls[i] = scene->lights.data[i].hull;
         for (uint32_t k = 0; k < POINTS_EACH; k++)
             bench.points[i * POINTS_EACH + k] = random_point(&random, &bench.lights[i], k);
     }
-    ask_device(bytes);
+    ask_device(bytes, planes);
     return 0;
 }
 
@@ -146,7 +148,7 @@ static int ask_end(void **state) {
     free(bench.lights);
     array_free(&gathered.host, &gathered.light_data);
     array_free(&gathered.host, &gathered.plane_data);
-    array_free(&gathered.host, &gathered.light_slots);
+    ranges_finish(&gathered.host, &gathered.planes_taken);
     fnl_scene_destroy(&scene);
     return harness_end(state);
 }

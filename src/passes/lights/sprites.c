@@ -29,20 +29,16 @@ static struct gpu_sprites_push push_of(const struct light_input *input, float lo
 static void execute_fade(const struct graph_context *context, const void *data) {
     const struct sprites_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_sprites_fade_comp};
-    uint32_t count = MAX(d->push.directional_count + d->push.local_count, d->push.plane_count);
+    uint32_t count = d->push.directional_count + d->push.local_count;
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
     gpu_push(context->commands, &d->push, sizeof d->push);
     gpu_dispatch_linear(context->commands, DIVIDE_UP(count, 64u));
 }
 
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, uint32_t plane_count,
-                    float lod) {
+void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, float lod) {
     struct sprites_data data = {.push = push_of(input, lod)};
-    uint64_t count = (uint64_t)input->directional_count + input->local_count;
-    if (count == 0) return;
+    if (input->directional_count + input->local_count == 0) return;
     data.push.faded = copy->address;
-    data.push.plane_first = (uint32_t)DIVIDE_UP(count * sizeof(struct gpu_light), sizeof(vec4));
-    data.push.plane_count = plane_count;
     graph_buffer faded = graph_import_buffer(graph, "faded lights", copy);
     struct graph_pass *pass = graph_add_pass(graph, "fade lights", GRAPH_QUEUE_GRAPHICS, execute_fade, &data, sizeof data);
     graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);

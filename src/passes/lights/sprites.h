@@ -19,11 +19,10 @@
 float light_fade(const struct gpu_view *view, const struct gpu_light *light, float lod);
 
 /**
- * Copies the lights (and the planes of their hulls, `plane_count` behind them) to `copy`, faded, and makes `input` refer to the copy, which
- * has room for as much as the original and lives as long as the frame.
+ * Copies the lights to `copy`, faded, and makes `input` refer to the copy, which has room for as many as the original and lives as long as
+ * the frame.
  */
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, uint32_t plane_count,
-                    float lod);
+void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, float lod);
 
 /** Draws the sprites of `lights` (those before fading) over what is opaque. `radiance` and `depth` may be multisampled. */
 void sprites_add(struct graph *graph, const struct light_input *lights, float lod, graph_image radiance, graph_image depth);

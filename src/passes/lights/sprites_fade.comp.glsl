@@ -5,15 +5,11 @@
 #include "common.glsl"
 #include "passes/lights/sprites.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer plane_out_array { vec4 at[]; };
-
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_sprites_push push; };
 
 void main() {
     uint index = LINEAR_INVOCATION, light_count = push.directional_count + push.local_count;
-    if (index < push.plane_count)
-        plane_out_array(push.faded).at[push.plane_first + index] = plane_array(push.lights).at[push.plane_first + index];
     if (index >= light_count) return;
     gpu_light light = push.lights.at[index];
     if (index >= push.directional_count) {

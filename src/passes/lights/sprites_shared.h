@@ -14,8 +14,6 @@ struct gpu_sprites_push {
     ADDRESS(light_array) faded;  /* fade: where the copy goes */
     uint directional_count;
     uint local_count;
-    uint plane_first;            /* fade: where planes begin in both arrays, in units of 16 bytes … */
-    uint plane_count;            /* … and how many there are */
     float lod;                   /* pixels */
 };
 

@@ -83,65 +83,144 @@ static void set_hull(struct gpu_light *g, const struct light_hull *hull, vec4 *p
     }
 }
 
-uint64_t device_lights_planes_offset(uint32_t light_count) {
-    return DIVIDE_UP(light_count * sizeof(struct gpu_light), sizeof(vec4)) * sizeof(vec4);
-}
-
 static struct gpu_light light_of(const fnl_scene *scene, const struct scene_light *light) {
     fnl_light_params params = light->params;
     if (isinf(params.range)) params.range = fnl_light_range(&params, scene->cutoff_roughness, scene->cutoff_illuminance);
     return device_light(&params);
 }
 
-/* Where the planes begin, in units of hull_first. */
-static uint32_t first_plane(const struct device_scene *d) {
-    return (uint32_t)(device_lights_planes_offset(d->light_data.count) / sizeof(vec4));
+/* ---- places ---- */
+
+static bool is_lit(const fnl_scene *scene, const struct scene_light *light) {
+    return !light->removed && (light->node == SCENE_NONE || scene->nodes.data[light->node].active);
 }
 
-static bool is_gathered(const fnl_scene *scene, const struct scene_light *light, bool local) {
-    if (light->removed || (light->node != SCENE_NONE && !scene->nodes.data[light->node].active)) return false;
-    return (light->params.kind != FNL_LIGHT_DIRECTIONAL) == local;
+/* The light of a slot; NULL: none, or a hidden one. */
+static const struct scene_light *light_at(const fnl_scene *scene, uint32_t slot) {
+    uint32_t index = scene->light_slots.data[slot].light;
+    return index != SCENE_NONE && is_lit(scene, &scene->lights.data[index]) ? &scene->lights.data[index] : NULL;
 }
+
+static bool is_place_lit(const struct gpu_light *place) { return place->range > 0; }
 
 static bool must_gather(const struct device_scene *d) {
     return d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version;
 }
 
+/* Slots that changed since the device was last told: those of the scene's list, or of all where a step was missed. */
+struct changes {
+    const uint32_t *slots; /* NULL: all */
+    uint32_t count;
+};
+
+static struct changes changes_of(const struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    if (d->light_version >= scene->changed_slots_since)
+        return (struct changes){scene->changed_slots.data, scene->changed_slots.count};
+    return (struct changes){NULL, scene->light_slots.count};
+}
+
+/* The i-th of them; SCENE_NONE: it had not changed after all. */
+static uint32_t change_at(const struct device_scene *d, const struct changes *changes, uint32_t i) {
+    uint32_t slot = changes->slots ? changes->slots[i] : i;
+    return d->scene->light_slots.data[slot].changed_version > d->light_version ? slot : SCENE_NONE;
+}
+
 uint32_t device_lights_count(const struct device_scene *d) {
-    if (!must_gather(d)) return d->light_data.count - d->directional_count;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < d->scene->lights.count; i++) count += is_gathered(d->scene, &d->scene->lights.data[i], true);
+    bool all = must_gather(d);
+    struct changes changes = all ? (struct changes){NULL, d->scene->light_slots.count} : changes_of(d);
+    uint32_t count = all ? 0 : d->lit_count;
+    for (uint32_t i = 0; i < changes.count; i++) {
+        uint32_t slot = all ? i : change_at(d, &changes, i);
+        if (slot == SCENE_NONE) continue;
+        bool was_lit = !all && slot < d->light_data.count && is_place_lit(&d->light_data.data[slot]);
+        count += (uint32_t)(light_at(d->scene, slot) != NULL) - (uint32_t)was_lit;
+    }
     return count;
 }
 
-fnl_result device_lights_gather(struct device_scene *d) {
+/* Brings one place up to date; false where its planes find no room between those of others. */
+static bool refresh(struct device_scene *d, uint32_t slot) {
+    const struct scene_light *light = light_at(d->scene, slot);
+    struct gpu_light *place = &d->light_data.data[slot],
+                     g = light ? light_of(d->scene, light)
+                               : (struct gpu_light){.kind = GPU_LIGHT_POINT, .entity = GPU_ENTITY_LIGHT};
+    d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
+    ranges_give(&d->host, &d->planes_taken, place->hull_first, place->hull_count);
+    *place = g;
+    if (!light || !light->hull) return true;
+    uint32_t first = ranges_take(&d->planes_taken, light->hull->plane_count);
+    if (first == RANGES_NONE || d->planes_taken.end > d->plane_room) {
+        ranges_give(&d->host, &d->planes_taken, first, first == RANGES_NONE ? 0 : light->hull->plane_count);
+        return false;
+    }
+    place->hull_first = first;
+    set_hull(place, light->hull, d->plane_data.data + first);
+    return true;
+}
+
+static fnl_result gather_suns(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    d->light_data.count = d->plane_data.count = d->bound_radii.count = d->light_slots.count = 0;
-    if (!array_reserve(&d->host, &d->light_data, scene->lights.count)) return FNL_ERROR_MEMORY;
-    if (!array_reserve(&d->host, &d->light_slots, scene->lights.count)) return FNL_ERROR_MEMORY;
-    if (!array_reserve(&d->host, &d->plane_data, scene->hull_plane_count)) return FNL_ERROR_MEMORY;
-    d->light_slots.count = scene->lights.count;
-    d->directional_count = 0;
-    for (uint32_t i = 0; i < scene->lights.count; i++) d->light_slots.data[i] = SCENE_NONE;
-    for (int local = 0; local < 2; local++)
-        for (uint32_t i = 0; i < scene->lights.count; i++) {
-            const struct scene_light *light = &scene->lights.data[i];
-            if (!is_gathered(scene, light, local)) continue;
-            struct gpu_light g = light_of(scene, light);
-            if (local && light->hull) {
-                g.hull_first = d->plane_data.count; /* the lights before the planes are added when their number is known */
-                set_hull(&g, light->hull, d->plane_data.data + d->plane_data.count);
-                d->plane_data.count += g.hull_count;
-            }
-            d->light_slots.data[i] = d->light_data.count;
-            d->light_data.data[d->light_data.count++] = g;
-            if (!local) d->directional_count++;
-        }
-    uint32_t base = first_plane(d);
-    for (uint32_t i = 0; i < d->light_data.count; i++)
-        if (d->light_data.data[i].hull_count) d->light_data.data[i].hull_first += base;
+    d->sun_data.count = 0;
+    if (!array_reserve(&d->host, &d->sun_data, scene->suns.count)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < scene->suns.count; i++) {
+        const struct scene_light *light = &scene->lights.data[scene->suns.data[i]];
+        if (is_lit(scene, light)) d->sun_data.data[d->sun_data.count++] = light_of(scene, light);
+    }
     return FNL_OK;
 }
+
+/* Room for places that have come; they hold nothing yet. */
+static fnl_result reserve_places(struct device_scene *d) {
+    uint32_t before = d->light_data.count, count = d->scene->light_slots.count;
+    if (!array_reserve(&d->host, &d->light_data, count)) return FNL_ERROR_MEMORY;
+    d->plane_room = MAX((uint32_t)(d->planes.size / sizeof(vec4)), d->scene->hull_plane_count);
+    if (!array_reserve(&d->host, &d->plane_data, d->plane_room)) return FNL_ERROR_MEMORY;
+    if (count > before) memset(d->light_data.data + before, 0, (count - before) * sizeof *d->light_data.data);
+    d->light_data.count = MAX(before, count);
+    return FNL_OK;
+}
+
+fnl_result device_lights_gather(struct device_scene *d) {
+    d->light_data.count = d->bound_radii.count = d->lit_count = 0;
+    d->planes_taken.gaps.count = d->planes_taken.end = 0;
+    TRY(reserve_places(d));
+    for (uint32_t slot = 0; slot < d->light_data.count; slot++) UNUSED(refresh(d, slot)); /* one after the other, all fit */
+    return gather_suns(d);
+}
+
+/* Makes a buffer that holds `used` bytes of use larger, and then larger than it must be. */
+static fnl_result grow(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t needed) {
+    if (buffer->size >= needed) return FNL_OK;
+    return gpu_grow_buffer(d->device, name, buffer, used, buffer->size ? MAX(needed, buffer->size * 3 / 2) : needed);
+}
+
+fnl_result device_lights_prepare(struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    enum { LEAST_SUNS = 4 };
+    if (scene->suns.count > d->sun_room || !d->sun_room) { /* all others move */
+        d->sun_room = MAX(scene->suns.count * 3 / 2, (uint32_t)LEAST_SUNS);
+        d->light_version = UINT64_MAX;
+    }
+    bool sent = d->light_version != UINT64_MAX;
+    uint64_t places = (uint64_t)d->sun_room + MAX(scene->light_slots.count, 1u);
+    TRY(grow(d, "lights", &d->lights, sent ? d->lights.size : 0, places * sizeof(struct gpu_light)));
+    uint64_t plane_bytes = scene->hull_plane_count * sizeof(vec4);
+    return grow(d, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
+}
+
+void device_lights_finish(struct device_scene *d) {
+    gpu_buffer_destroy(d->device, &d->lights);
+    gpu_buffer_destroy(d->device, &d->planes);
+    gpu_buffer_destroy(d->device, &d->faded_lights);
+    array_free(&d->host, &d->sun_data);
+    array_free(&d->host, &d->light_data);
+    array_free(&d->host, &d->plane_data);
+    array_free(&d->host, &d->bound_radii);
+    ranges_finish(&d->host, &d->planes_taken);
+}
+
+/* ---- fading ---- */
 
 /* What the GPU rounds differently stays in the lists: it finds no colour there. */
 #define FADE_SLACK 1e-4f
@@ -163,22 +242,23 @@ fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *vie
     for (uint32_t i = 0; i < d->light_data.count; i++) {
         struct gpu_light *light = &d->light_data.data[i];
         d->bound_radii.data[d->bound_radii.count++] = light->bound_radius;
-        if (i >= d->directional_count && light_fade(view, light, lod * (1 - FADE_SLACK)) == 0) light->bound_radius = 0;
+        if (light_fade(view, light, lod * (1 - FADE_SLACK)) == 0) light->bound_radius = 0;
     }
     return FNL_OK;
 }
 
 /* ---- sending them ---- */
 
-/* Pieces of the buffer, one after the other in the slice. */
+/* Pieces of the buffers, one after the other in the slice. */
 struct piece {
     uint64_t offset, size;
+    bool of_planes; /* of the buffer of planes, not that of lights */
 };
 
 struct send_data {
     struct gpu_slice slice;
-    struct gpu_buffer target;
-    const struct piece *pieces; /* in the frame's memory */
+    const struct gpu_buffer *targets[2]; /* lights, planes */
+    const struct piece *pieces;          /* in the frame's memory */
     uint32_t piece_count;
 };
 
@@ -186,94 +266,97 @@ static void execute_send(const struct graph_context *context, const void *data) 
     const struct send_data *d = data;
     uint64_t from = d->slice.offset;
     for (uint32_t i = 0; i < d->piece_count; i++) {
-        gpu_copy_buffer(context->commands, d->slice.buffer, from, &d->target, d->pieces[i].offset, d->pieces[i].size);
+        gpu_copy_buffer(context->commands, d->slice.buffer, from, d->targets[d->pieces[i].of_planes], d->pieces[i].offset,
+                        d->pieces[i].size);
         from += d->pieces[i].size;
     }
 }
 
-/* Bytes for the frame to copy into the buffer. */
-static fnl_result begin_send(struct device_scene *d, uint64_t size, uint32_t most_pieces, struct send_data *out,
-                             struct piece **out_pieces) {
+struct send {
+    struct send_data data;
+    struct piece *pieces;
+    uint64_t filled;
+};
+
+/* Memory of the frame for so many bytes to copy. */
+static fnl_result begin_send(struct device_scene *d, uint64_t size, uint32_t most_pieces, struct send *out) {
     struct gpu_slice pieces = gpu_frame_allocate(d->device, most_pieces * sizeof(struct piece));
-    *out = (struct send_data){.target = d->lights, .slice = gpu_frame_allocate(d->device, size), .pieces = pieces.data};
-    *out_pieces = pieces.data;
-    return pieces.data && out->slice.data ? FNL_OK : gpu_status(d->device);
+    *out = (struct send){.data = {.targets = {&d->lights, &d->planes},
+                                  .slice = gpu_frame_allocate(d->device, size),
+                                  .pieces = pieces.data},
+                         .pieces = pieces.data};
+    return pieces.data && out->data.slice.data ? FNL_OK : gpu_status(d->device);
 }
 
-static void end_send(struct device_scene *d, struct graph *graph, graph_buffer lights, const struct send_data *send) {
-    for (uint32_t i = 0; i < send->piece_count; i++) d->light_bytes_sent += send->pieces[i].size;
-    struct graph_pass *pass = graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_send, send, sizeof *send);
+static void add_piece(struct send *send, bool of_planes, uint64_t offset, const void *bytes, uint64_t size) {
+    if (size == 0) return;
+    memcpy((char *)send->data.slice.data + send->filled, bytes, size);
+    send->filled += size;
+    struct piece *last = send->data.piece_count ? &send->pieces[send->data.piece_count - 1] : NULL;
+    if (last && last->of_planes == of_planes && last->offset + last->size == offset)
+        last->size += size;
+    else
+        send->pieces[send->data.piece_count++] = (struct piece){offset, size, of_planes};
+}
+
+static void add_suns(const struct device_scene *d, struct send *send) {
+    add_piece(send, false, (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light), d->sun_data.data,
+              d->sun_data.count * sizeof(struct gpu_light));
+}
+
+static void end_send(struct device_scene *d, struct graph *graph, graph_buffer lights, const struct send *send) {
+    d->light_bytes_sent += send->filled;
+    if (send->data.piece_count == 0) return;
+    struct graph_pass *pass =
+        graph_add_pass(graph, "update lights", GRAPH_QUEUE_GRAPHICS, execute_send, &send->data, sizeof send->data);
     graph_use_buffer(pass, lights, GRAPH_COPY_TO);
 }
 
 static fnl_result send_all(struct device_scene *d, struct graph *graph, graph_buffer lights) {
-    uint64_t light_size = d->light_data.count * sizeof(struct gpu_light), plane_size = d->plane_data.count * sizeof(vec4);
-    if (light_size == 0) return FNL_OK;
-    struct send_data send;
-    struct piece *pieces;
-    TRY(begin_send(d, light_size + plane_size, 2, &send, &pieces));
-    memcpy(send.slice.data, d->light_data.data, light_size);
-    pieces[send.piece_count++] = (struct piece){0, light_size};
-    if (plane_size) {
-        memcpy((char *)send.slice.data + light_size, d->plane_data.data, plane_size);
-        pieces[send.piece_count++] = (struct piece){device_lights_planes_offset(d->light_data.count), plane_size};
-    }
+    uint64_t light_size = d->scene->light_slot_end * sizeof(struct gpu_light),
+             plane_size = d->planes_taken.end * sizeof(vec4);
+    struct send send;
+    TRY(begin_send(d, MAX(d->sun_data.count * sizeof(struct gpu_light) + light_size + plane_size, 1u), 3, &send));
+    add_suns(d, &send);
+    add_piece(&send, false, d->sun_room * sizeof(struct gpu_light), d->light_data.data, light_size);
+    add_piece(&send, true, 0, d->plane_data.data, plane_size);
     end_send(d, graph, lights, &send);
     return FNL_OK;
 }
 
-/* A light again at its place, and its planes at theirs. */
-static void refresh(struct device_scene *d, uint32_t index) {
-    const struct scene_light *light = &d->scene->lights.data[index];
-    struct gpu_light *old = &d->light_data.data[d->light_slots.data[index]], g = light_of(d->scene, light);
-    if (old->hull_count) {
-        g.hull_first = old->hull_first;
-        set_hull(&g, light->hull, d->plane_data.data + (old->hull_first - first_plane(d)));
-    }
-    *old = g;
+static fnl_result gather_and_send(struct device_scene *d, struct graph *graph, graph_buffer lights) {
+    TRY(device_lights_gather(d));
+    return send_all(d, graph, lights);
 }
 
-static void add_piece(struct send_data *send, struct piece *pieces, uint64_t *filled, uint64_t offset, const void *bytes,
-                      uint64_t size) {
-    memcpy((char *)send->slice.data + *filled, bytes, size);
-    *filled += size;
-    struct piece *last = send->piece_count ? &pieces[send->piece_count - 1] : NULL;
-    if (last && last->offset + last->size == offset)
-        last->size += size;
-    else
-        pieces[send->piece_count++] = (struct piece){offset, size};
-}
-
-/* What changed while all lights stayed in their places: those of the scene's list, or of all where a step was missed. */
 static fnl_result send_changed(struct device_scene *d, struct graph *graph, graph_buffer lights) {
-    const fnl_scene *scene = d->scene;
-    bool listed = d->light_version >= scene->changed_lights_since;
-    uint32_t candidates = listed ? scene->changed_lights.count : scene->lights.count, count = 0;
+    struct changes changes = changes_of(d);
+    uint32_t count = 0;
     uint64_t size = 0;
     unfade(d);
-    for (uint32_t i = 0; i < candidates; i++) {
-        uint32_t index = listed ? scene->changed_lights.data[i] : i;
-        if (scene->lights.data[index].changed_version <= d->light_version) continue;
-        if (d->light_slots.data[index] == SCENE_NONE) continue;
-        refresh(d, index);
-        size += sizeof(struct gpu_light);
-        size += d->light_data.data[d->light_slots.data[index]].hull_count * sizeof(vec4);
+    TRY(reserve_places(d));
+    for (uint32_t i = 0; i < changes.count; i++) {
+        uint32_t slot = change_at(d, &changes, i);
+        if (slot == SCENE_NONE) continue;
+        if (!refresh(d, slot)) return gather_and_send(d, graph, lights);
+        size += sizeof(struct gpu_light) + d->light_data.data[slot].hull_count * sizeof(vec4);
         count++;
     }
-    if (count == 0) return FNL_OK;
-    if (count > d->light_data.count / 2) return send_all(d, graph, lights); /* in one piece */
-    struct send_data send;
-    struct piece *pieces;
-    TRY(begin_send(d, size, 2 * count, &send, &pieces));
-    uint64_t filled = 0;
-    for (uint32_t i = 0; i < candidates; i++) {
-        uint32_t index = listed ? scene->changed_lights.data[i] : i, slot = d->light_slots.data[index];
-        if (scene->lights.data[index].changed_version <= d->light_version || slot == SCENE_NONE) continue;
+    bool suns = d->scene->sun_version > d->light_version;
+    if (suns) TRY(gather_suns(d));
+    if (count > (d->sun_data.count + d->scene->light_slot_end) / 2) return send_all(d, graph, lights); /* in one piece */
+    if (suns) size += d->sun_data.count * sizeof(struct gpu_light);
+    if (size == 0) return FNL_OK;
+    struct send send;
+    TRY(begin_send(d, size, 2 * count + 1, &send));
+    if (suns) add_suns(d, &send);
+    for (uint32_t i = 0; i < changes.count; i++) {
+        uint32_t slot = change_at(d, &changes, i);
+        if (slot == SCENE_NONE) continue;
         const struct gpu_light *g = &d->light_data.data[slot];
-        add_piece(&send, pieces, &filled, slot * sizeof *g, g, sizeof *g);
-        if (g->hull_count)
-            add_piece(&send, pieces, &filled, g->hull_first * sizeof(vec4),
-                      d->plane_data.data + (g->hull_first - first_plane(d)), g->hull_count * sizeof(vec4));
+        add_piece(&send, false, (d->sun_room + slot) * sizeof *g, g, sizeof *g);
+        add_piece(&send, true, g->hull_first * sizeof(vec4), d->plane_data.data + g->hull_first,
+                  g->hull_count * sizeof(vec4));
     }
     end_send(d, graph, lights, &send);
     return FNL_OK;
@@ -282,12 +365,17 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights) {
     d->light_bytes_sent = 0;
     if (d->light_version == d->scene->light_version) return FNL_OK;
-    if (must_gather(d)) {
-        TRY(device_lights_gather(d));
-        TRY(send_all(d, graph, lights));
-    } else {
-        TRY(send_changed(d, graph, lights));
-    }
+    TRY(must_gather(d) ? gather_and_send(d, graph, lights) : send_changed(d, graph, lights));
     d->light_version = d->scene->light_version;
     return FNL_OK;
+}
+
+struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights) {
+    uint32_t local_count = d->scene->light_slot_end;
+    return (struct light_input){.buffer = lights,
+                                .lights = d->lights.address + (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light),
+                                .planes = d->planes.address,
+                                .directional_count = d->sun_data.count,
+                                .local_count = local_count,
+                                .unlit_count = local_count - d->lit_count};
 }

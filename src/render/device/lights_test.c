@@ -74,7 +74,7 @@ static void test_few_lights_move(void **state) {
     stage_close(&s);
 }
 
-/* Lights that come, go or change their place among the others, with some that move beside them. */
+/* Lights that come, go or become directional, with some that move beside them: each is sent alone, to or from the place that it keeps. */
 static void test_lights_come_and_go(void **state) {
     UNUSED(state);
     struct stage s = open_lights(LIGHTS);
@@ -82,25 +82,116 @@ static void test_lights_come_and_go(void **state) {
     move(&s, 3, 1);
     assert_int_equal(fnl_scene_remove_light(s.scene, ids[5]), FNL_OK);
     move(&s, 9, 1);
-    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    check_frame(&s, 3 * LIGHT_BYTES);
     move(&s, LIGHTS - 1, 1); /* behind the hole */
     check_frame(&s, LIGHT_BYTES);
     fnl_light_params sun = fnl_light_params_default();
     sun.kind = FNL_LIGHT_DIRECTIONAL;
     sun.direction = vec3_make(0, -1, 0);
-    assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK); /* to the front */
-    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK); /* to the front; its place is free */
+    check_frame(&s, 2 * LIGHT_BYTES);
     sun.intensity = 3;
     assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK);
     move(&s, 41, 0.5f);
     check_frame(&s, 2 * LIGHT_BYTES);
+    fnl_light_id more[5]; /* directional lights are sent together; the fifth finds the room for them full */
+    for (uint32_t i = 0; i < 5; i++) {
+        assert_int_equal(fnl_scene_add_light(s.scene, &sun, &more[i]), FNL_OK);
+        check_frame(&s, (2 + i) * LIGHT_BYTES + (i == 3 ? LIGHTS * LIGHT_BYTES : 0));
+    }
+    assert_int_equal(fnl_scene_remove_light(s.scene, more[1]), FNL_OK);
+    check_frame(&s, 5 * LIGHT_BYTES);
+    for (uint32_t i = 0; i < 5; i++)
+        if (i != 1) assert_int_equal(fnl_scene_remove_light(s.scene, more[i]), FNL_OK);
     move(&s, 40, 0.5f);
-    check_frame(&s, (LIGHTS - 1) * LIGHT_BYTES);
+    check_frame(&s, LIGHT_BYTES);
     fnl_light_params light = some_light(5);
     assert_int_equal(fnl_scene_add_light(s.scene, &light, &ids[5]), FNL_OK);
-    check_frame(&s, LIGHTS * LIGHT_BYTES);
+    check_frame(&s, LIGHT_BYTES);
+    for (uint32_t i = 0; i < 3; i++) { /* the first does not fit: what is there is copied on the device */
+        assert_int_equal(fnl_scene_add_light(s.scene, &light, &ids[LIGHTS + i]), FNL_OK);
+        check_frame(&s, LIGHT_BYTES);
+    }
     assert_int_equal(fnl_scene_set_light_cutoff(s.scene, 0.5f, 0.1f), FNL_OK);
+    check_frame(&s, (LIGHTS + 3) * LIGHT_BYTES);
+    stage_close(&s);
+}
+
+/* A light keeps its place whatever comes and goes around it. A place that is free is taken again, the lowest first. */
+static void test_places_last(void **state) {
+    UNUSED(state);
+    enum { FEW = 64, ROUNDS = 40 };
+    struct stage s = open_lights(FEW);
+    check_frame(&s, FEW * LIGHT_BYTES);
+    struct random_state random = {7};
+    uint32_t owners[FEW], slots[FEW], count = FEW; /* the light at each place, and the other way round; FEW: none */
+    for (uint32_t i = 0; i < FEW; i++) owners[i] = slots[i] = i;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        uint32_t changes = 1 + random_bits(&random) % 9;
+        for (uint32_t k = 0; k < changes; k++) {
+            uint32_t i = random_bits(&random) % FEW, least = 0;
+            if (slots[i] < FEW) {
+                assert_int_equal(fnl_scene_remove_light(s.scene, ids[i]), FNL_OK);
+                owners[slots[i]] = FEW;
+                slots[i] = FEW;
+                count--;
+                continue;
+            }
+            while (owners[least] < FEW) least++;
+            fnl_light_params light = some_light(i);
+            uint32_t generation = ids[i].generation;
+            assert_int_equal(fnl_scene_add_light(s.scene, &light, &ids[i]), FNL_OK);
+            assert_int_not_equal(ids[i].generation, generation);
+            owners[least] = i;
+            slots[i] = least;
+            count++;
+        }
+        uint32_t end = 0;
+        for (uint32_t place = 0; place < FEW; place++) {
+            if (owners[place] == FEW) continue;
+            fnl_light_id id = ids[owners[place]];
+            assert_int_equal(s.scene->lights.data[id.index].slot, place);
+            assert_int_equal(s.scene->light_slots.data[place].light, id.index);
+            end = place + 1;
+        }
+        assert_int_equal(s.scene->light_slot_end, end);
+        struct shot shot = stage_shoot(&s, &s.frame);
+        assert_int_equal(shot.stats.lights_total, count);
+        assert_true(s.renderer->device_scene.light_bytes_sent <= changes * LIGHT_BYTES);
+        shot_free(&shot);
+    }
+    stage_close(&s);
+}
+
+/* With places that are free between others, all kinds of lists give the same bits, and those that a scene gives where they are not. */
+static void test_free_places_are_in_no_list(void **state) {
+    UNUSED(state);
+    struct stage s = open_lights(LIGHTS), packed = open_lights(0);
     check_frame(&s, LIGHTS * LIGHT_BYTES);
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        fnl_light_params light = some_light(i);
+        fnl_light_id id;
+        if (i % 3 == 1)
+            assert_int_equal(fnl_scene_remove_light(s.scene, ids[i]), FNL_OK);
+        else
+            assert_int_equal(fnl_scene_add_light(packed.scene, &light, &id), FNL_OK);
+    }
+    s.frame.lists = packed.frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&s, &s.frame);
+    for (uint32_t lists = 0; lists < FNL_LISTS_AUTO; lists++) {
+        if (!fnl_lists_supported(s.frame.shading, (fnl_light_lists)lists)) continue;
+        s.frame.lists = packed.frame.lists = (fnl_light_lists)lists;
+        struct shot shot = stage_shoot(&s, &s.frame), other = stage_shoot(&packed, &packed.frame);
+        assert_int_equal(count_differing(&shot.radiance, &all.radiance), 0);
+        assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
+        assert_int_equal(shot.stats.list_entries, other.stats.list_entries);
+        assert_int_equal(shot.stats.lights_in_view, other.stats.lights_in_view);
+        assert_int_equal(shot.stats.lights_total, other.stats.lights_total);
+        shot_free(&shot);
+        shot_free(&other);
+    }
+    shot_free(&all);
+    stage_close(&packed);
     stage_close(&s);
 }
 
@@ -131,8 +222,16 @@ static void test_hulls_move_with_their_lights(void **state) {
     shot_free(&before);
     shot_free(&after);
     assert_int_equal(fnl_scene_set_light_hull(s.scene, ids[6], NULL, 0), FNL_OK);
-    check_frame(&s, FEW * LIGHT_BYTES + 9 * 6 * sizeof(vec4));
-    move(&s, 12, 0.1f);
+    check_frame(&s, LIGHT_BYTES);
+    assert_int_equal(fnl_scene_remove_light(s.scene, ids[12]), FNL_OK);
+    fnl_vec3 corners[6];
+    for (uint32_t k = 0; k < 6; k++) { /* of 8 planes: with its own 6 there are three gaps, none wide enough */
+        corners[k] = some_light(18).position;
+        *(k / 2 == 0 ? &corners[k].x : k / 2 == 1 ? &corners[k].y : &corners[k].z) += k & 1 ? 1.f : -1.f;
+    }
+    assert_int_equal(fnl_scene_set_light_hull(s.scene, ids[18], corners, 6), FNL_OK);
+    check_frame(&s, FEW * LIGHT_BYTES + (7 * 6 + 8) * sizeof(vec4)); /* all planes move together */
+    move(&s, 15, 0.1f);
     check_frame(&s, LIGHT_BYTES + 6 * sizeof(vec4));
     stage_close(&s);
 }
@@ -201,6 +300,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_few_lights_move, harness_check),
         cmocka_unit_test_teardown(test_lights_come_and_go, harness_check),
+        cmocka_unit_test_teardown(test_places_last, harness_check),
+        cmocka_unit_test_teardown(test_free_places_are_in_no_list, harness_check),
         cmocka_unit_test_teardown(test_hulls_move_with_their_lights, harness_check),
         cmocka_unit_test_teardown(test_renderers_that_missed_steps, harness_check),
         cmocka_unit_test_teardown(test_nodes_and_faded_lights, harness_check),

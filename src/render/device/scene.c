@@ -41,9 +41,7 @@ void device_scene_finish(struct device_scene *d) {
     free_structure(d);
     free_images(d);
     device_decals_finish(d);
-    gpu_buffer_destroy(d->device, &d->lights);
-    gpu_buffer_destroy(d->device, &d->faded_lights);
-    array_free(&d->host, &d->bound_radii);
+    device_lights_finish(d);
     array_free(&d->host, &d->image_blues);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
@@ -52,9 +50,6 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->node_primitives);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
-    array_free(&d->host, &d->light_data);
-    array_free(&d->host, &d->light_slots);
-    array_free(&d->host, &d->plane_data);
 }
 
 void device_scene_forget(struct device_scene *d) {
@@ -134,15 +129,7 @@ fnl_result device_scene_prepare(struct device_scene *d) {
     if (d->keeps_previous && !d->previous.size)
         TRY(gpu_buffer_create(d->device, "previous vertices", d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull,
                               GPU_MEMORY_DEVICE, &d->previous));
-    /* The lights' buffer only grows; its contents are sent inside the frame. */
-    uint64_t needed =
-        device_lights_planes_offset(MAX(d->scene->lights.count, 1u)) + d->scene->hull_plane_count * sizeof(vec4);
-    if (d->lights.size < needed) {
-        gpu_buffer_destroy(d->device, &d->lights);
-        TRY(gpu_buffer_create(d->device, "lights", needed, GPU_MEMORY_DEVICE, &d->lights));
-        d->light_version = UINT64_MAX;
-    }
-    return FNL_OK;
+    return device_lights_prepare(d);
 }
 
 /* ---- updates inside a frame ---- */
@@ -278,9 +265,6 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .triangle_count = d->triangle_count,
                                             .index_count = d->index_count,
                                             .pool_triangles = d->pool_triangles};
-    out->lights = (struct light_input){.buffer = lights,
-                                       .lights = d->lights.address,
-                                       .directional_count = d->directional_count,
-                                       .local_count = d->light_data.count - d->directional_count};
+    out->lights = device_lights_input(d, lights);
     return FNL_OK;
 }

@@ -6,6 +6,7 @@
 #ifndef FNL_RENDER_DEVICE_SCENE_H
 #define FNL_RENDER_DEVICE_SCENE_H
 
+#include "base/ranges.h"
 #include "passes/geometry/geometry.h"
 #include "passes/geometry/skin.h"
 #include "passes/texturing/virtual.h"
@@ -76,12 +77,16 @@ struct device_scene {
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
     struct device_decals decals;
 
-    struct gpu_buffer lights;
-    ARRAY(struct gpu_light) light_data; /* the same on the CPU */
-    ARRAY(uint32_t) light_slots;        /* where each light of the scene stands in light_data, or SCENE_NONE */
+    struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
+    struct gpu_buffer planes;           /* of the lights' hulls */
+    uint32_t sun_room;
+    ARRAY(struct gpu_light) sun_data;   /* the same on the CPU */
+    ARRAY(struct gpu_light) light_data; /* by slot; without a range where no light is, or a hidden one */
+    ARRAY(vec4) plane_data;
+    struct ranges planes_taken;
+    uint32_t plane_room;                /* in the buffer */
+    uint32_t lit_count;                 /* of light_data */
     uint64_t light_bytes_sent;          /* with the last frame */
-    ARRAY(vec4) plane_data;             /* of the lights' hulls; behind the lights in their buffer */
-    uint32_t directional_count;
     struct gpu_buffer faded_lights; /* a copy for frames with light_lod; made when first asked for */
     ARRAY(float) bound_radii;       /* of light_data before it was faded; empty: it is not */
 };
@@ -128,14 +133,16 @@ static inline bool device_node_draws(const struct scene_node *node) {
     return node->active && !node->removed && node->mesh != SCENE_NONE;
 }
 
-/**
- * Declares the update of the light array, directional ones first (lights.c): only the lights that changed are sent, unless some came
- * or went.
- */
+/** Outside of frames: makes the buffers as large as the lights are many (lights.c). */
+fnl_result device_lights_prepare(struct device_scene *d);
+void device_lights_finish(struct device_scene *d);
+/** Declares the update of the light array: only the lights that changed are sent, and all directional ones where one of them did. */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
-/** The part of it that needs no device: fills light_data, plane_data and directional_count from d->scene. */
+/** The lights as one frame sees them; view, width and height are left to the caller. */
+struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights);
+/** The part that needs no device: fills light_data, sun_data and plane_data from d->scene. */
 fnl_result device_lights_gather(struct device_scene *d);
-/** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Walks over the lights where some came or went. */
+/** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Costs a look at what changed. */
 uint32_t device_lights_count(const struct device_scene *d);
 struct gpu_light device_light(const fnl_light_params *light);
 /**
@@ -143,8 +150,6 @@ struct gpu_light device_light(const fnl_light_params *light);
  * lights where `walk` says that the frame has such lists, or to undo it.
  */
 fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk);
-/** Where the planes of hulls begin in a buffer of so many lights, bytes. */
-uint64_t device_lights_planes_offset(uint32_t light_count);
 
 /** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
 fnl_result device_decals_prepare(struct device_scene *d);
