@@ -69,6 +69,7 @@ static void print_help(void) {
          "  --resume                   continues with DIR: measures only what is missing there\n"
          "  --overwrite                replaces the results in DIR\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
+         "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto chose\n"
          "  --validate                 Vulkan validation (slow, times mean little); any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n");
@@ -174,7 +175,8 @@ enum {
     O_OVERWRITE,
     O_ALL,
     O_DEVICE,
-    O_VALIDATE
+    O_VALIDATE,
+    O_NO_CACHE
 };
 
 static const struct option own_options[] = {{"output", required_argument, NULL, 'o'},
@@ -199,7 +201,8 @@ static const struct option own_options[] = {{"output", required_argument, NULL, 
                                              {"overwrite", no_argument, NULL, O_OVERWRITE},
                                              {"all", no_argument, NULL, O_ALL},
                                              {"device", required_argument, NULL, O_DEVICE},
-                                             {"validate", no_argument, NULL, O_VALIDATE},};
+                                             {"validate", no_argument, NULL, O_VALIDATE},
+                                             {"no-cache", no_argument, NULL, O_NO_CACHE},};
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
 static bool parse_option(struct bench_options *o, int option, const char *value) {
@@ -263,6 +266,9 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
         return true;
     case O_VALIDATE:
         s->validate = true;
+        return true;
+    case O_NO_CACHE:
+        s->no_cache = true;
         return true;
     default:
         return false;

@@ -35,7 +35,7 @@ struct bench_settings {
     fnl_light_lists reference;
     const char *camera_path; /* NULL: the camera stands still; "orbit", "turntable", each with ":N" or not; or a file */
     const char *device, *output;
-    bool resume, overwrite, validate, quiet;
+    bool resume, overwrite, validate, no_cache, quiet;
     fnl_load_params loading;
 };
 

@@ -552,6 +552,7 @@ bool bench_create_device(const struct bench_settings *settings, const fnl_host *
     const char *name = settings->device;
     if (host) params.host = *host;
     params.validate = settings->validate;
+    if (settings->no_cache) params.cache_folder = "";
     if (name) {
         char *end;
         long index = strtol(name, &end, 10);

@@ -89,6 +89,7 @@ static void print_help(void) {
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        as 'fanal devices' lists them (the best)\n"
+         "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto chose\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n"
@@ -166,6 +167,7 @@ enum {
     O_FRAMES,
     O_DEVICE,
     O_VALIDATE,
+    O_NO_CACHE,
     O_AOV,
     O_STATS,
     O_PLAN,
@@ -295,6 +297,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_VALIDATE:
         o->validate = true;
         return true;
+    case O_NO_CACHE:
+        o->no_cache = true;
+        return true;
     case O_AOV:
         return parse_aov(value, &o->aovs);
     case O_STATS:
@@ -352,6 +357,7 @@ static const struct option own_options[] = {
     {"frames", required_argument, NULL, O_FRAMES},
     {"device", required_argument, NULL, O_DEVICE},
     {"validate", no_argument, NULL, O_VALIDATE},
+    {"no-cache", no_argument, NULL, O_NO_CACHE},
     {"aov", required_argument, NULL, O_AOV},
     {"stats", required_argument, NULL, O_STATS},
     {"plan", no_argument, NULL, O_PLAN},

@@ -25,7 +25,7 @@ struct render_options {
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, validate, quiet, plan, traffic;
+    bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, validate, no_cache, quiet, plan, traffic;
     fnl_vec3 eye, look_at, background, ambient;
     float anisotropy;
     float fov;                  /* radians; 0: the camera's */

@@ -84,6 +84,7 @@ static bool load_scene(const struct render_options *o, const fnl_host *host, fnl
 
 static void choose_device(const struct render_options *o, fnl_device_params *params) {
     params->validate = o->validate;
+    if (o->no_cache) params->cache_folder = "";
     if (!o->device) return;
     char *end;
     long index = strtol(o->device, &end, 10);

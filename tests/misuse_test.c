@@ -170,6 +170,10 @@ static const char document[] = "{\"asset\":{\"version\":\"2.0\"}}";
       NULLED("out", fnl_renderer_read(w.renderer, FNL_OUTPUT_COLOR, NULL)))                                                 \
     X(fnl_renderer_render, NULLED("renderer", fnl_renderer_render(NULL, &frame));                                           \
       SILENT(fnl_renderer_render(w.renderer, NULL)))                                                                        \
+    X(fnl_renderer_warm, NULLED("renderer", fnl_renderer_warm(NULL, &frame, NULL, true, NULL));                             \
+      SILENT(fnl_renderer_warm(w.renderer, NULL, NULL, false, &number));                                                     \
+      SILENT(fnl_renderer_warm(w.renderer, &frame, NULL, false, &number));                                                   \
+      SILENT(fnl_renderer_warm(w.renderer, &frame, NULL, false, NULL)))                                                     \
     X(fnl_renderer_render_to, NULLED("renderer", fnl_renderer_render_to(NULL, &frame, &target));                            \
       NULLED("target", fnl_renderer_render_to(w.renderer, NULL, NULL));                                                     \
       NULLED("target", fnl_renderer_render_to(w.renderer, &frame, NULL)))                                                   \

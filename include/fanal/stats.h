@@ -139,6 +139,10 @@ typedef struct fnl_frame_stats {
     bool choosing;
     /** Pipelines of auto's candidates that are still being compiled in the background; until then it does not measure. */
     uint32_t pipelines_pending;
+    /** Pipelines that the frame needed and had to compile itself or to wait for: a hitch. fnl_renderer_warm makes them ahead. */
+    uint32_t pipelines_made;
+    /** Pipelines made for the device so far, and those of them that the driver found in its cache file (0 where it does not tell). */
+    uint32_t pipelines_total, pipelines_cached;
     /** What auto chose by, or "". Owned by the renderer, valid until the next call on it. */
     const char *choice;
     /** The passes in order. Owned by the renderer, valid until the next call on it. */

@@ -235,17 +235,20 @@ const struct gpu_pipeline *gpu_graphics_pipeline(gpu_device *device, const struc
 struct gpu_commands;
 /**
  * Asks for pipelines ahead of their use: until gpu_ask_end the functions above make nothing and return NULL; what is not there is made by
- * a thread in the background, one after the other, unless a frame that needs it is faster. The commands, which record nothing, are for
+ * threads in the background, as many as the job pool has, unless a frame that needs it is faster. The commands, which record nothing, are for
  * code that asks by recording. On the thread that makes frames, while nothing is being recorded.
  */
 struct gpu_commands *gpu_ask_begin(gpu_device *device);
 /** A ticket: all that was asked for is there as soon as gpu_pipeline_stats().done is no less. 0: it is all there. */
 uint64_t gpu_ask_end(gpu_device *device);
+/** Waits until what the ticket stands for is there. */
+void gpu_ask_wait(gpu_device *device, uint64_t ticket);
 
 struct gpu_pipeline_stats {
     uint64_t asked, done; /* so many were put in line; so many, from the first on, are made. Equal when the background is at rest */
     uint64_t ahead, rehearsed; /* made in the background; and used there on a second device (rehearse.c) */
     uint64_t late;             /* that a frame needed and had to make or to wait for */
+    uint64_t made, cached;     /* all that were made; and of these what the driver says that it found in the cache */
 };
 struct gpu_pipeline_stats gpu_pipeline_stats(gpu_device *device);
 

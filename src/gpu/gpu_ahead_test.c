@@ -39,7 +39,7 @@ static void test_what_is_asked_for_is_made_in_the_background(void **state) {
     enum { COUNT = 5 };
     struct test_memory memory = {0};
     gpu_device *device = test_device_create(&memory);
-    assert_false(device->pipelines.has_worker); /* who does not ask has no thread */
+    assert_int_equal(device->pipelines.worker_count, 0); /* who does not ask has no thread */
     uint64_t ticket = test_ask(device, 1, COUNT);
     assert_int_equal(ticket, COUNT);
     assert_int_equal(gpu_pipeline_stats(device).asked, COUNT);

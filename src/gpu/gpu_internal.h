@@ -17,6 +17,7 @@ enum {
     GPU_SAMPLER_MAX = 256,
     GPU_SLICE_BUFFERS = 32,
     GPU_UPLOAD_SEGMENTS = 4,
+    GPU_PIPELINE_WORKERS = 8,
     GPU_UPLOAD_SEGMENT_BYTES = 8 << 20,
 };
 
@@ -178,6 +179,7 @@ struct gpu_pipeline {
     VkPipeline handle; /* VK_NULL_HANDLE: could not be made, for the reason of `result` */
     fnl_result result;
     struct gpu_pipeline *next_asked;
+    uint64_t asked; /* its number in line, from 1 on */
     VkPipelineBindPoint point;
     uint64_t hash;
     union gpu_pipeline_key {
@@ -192,21 +194,27 @@ struct gpu_pipelines {
     uint32_t count, capacity;
     pthread_mutex_t mutex;  /* of new entries, states and what is below */
     pthread_cond_t changed; /* a state, the line, or stop */
-    pthread_t worker;       /* makes what was asked for, in that order */
-    bool has_worker, stop;  /* it is started when first asked */
+    struct gpu_pipeline_worker {
+        gpu_device *device;
+        pthread_t thread;
+        uint64_t at; /* number in line of what it is making, 0: at rest */
+    } workers[GPU_PIPELINE_WORKERS]; /* take what was asked for, in that order */
+    uint32_t worker_count;           /* they are started when first asked */
+    bool stop;
     struct gpu_pipeline *first_asked, *last_asked;
-    struct gpu_pipeline_stats stats;
+    struct gpu_pipeline_stats stats; /* of `done`: what was taken from the line */
     bool asking, asking_missed; /* between gpu_ask_begin and end; something was not there */
     VkPipelineCache cache;
     char *cache_path; /* NULL: not kept */
     size_t cache_path_size, loaded_size;
+    uint64_t loaded_hash; /* of what the driver was given of the file */
 };
 
 fnl_result gpu_pipelines_init(gpu_device *device, const char *cache_folder);
 void gpu_pipelines_finish(gpu_device *device);
 /** Makes pipelines.cache, from the file where there is a good one. */
 fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder);
-/** Writes the file if the cache grew. */
+/** Writes the file if the cache grew, with what other processes have put there since it was loaded. */
 void gpu_pipeline_cache_save(gpu_device *device);
 
 /* ---- rehearse.c ---- */

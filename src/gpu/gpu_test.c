@@ -116,5 +116,6 @@ int main(void) {
     failed += _cmocka_run_group_tests("gpu: draws", draw_tests, draw_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: scopes", scope_tests, scope_test_count, NULL, NULL);
     failed += _cmocka_run_group_tests("gpu: pipelines ahead", ahead_tests, ahead_test_count, NULL, NULL);
+    failed += _cmocka_run_group_tests("gpu: pipeline cache", cache_tests, cache_test_count, NULL, NULL);
     return failed;
 }

@@ -7,20 +7,19 @@ fnl_result gpu_pipelines_init(gpu_device *device, const char *cache_folder) {
     return gpu_pipeline_cache_load(device, cache_folder);
 }
 
-/** The worker leaves what is still in line; what it is at it has to finish. */
-static void stop_worker(struct gpu_pipelines *pipelines) {
-    if (!pipelines->has_worker) return;
+/** The workers leave what is still in line; what they are at they have to finish. */
+static void stop_workers(struct gpu_pipelines *pipelines) {
     pthread_mutex_lock(&pipelines->mutex);
     pipelines->stop = true;
     pthread_cond_broadcast(&pipelines->changed);
     pthread_mutex_unlock(&pipelines->mutex);
-    pthread_join(pipelines->worker, NULL);
-    pipelines->has_worker = false;
+    for (; pipelines->worker_count; pipelines->worker_count--)
+        pthread_join(pipelines->workers[pipelines->worker_count - 1].thread, NULL);
 }
 
 void gpu_pipelines_finish(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
-    stop_worker(pipelines);
+    stop_workers(pipelines);
     gpu_pipeline_cache_save(device);
     for (uint32_t i = 0; i < pipelines->capacity; i++) {
         struct gpu_pipeline *pipeline = pipelines->table[i];
@@ -133,19 +132,36 @@ static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, V
     };
 }
 
-static fnl_result create_compute(gpu_device *device, const struct gpu_compute_params *params, VkPipeline *out) {
+/** Asks the driver whether it found the pipeline in the cache. */
+static VkPipelineCreationFeedbackCreateInfo feedback_info(VkPipelineCreationFeedback *feedback) {
+    return (VkPipelineCreationFeedbackCreateInfo){.sType = VK_STRUCTURE_TYPE_PIPELINE_CREATION_FEEDBACK_CREATE_INFO,
+                                                  .pPipelineCreationFeedback = feedback};
+}
+
+static bool was_cached(const VkPipelineCreationFeedback *feedback) {
+    const VkPipelineCreationFeedbackFlags both =
+        VK_PIPELINE_CREATION_FEEDBACK_VALID_BIT | VK_PIPELINE_CREATION_FEEDBACK_APPLICATION_PIPELINE_CACHE_HIT_BIT;
+    return (feedback->flags & both) == both;
+}
+
+static fnl_result create_compute(gpu_device *device, const struct gpu_compute_params *params, VkPipeline *out,
+                                 bool *out_cached) {
     VkShaderModule module;
     TRY(create_module(device, params->shader, &module));
     struct constants constants;
     describe_constants(params->constant_count, params->constants, 0, &constants);
+    VkPipelineCreationFeedback feedback = {0};
+    const VkPipelineCreationFeedbackCreateInfo wanted = feedback_info(&feedback);
     VkComputePipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .pNext = &wanted,
         .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, &constants),
         .layout = device->bindless.layout,
     };
     VkResult result = device->vk.CreateComputePipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
     device->vk.DestroyShaderModule(device->handle, module, NULL);
     TRY(gpu_check(device, result, "%s: vkCreateComputePipelines", params->shader->name));
+    *out_cached = was_cached(&feedback);
     gpu_name(device, VK_OBJECT_TYPE_PIPELINE, (uint64_t)*out, params->shader->name);
     return FNL_OK;
 }
@@ -170,7 +186,8 @@ static VkPipelineColorBlendAttachmentState blend_state(enum gpu_blend blend) {
 }
 
 static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphics_params *params,
-                                     const VkPipelineShaderStageCreateInfo *stages, uint32_t stage_count, VkPipeline *out) {
+                                     const VkPipelineShaderStageCreateInfo *stages, uint32_t stage_count, VkPipeline *out,
+                                     bool *out_cached) {
     VkPipelineVertexInputStateCreateInfo input = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     VkPipelineInputAssemblyStateCreateInfo assembly = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
@@ -237,9 +254,12 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
                 ? params->depth_format
                 : VK_FORMAT_UNDEFINED,
     };
+    VkPipelineCreationFeedback feedback = {0};
+    VkPipelineCreationFeedbackCreateInfo wanted = feedback_info(&feedback);
+    wanted.pNext = params->scope ? NULL : &rendering;
     VkGraphicsPipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-        .pNext = &rendering,
+        .pNext = &wanted,
         .stageCount = stage_count,
         .pStages = stages,
         .pVertexInputState = &input,
@@ -253,15 +273,17 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .layout = device->bindless.layout,
     };
     if (params->scope) {
-        info.pNext = NULL;
         info.layout = device->scopes.layout;
         info.renderPass = params->scope->handle;
         info.subpass = params->scope_step;
     }
-    return device->vk.CreateGraphicsPipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
+    VkResult result = device->vk.CreateGraphicsPipelines(device->handle, device->pipelines.cache, 1, &info, NULL, out);
+    *out_cached = was_cached(&feedback);
+    return result;
 }
 
-static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out) {
+static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_params *params, VkPipeline *out,
+                                  bool *out_cached) {
     VkShaderModule first = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE, geometry = VK_NULL_HANDLE;
     const struct gpu_shader *corners = params->mesh ? params->mesh : params->vertex;
     struct constants constants;
@@ -275,7 +297,7 @@ static fnl_result create_graphics(gpu_device *device, const struct gpu_graphics_
         uint32_t count = 1;
         if (params->geometry) stages[count++] = stage_info(VK_SHADER_STAGE_GEOMETRY_BIT, geometry, &constants);
         if (params->fragment) stages[count++] = stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, &constants);
-        VkResult vulkan = create_graphics_from(device, params, stages, count, out);
+        VkResult vulkan = create_graphics_from(device, params, stages, count, out, out_cached);
         result = gpu_check(device, vulkan, "%s, %s: vkCreateGraphicsPipelines", corners->name,
                            params->fragment ? params->fragment->name : "no fragment shader");
     }
@@ -309,7 +331,7 @@ static fnl_result check_graphics(const gpu_device *device, const struct gpu_grap
     return FNL_OK;
 }
 
-/* ---- who makes them: the frame that needs one, or the worker those that were asked for ---- */
+/* ---- who makes them: the frame that needs one, or the workers those that were asked for ---- */
 
 static fnl_result check_params(const gpu_device *device, VkPipelineBindPoint point, const void *key) {
     return point == VK_PIPELINE_BIND_POINT_COMPUTE ? check_compute(&device->host, key) : check_graphics(device, key);
@@ -341,19 +363,23 @@ static void make_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
     atomic_store(&pipeline->state, GPU_PIPELINE_BEING_MADE);
     pthread_mutex_unlock(&pipelines->mutex);
     VkPipeline handle = VK_NULL_HANDLE;
+    bool cached = false;
     fnl_result result = pipeline->point == VK_PIPELINE_BIND_POINT_COMPUTE
-                            ? create_compute(device, &pipeline->key.compute, &handle)
-                            : create_graphics(device, &pipeline->key.graphics, &handle);
+                            ? create_compute(device, &pipeline->key.compute, &handle, &cached)
+                            : create_graphics(device, &pipeline->key.graphics, &handle, &cached);
     pthread_mutex_lock(&pipelines->mutex);
     pipeline->handle = result == FNL_OK ? handle : VK_NULL_HANDLE;
     pipeline->result = result;
+    pipelines->stats.made += result == FNL_OK;
+    pipelines->stats.cached += result == FNL_OK && cached;
     bool may_go_better = result == FNL_ERROR_MEMORY || result == FNL_ERROR_DEVICE_LOST;
     atomic_store(&pipeline->state, may_go_better ? GPU_PIPELINE_NEW : GPU_PIPELINE_MADE);
     pthread_cond_broadcast(&pipelines->changed);
 }
 
 static void *work(void *argument) {
-    gpu_device *device = argument, *stage = NULL;
+    struct gpu_pipeline_worker *worker = argument;
+    gpu_device *device = worker->device, *stage = NULL;
     struct gpu_pipelines *pipelines = &device->pipelines;
     if (device->compiles_late) gpu_device_create_beside(device, &stage); /* without it the first use takes its time */
     pthread_mutex_lock(&pipelines->mutex);
@@ -363,6 +389,8 @@ static void *work(void *argument) {
         struct gpu_pipeline *pipeline = pipelines->first_asked;
         pipelines->first_asked = pipeline->next_asked;
         if (!pipelines->first_asked) pipelines->last_asked = NULL;
+        worker->at = pipeline->asked;
+        pipelines->stats.done++;
         /* A frame that needed it may have been faster. */
         bool made = atomic_load(&pipeline->state) == GPU_PIPELINE_ASKED;
         if (made) {
@@ -377,11 +405,24 @@ static void *work(void *argument) {
             pthread_mutex_lock(&pipelines->mutex);
             pipelines->stats.rehearsed += rehearsed;
         }
-        pipelines->stats.done++;
+        worker->at = 0;
+        pthread_cond_broadcast(&pipelines->changed);
     }
     pthread_mutex_unlock(&pipelines->mutex);
     fnl_device_destroy(&stage);
     return NULL;
+}
+
+/* As many as may be had; without any the frame makes what it needs. The mutex is held. */
+static void start_workers(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    uint32_t count = MIN(jobs_thread_count(device->jobs), (uint32_t)GPU_PIPELINE_WORKERS);
+    while (pipelines->worker_count < MAX(count, 1u)) {
+        struct gpu_pipeline_worker *worker = &pipelines->workers[pipelines->worker_count];
+        *worker = (struct gpu_pipeline_worker){.device = device};
+        if (pthread_create(&worker->thread, NULL, work, worker) != 0) return;
+        pipelines->worker_count++;
+    }
 }
 
 /** Puts an entry in line, unless it is there or further on already. The mutex is held. */
@@ -391,13 +432,13 @@ static void ask_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
     if (state == GPU_PIPELINE_MADE) return;
     pipelines->asking_missed = true;
     if (state != GPU_PIPELINE_NEW) return;
-    if (!pipelines->has_worker) pipelines->has_worker = pthread_create(&pipelines->worker, NULL, work, device) == 0;
-    if (!pipelines->has_worker) return; /* then the frame that needs it makes it */
+    if (!pipelines->worker_count) start_workers(device);
+    if (!pipelines->worker_count) return; /* then the frame that needs it makes it */
     atomic_store(&pipeline->state, GPU_PIPELINE_ASKED);
     pipeline->next_asked = NULL;
     *(pipelines->last_asked ? &pipelines->last_asked->next_asked : &pipelines->first_asked) = pipeline;
     pipelines->last_asked = pipeline;
-    pipelines->stats.asked++;
+    pipeline->asked = ++pipelines->stats.asked;
     pthread_cond_broadcast(&pipelines->changed);
 }
 
@@ -453,9 +494,26 @@ uint64_t gpu_ask_end(gpu_device *device) {
     return pipelines->asking_missed ? gpu_pipeline_stats(device).asked : 0;
 }
 
+/* Of those taken from the line all but what workers are at, and what was taken after it. The mutex is held. */
+static uint64_t count_done(const struct gpu_pipelines *pipelines) {
+    uint64_t done = pipelines->stats.done;
+    for (uint32_t i = 0; i < pipelines->worker_count; i++)
+        if (pipelines->workers[i].at) done = MIN(done, pipelines->workers[i].at - 1);
+    return done;
+}
+
+void gpu_ask_wait(gpu_device *device, uint64_t ticket) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    pthread_mutex_lock(&pipelines->mutex);
+    while (count_done(pipelines) < MIN(ticket, pipelines->stats.asked))
+        pthread_cond_wait(&pipelines->changed, &pipelines->mutex);
+    pthread_mutex_unlock(&pipelines->mutex);
+}
+
 struct gpu_pipeline_stats gpu_pipeline_stats(gpu_device *device) {
     pthread_mutex_lock(&device->pipelines.mutex);
     struct gpu_pipeline_stats stats = device->pipelines.stats;
+    stats.done = count_done(&device->pipelines);
     pthread_mutex_unlock(&device->pipelines.mutex);
     return stats;
 }

@@ -4,6 +4,8 @@
 #include "gpu/gpu_internal.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -97,6 +99,7 @@ fnl_result gpu_pipeline_cache_load(gpu_device *device, const char *cache_folder)
         if (!info.pInitialData) log_debug(&device->host, "%s: not used: %s", pipelines->cache_path, reason);
     }
     pipelines->loaded_size = info.initialDataSize;
+    if (info.initialDataSize) pipelines->loaded_hash = hash_bytes(info.pInitialData, info.initialDataSize, HASH_SEED);
     VkResult result = device->vk.CreatePipelineCache(device->handle, &info, NULL, &pipelines->cache);
     file_free(&device->host, &file);
     return gpu_check(device, result, "vkCreatePipelineCache");
@@ -126,12 +129,37 @@ void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size
     if (file_save(&quiet, path, data, size) != FNL_OK) log_debug(&device->host, "%s: cannot be written", path);
 }
 
-void gpu_pipeline_cache_save(gpu_device *device) {
+/** Adds what another process has saved meanwhile, so that the file keeps it. */
+static void merge_file(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    struct file_view file;
+    VkPipelineCacheCreateInfo info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    const char *reason;
+    if (!gpu_cache_load(device, "pipelines", &file)) return;
+    info.pInitialData = check_file(device, &file, &info.initialDataSize, &reason);
+    bool known = info.initialDataSize == pipelines->loaded_size && info.pInitialData &&
+                 hash_bytes(info.pInitialData, info.initialDataSize, HASH_SEED) == pipelines->loaded_hash;
+    VkPipelineCache other = VK_NULL_HANDLE;
+    if (info.pInitialData && !known &&
+        device->vk.CreatePipelineCache(device->handle, &info, NULL, &other) == VK_SUCCESS)
+        device->vk.MergePipelineCaches(device->handle, pipelines->cache, 1, &other);
+    device->vk.DestroyPipelineCache(device->handle, other, NULL);
+    file_free(&device->host, &file);
+}
+
+/** One process at a time loads, merges and saves. -1: there is no lock to be had; then the last one wins, with a whole file. */
+static int lock_folder(const char *path) {
+    char folder[4096];
+    int lock = path_folder(path, folder, sizeof folder) ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (lock >= 0) flock(lock, LOCK_EX);
+    return lock;
+}
+
+static void write_file(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
     size_t size = 0;
-    if (!pipelines->cache_path || !pipelines->cache) return;
+    merge_file(device);
     if (device->vk.GetPipelineCacheData(device->handle, pipelines->cache, &size, NULL) != VK_SUCCESS) return;
-    if (size <= pipelines->loaded_size) return;
     size_t capacity = sizeof(struct cache_header) + size;
     unsigned char *bytes = host_allocate(&device->host, capacity);
     if (!bytes) return;
@@ -143,4 +171,15 @@ void gpu_pipeline_cache_save(gpu_device *device) {
         gpu_cache_save(device, "pipelines", bytes, sizeof header + size);
     }
     host_free(&device->host, bytes, capacity);
+}
+
+void gpu_pipeline_cache_save(gpu_device *device) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    size_t size = 0;
+    if (!pipelines->cache_path || !pipelines->cache) return;
+    if (device->vk.GetPipelineCacheData(device->handle, pipelines->cache, &size, NULL) != VK_SUCCESS) return;
+    if (size <= pipelines->loaded_size) return;
+    int lock = lock_folder(pipelines->cache_path);
+    write_file(device);
+    if (lock >= 0) close(lock); /* which unlocks it */
 }

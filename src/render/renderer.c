@@ -24,8 +24,7 @@ static void save_choices(fnl_renderer *r) {
     host_free(&r->host, text, size + 1);
 }
 
-/* Replaces auto by what this frame uses. */
-static void choose(fnl_renderer *r, fnl_frame *frame) {
+void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
     r->asked = (struct choice){frame->shading, frame->lists};
     if (frame->shading != FNL_SHADING_AUTO && frame->lists != FNL_LISTS_AUTO) {
         r->chooser.last = CHOOSER_CANDIDATES;
@@ -54,33 +53,6 @@ static void choose(fnl_renderer *r, fnl_frame *frame) {
     frame->lists = choice.lists;
 }
 
-/*
- * Asks for the pipelines of a frame without rendering it: declares it in a graph of its own, and puts everything back that declaring changes
- * in the renderer. Inside a device's frame, whose memory it takes.
- */
-static fnl_result ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
-                                uint64_t *out_ticket) {
-    if (!r->asking_graph) TRY(graph_create(&r->host, r->device, &r->asking_graph));
-    struct device_scene *d = &r->device_scene;
-    struct graph *graph = r->graph;
-    const struct lists_state lists = r->lists;
-    const struct temporal_state temporal = r->temporal;
-    const struct device_scene_sent sent = device_scene_sent(d);
-    const bool meshes = r->meshes;
-    r->graph = r->asking_graph;
-    r->meshes = frame_draws_meshes(r, frame);
-    lists_init(&r->lists, &r->host);
-    fnl_result result = frame_declare(r, frame, target);
-    if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
-    lists_finish(&r->lists, r->device);
-    device_scene_unsend(d, &sent);
-    r->meshes = meshes;
-    r->temporal = temporal;
-    r->lists = lists;
-    r->graph = graph;
-    return result;
-}
-
 /* The chooser's next candidate is made ready, one in a frame; the very first frame has pipelines of its own to make. */
 static fnl_result prepare_candidate(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target) {
     struct choice choice;
@@ -89,7 +61,7 @@ static fnl_result prepare_candidate(fnl_renderer *r, const fnl_frame *frame, con
     fnl_frame candidate = *frame;
     candidate.shading = choice.shading;
     candidate.lists = choice.lists;
-    TRY(ask_pipelines(r, &candidate, target, &ticket));
+    TRY(renderer_ask_pipelines(r, &candidate, target, &ticket));
     chooser_asked(&r->chooser, ticket);
     return FNL_OK;
 }
@@ -191,24 +163,29 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
 }
 
-static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
-                             const struct gpu_external_semaphores *external) {
+fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->device_scene.keeps_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
     r->device_scene.wanted_triangles = 0;
     TRY(device_scene_prepare(&r->device_scene));
-    choose(r, frame);
+    renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);
     if (culls && r->device_scene.triangle_count > 0) {
         if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
         if (!r->meshes) r->device_scene.wanted_triangles = r->triangle_capacity;
         TRY(device_scene_prepare(&r->device_scene));
     }
+    if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING) return FNL_OK;
+    return device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas);
+}
+
+static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
+                             const struct gpu_external_semaphores *external) {
+    TRY(renderer_prepare(r, frame));
     TRY(prepare_buffers(r, frame));
-    if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
-        TRY(device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas));
     TRY(gpu_frame_begin(r->device));
     double start = time_now();
+    const uint64_t late = gpu_pipeline_stats(r->device).late;
     uint32_t slot = gpu_frame_slot(r->device);
     if (r->slot_frames[slot]) pools_grow(r, r->counts[slot].mapped);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
@@ -233,8 +210,16 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     feed_chooser(r);
     r->frame_slot = slot;
     r->slot_frames[slot] = r->frame_number;
+    r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
     r->cpu_milliseconds = (time_now() - start) * 1e3;
     return FNL_OK;
+}
+
+void renderer_forget(fnl_renderer *r) {
+    r->temporal.valid = false;
+    device_scene_forget(&r->device_scene);
+    lists_forget(&r->lists);
+    r->atlas.version = UINT64_MAX;
 }
 
 static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
@@ -243,12 +228,8 @@ static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_fra
     TRY(frame_check(call, r, &frame));
     fnl_result result = make_frame(r, &frame, target, external);
     if (result != FNL_OK) {
-        /* Buffers may have changed without a frame to fill them, and updates may never have reached the device. */
-        r->frame_number = 0;
-        r->temporal.valid = false;
-        device_scene_forget(&r->device_scene);
-        lists_forget(&r->lists);
-        r->atlas.version = UINT64_MAX;
+        r->frame_number = 0; /* buffers may have changed without a frame to fill them */
+        renderer_forget(r);
     }
     return result;
 }
@@ -256,6 +237,16 @@ static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_fra
 fnl_result fnl_renderer_render(fnl_renderer *r, const fnl_frame *frame) {
     TRY(check_handle(__func__, "renderer", r));
     return render(CALL(&r->host), r, frame, NULL, NULL);
+}
+
+fnl_result renderer_check_target(const struct call *call, VkFormat format) {
+    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SRGB,
+                                       VK_FORMAT_B8G8R8A8_UNORM,      VK_FORMAT_B8G8R8A8_SRGB,
+                                       VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
+    for (uint32_t i = 0; i < COUNT_OF(formats); i++)
+        if (formats[i] == format) return FNL_OK;
+    return unsupported(call, "the target image has format %d, which is none of those that fnl_vulkan_target lists",
+                       (int)format);
 }
 
 fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target) {
@@ -277,14 +268,7 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
                                       .mips = 1,
                                       .samples = 1,
                                       .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_UNORM,      VK_FORMAT_R8G8B8A8_SRGB,
-                                       VK_FORMAT_B8G8R8A8_UNORM,      VK_FORMAT_B8G8R8A8_SRGB,
-                                       VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT};
-    bool known = false;
-    for (uint32_t i = 0; i < COUNT_OF(formats); i++) known = known || formats[i] == target->format;
-    if (!known)
-        return unsupported(call, "the target image has format %d, which is none of those that fnl_vulkan_target lists",
-                           (int)target->format);
+    TRY(renderer_check_target(call, target->format));
     struct gpu_image image;
     TRY(gpu_image_import(r->device, target->image, &params, &image));
     struct frame_target frame_target = {&image, target->initial_layout, target->final_layout};

@@ -102,6 +102,7 @@ struct fnl_renderer {
     uint32_t entry_bytes, blend_entry_bytes;
     ARRAY(fnl_pass_time) pass_times;
     double cpu_milliseconds;
+    uint32_t pipelines_made; /* by the frame itself */
 };
 
 /** Where a frame goes besides the readback buffers. */
@@ -115,6 +116,20 @@ bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame);
 
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);
+
+/** Brings the scene on the device up to date, replaces auto by what the frame uses, and makes what lasts; outside of frames. */
+fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame);
+void renderer_choose(fnl_renderer *r, fnl_frame *frame);
+/** Updates may never have reached the device: the next frame sends all of them again. */
+void renderer_forget(fnl_renderer *r);
+/** FNL_ERROR_UNSUPPORTED, with a log line, unless frames can go into images of this format. */
+fnl_result renderer_check_target(const struct call *call, VkFormat format);
+/**
+ * Asks for the pipelines of a frame without rendering it (warm.c): declares it in a graph of its own, and puts everything back that
+ * declaring changes in the renderer. Inside a device's frame, whose memory it takes. The scene is prepared. `out_ticket` as gpu_ask_end's.
+ */
+fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
+                                  uint64_t *out_ticket);
 
 /** Fails, with a log line, unless the frame's options are in range, go together and suit the device (frame_check.c). */
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);

@@ -141,6 +141,9 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->choosing = is_auto && !r->frame.pin_choice && r->chooser.state == CHOOSER_MEASURING;
     struct gpu_pipeline_stats pipelines = gpu_pipeline_stats(r->device);
     out->pipelines_pending = (uint32_t)(pipelines.asked - pipelines.done);
+    out->pipelines_made = r->pipelines_made;
+    out->pipelines_total = (uint32_t)pipelines.made;
+    out->pipelines_cached = (uint32_t)pipelines.cached;
     out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;
     out->pass_count = r->pass_times.count;

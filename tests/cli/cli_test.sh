@@ -57,6 +57,13 @@ expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shadin
 expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
 
+# The cache folder is the user's unless it is not wanted.
+expect 0 '' render builtin:spheres $small --no-cache -o "$work/no-cache.png"
+absent "$XDG_CACHE_HOME"/fanal/pipelines-*
+expect 0 '' render builtin:spheres $small -o "$work/cache.png"
+ls "$XDG_CACHE_HOME"/fanal/pipelines-* >/dev/null 2>&1 || fail "no pipelines were kept in $XDG_CACHE_HOME"
+cmp -s "$work/no-cache.png" "$work/cache.png" || fail "the picture without a cache is another"
+
 # Files from strangers: what they require, which files they read, and how much memory, in every command that loads.
 mkdir "$work/place"
 asset='"asset": {"version": "2.0"}'

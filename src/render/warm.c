@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/** Pipelines ahead of the frames that need them. */
+#include "base/check.h"
+#include "fanal/vulkan.h"
+#include "render/renderer_internal.h"
+
+/* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
+struct last_frame {
+    struct lists_state lists;
+    struct temporal_state temporal;
+    struct device_scene_sent sent;
+    fnl_frame_stats stats;
+    struct light_totals known_totals;
+    uint64_t fixed_bytes;
+    uint32_t entry_bytes, blend_entry_bytes, blend_capacity;
+    bool totals_known, meshes;
+    struct gpu_buffer outputs[OUTPUT_COUNT], draws, counters;
+};
+
+static void put_aside(const fnl_renderer *r, struct last_frame *out) {
+    *out = (struct last_frame){.lists = r->lists,
+                               .temporal = r->temporal,
+                               .sent = device_scene_sent(&r->device_scene),
+                               .stats = r->stats,
+                               .known_totals = r->known_totals,
+                               .fixed_bytes = r->fixed_bytes,
+                               .entry_bytes = r->entry_bytes,
+                               .blend_entry_bytes = r->blend_entry_bytes,
+                               .blend_capacity = r->blend_capacity,
+                               .totals_known = r->totals_known,
+                               .meshes = r->meshes,
+                               .draws = r->draws,
+                               .counters = r->counters};
+    memcpy(out->outputs, r->outputs, sizeof out->outputs);
+}
+
+static void put_back(fnl_renderer *r, const struct last_frame *last) {
+    device_scene_unsend(&r->device_scene, &last->sent);
+    r->lists = last->lists;
+    r->temporal = last->temporal;
+    r->stats = last->stats;
+    r->known_totals = last->known_totals;
+    r->fixed_bytes = last->fixed_bytes;
+    r->entry_bytes = last->entry_bytes;
+    r->blend_entry_bytes = last->blend_entry_bytes;
+    r->blend_capacity = last->blend_capacity;
+    r->totals_known = last->totals_known;
+    r->meshes = last->meshes;
+    r->draws = last->draws;
+    r->counters = last->counters;
+    memcpy(r->outputs, last->outputs, sizeof r->outputs);
+}
+
+/* Buffers with sizes alone: nothing is recorded, and what the last frame wrote stays where it is. */
+static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
+    uint64_t pixels = (uint64_t)frame->width * frame->height;
+    for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
+        r->outputs[i] = (struct gpu_buffer){.size = pixels * renderer_pixel_size(i)};
+    r->counters = (struct gpu_buffer){.size = pixels * 8 + 4};
+    r->draws = (struct gpu_buffer){.size = MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)};
+}
+
+fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
+                                  uint64_t *out_ticket) {
+    if (!r->asking_graph) TRY(graph_create(&r->host, r->device, &r->asking_graph));
+    struct graph *graph = r->graph;
+    struct last_frame last;
+    put_aside(r, &last);
+    r->graph = r->asking_graph;
+    r->meshes = frame_draws_meshes(r, frame);
+    lists_init(&r->lists, &r->host);
+    stand_in(r, frame);
+    pools_prepare(r, (uint64_t)frame->width * frame->height);
+    fnl_result result = frame_declare(r, frame, target);
+    if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
+    lists_finish(&r->lists, r->device);
+    put_back(r, &last);
+    r->graph = graph;
+    return result;
+}
+
+/* In a frame of the device that renders nothing. */
+static fnl_result ask(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target, uint64_t *out_ticket) {
+    TRY(gpu_frame_begin(r->device));
+    fnl_result result = renderer_ask_pipelines(r, frame, target, out_ticket);
+    fnl_result ended = gpu_frame_end(r->device, NULL, 0, NULL);
+    return result != FNL_OK ? result : ended;
+}
+
+fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_vulkan_target *target, bool wait,
+                             uint32_t *out_pending) {
+    TRY(check_handle(__func__, "renderer", r));
+    const struct call *call = CALL(&r->host);
+    if (out_pending) *out_pending = 0;
+    fnl_frame frame = given ? *given : fnl_frame_default();
+    if (target) {
+        TRY(renderer_check_target(call, target->format));
+        frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR;
+    }
+    TRY(frame_check(call, r, &frame));
+    frame.pin_choice = true; /* nothing is measured */
+    const struct choice asked = r->asked;
+    const bool measures = r->measures;
+    const struct gpu_image image = {
+        .params = {.name = "target",
+                   .format = target ? target->format : VK_FORMAT_UNDEFINED,
+                   .width = frame.width,
+                   .height = frame.height,
+                   .layers = 1,
+                   .mips = 1,
+                   .samples = 1,
+                   .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+        .sampled_index = GPU_NO_INDEX,
+        .storage_index = GPU_NO_INDEX,
+        .srgb_index = GPU_NO_INDEX};
+    const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
+    uint64_t ticket = 0;
+    fnl_result result = renderer_prepare(r, &frame);
+    if (result == FNL_OK) result = ask(r, &frame, target ? &frame_target : NULL, &ticket);
+    r->asked = asked;
+    r->measures = measures;
+    if (result != FNL_OK) {
+        renderer_forget(r);
+        return result;
+    }
+    if (wait) gpu_ask_wait(r->device, ticket);
+    const uint64_t done = gpu_pipeline_stats(r->device).done;
+    if (out_pending && ticket > done) *out_pending = (uint32_t)(ticket - done);
+    return FNL_OK;
+}

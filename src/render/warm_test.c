@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+/* Pipelines that are made before the first frame that needs them. */
+#include "fanal/vulkan.h"
+#include "tests/render_harness.h"
+
+#include <time.h>
+
+static const struct {
+    fnl_shading shading;
+    fnl_light_lists lists;
+    uint32_t msaa, outputs;
+    fnl_antialiasing aa;
+    bool count;
+} cases[] = {
+    {FNL_SHADING_FORWARD, FNL_LISTS_TILED, 4, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false},
+    {FNL_SHADING_DEFERRED, FNL_LISTS_CLUSTERED, 1, FNL_OUTPUT_COLOR | FNL_OUTPUT_NORMAL, FNL_ANTIALIASING_SMAA, true},
+    {FNL_SHADING_VISIBILITY, FNL_LISTS_BVH, 1, FNL_OUTPUT_RADIANCE, FNL_ANTIALIASING_TAA, false},
+    {FNL_SHADING_AUTO, FNL_LISTS_AUTO, 1, FNL_OUTPUT_COLOR, FNL_ANTIALIASING_NONE, false},
+};
+
+/* After it the first frame makes none; without it, it makes them all. The pictures are the same. */
+static void test_the_first_frame_makes_no_pipeline(void **state) {
+    UNUSED(state);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_image cold_color = {0};
+        for (int warm = 0; warm < 2; warm++) {
+            fnl_device_params params = fnl_device_params_default();
+            params.cache_folder = "";
+            params.host = *gpu_host(harness_device());
+            fnl_device *device;
+            fnl_scene *scene;
+            fnl_renderer *renderer;
+            assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
+            assert_int_equal(fnl_scene_load(&params.host, "builtin:spheres?lights=20", NULL, &scene), FNL_OK);
+            assert_int_equal(fnl_renderer_create(device, scene, &renderer), FNL_OK);
+            fnl_frame frame = fnl_frame_default();
+            frame.width = 48;
+            frame.height = 27;
+            frame.shading = cases[i].shading;
+            frame.lists = cases[i].lists;
+            frame.msaa = cases[i].msaa;
+            frame.outputs = cases[i].outputs;
+            frame.aa = cases[i].aa;
+            frame.count_lights = cases[i].count;
+            fnl_frame_stats stats;
+            if (warm) {
+                uint32_t pending = 99;
+                fnl_frame other = frame; /* size and camera do not count */
+                other.width = 96;
+                other.camera.position.x += 1;
+                assert_int_equal(fnl_renderer_warm(renderer, &other, NULL, true, &pending), FNL_OK);
+                assert_int_equal(pending, 0);
+                assert_true(gpu_pipeline_stats(device).made > 10);
+                assert_int_equal(gpu_pipeline_stats(device).late, 0);
+            }
+            uint64_t made = gpu_pipeline_stats(device).made;
+            assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_OK);
+            assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+            if (warm) {
+                assert_int_equal(stats.pipelines_made, 0);
+                assert_int_equal(stats.pipelines_total, made);
+            } else
+                assert_true(stats.pipelines_made > 10);
+            if (frame.outputs & FNL_OUTPUT_COLOR) {
+                fnl_image color;
+                assert_int_equal(fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &color), FNL_OK);
+                if (warm) {
+                    assert_int_equal(count_differing(&cold_color, &color), 0);
+                    fnl_image_free(&params.host, &cold_color);
+                    fnl_image_free(&params.host, &color);
+                } else
+                    cold_color = color;
+            }
+            fnl_renderer_destroy(&renderer);
+            fnl_scene_destroy(&scene);
+            fnl_device_destroy(&device);
+        }
+    }
+}
+
+/* Asked again and again it says how much is missing, and in the end nothing. */
+static void test_in_the_background(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:spheres?lights=20", 0);
+    fnl_device *device = harness_device();
+    fnl_frame frame = s.frame;
+    frame.shading = FNL_SHADING_DAIS;
+    uint32_t pending, first;
+    assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, false, &first), FNL_OK);
+    assert_true(first > 5);
+    uint64_t asked = gpu_pipeline_stats(device).asked;
+    double start = time_now();
+    do {
+        assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, false, &pending), FNL_OK);
+        assert_true(pending <= first);
+        nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    } while (pending && time_now() < start + 100);
+    assert_int_equal(pending, 0);
+    assert_int_equal(gpu_pipeline_stats(device).asked, asked); /* nothing stands in line twice */
+    struct shot shot = stage_shoot(&s, &frame);
+    assert_int_equal(shot.stats.pipelines_made, 0);
+    shot_free(&shot);
+    stage_close(&s);
+}
+
+/* Pictures for a caller's image take other pipelines. */
+static void test_for_a_target(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:spheres?lights=20", 0);
+    fnl_frame frame = s.frame;
+    fnl_vulkan_target linear = {.format = VK_FORMAT_R16G16B16A16_SFLOAT, .final_layout = VK_IMAGE_LAYOUT_GENERAL},
+                      wrong = {.format = VK_FORMAT_R8_UNORM};
+    uint32_t pending;
+    frame.shading = FNL_SHADING_MOBILE; /* which tone maps in its scope */
+    frame.outputs = FNL_OUTPUT_COLOR;
+    assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, true, NULL), FNL_OK);
+    assert_int_equal(fnl_renderer_warm(s.renderer, &frame, NULL, false, &pending), FNL_OK);
+    assert_int_equal(pending, 0);
+    uint64_t asked = gpu_pipeline_stats(harness_device()).asked;
+    assert_int_equal(fnl_renderer_warm(s.renderer, &frame, &linear, true, NULL), FNL_OK);
+    assert_true(gpu_pipeline_stats(harness_device()).asked > asked);
+    assert_int_equal(fnl_renderer_warm(s.renderer, &frame, &wrong, true, NULL), FNL_ERROR_UNSUPPORTED);
+    struct gpu_image image;
+    struct gpu_image_params params = {"target", linear.format, frame.width, frame.height, 1, 1, 1, false, false,
+                                      VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+    assert_int_equal(gpu_image_create(harness_device(), &params, &image), FNL_OK);
+    linear.image = image.handle;
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_render_to(s.renderer, &frame, &linear), FNL_OK);
+    assert_int_equal(fnl_renderer_query_stats(s.renderer, &stats), FNL_OK);
+    assert_int_equal(stats.pipelines_made, 0);
+    gpu_image_destroy(harness_device(), &image);
+    stage_close(&s);
+}
+
+/* The results of the last frame can still be read, its stats too, and the next frame goes on from it. */
+static void test_the_last_frame_stays(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:spheres?lights=20", 0), t = stage_open("builtin:spheres?lights=20", 0);
+    s.frame.aa = t.frame.aa = FNL_ANTIALIASING_TAA;
+    s.frame.count_lights = t.frame.count_lights = true;
+    fnl_frame other = fnl_frame_default();
+    other.width = 3 * s.frame.width;
+    other.height = 2 * s.frame.height;
+    other.shading = FNL_SHADING_DEFERRED;
+    other.lists = FNL_LISTS_CLUSTERED;
+    other.count_lights = true;
+    other.outputs = s.frame.outputs;
+    for (int i = 0; i < 3; i++) {
+        fnl_image a, b;
+        fnl_frame_stats of_a, of_b;
+        assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+        assert_int_equal(fnl_renderer_render(t.renderer, &t.frame), FNL_OK);
+        assert_int_equal(fnl_renderer_warm(s.renderer, &other, NULL, false, NULL), FNL_OK);
+        assert_int_equal(fnl_renderer_query_stats(s.renderer, &of_a), FNL_OK);
+        assert_int_equal(fnl_renderer_query_stats(t.renderer, &of_b), FNL_OK);
+        assert_int_equal(of_a.list_bytes, of_b.list_bytes);
+        assert_int_equal(of_a.list_entries, of_b.list_entries);
+        assert_int_equal(of_a.evaluations, of_b.evaluations);
+        assert_int_equal(of_a.lights_in_view, of_b.lights_in_view);
+        assert_int_equal(of_a.shading, s.frame.shading);
+        assert_int_equal(fnl_renderer_read(s.renderer, FNL_OUTPUT_COLOR, &a), FNL_OK);
+        assert_int_equal(fnl_renderer_read(t.renderer, FNL_OUTPUT_COLOR, &b), FNL_OK);
+        assert_int_equal(count_differing(&a, &b), 0);
+        fnl_image_free(gpu_host(harness_device()), &a);
+        fnl_image_free(gpu_host(harness_device()), &b);
+    }
+    stage_close(&s);
+    stage_close(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_the_first_frame_makes_no_pipeline, harness_check),
+        cmocka_unit_test_teardown(test_in_the_background, harness_check),
+        cmocka_unit_test_teardown(test_for_a_target, harness_check),
+        cmocka_unit_test_teardown(test_the_last_frame_stays, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
