@@ -40,9 +40,9 @@ static void print_help(void) {
          "\n"
          "What is compared (values are separated by commas). Without --shading and --lists: the likely pairs, which are the ones\n"
          "that '--shading auto --lists auto' would measure for this number of lights, plus brute force up to 4096 lights\n"
-         "  --shading KINDS|all        shading orders (the likely ones)\n"
+         "  --shading KINDS|all        shading paths (the likely ones)\n"
          "  --lists KINDS|all          light lists; 'all' means every kind, 'brute' means brute force (the likely ones)\n"
-         "  --all                      every shading order with every kind of lists: hundreds of pairs, an hour on a CPU\n"
+         "  --all                      every shading path with every kind of lists: hundreds of pairs, an hour on a CPU\n"
          "  --lights N,...             number of lights (as the scene has); a glTF scene gets N scattered lights in addition\n"
          "  --sizes WxH,...            pixels (1280x720; on a CPU 640x360)\n"
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
@@ -73,7 +73,7 @@ static void print_help(void) {
          "  --validate                 Vulkan validation (slow, times mean little); any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n");
-    fputs("Shading orders:", stdout);
+    fputs("Shading paths:", stdout);
     print_names(shading_name);
     fputs("Lists:", stdout);
     print_names(lists_name);
@@ -296,7 +296,7 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
     if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
     if (!o->suite && scene_count == 0) problem = "at least one scene or --suite is needed";
-    if (combination_count(&o->matrix) > COMBINATIONS_MAX) problem = "more than 1048576 combinations of ways, orders and lists";
+    if (combination_count(&o->matrix) > COMBINATIONS_MAX) problem = "more than 1048576 combinations of options, paths and lists";
     if (!o->settings.output) problem = "a folder for the results is needed: give -o DIR";
     if (problem) fprintf(stderr, "fanal: error: %s; see 'fanal bench --help'\n", problem);
     return !problem;

@@ -51,9 +51,9 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
             return true;
     }
     if (!fnl_lists_supported(candidate->shading, candidate->lists))
-        return skip(plan, to, candidate, "these lists do not go with this shading order");
+        return skip(plan, to, candidate, "these lists do not go with this shading path");
     if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
-        return skip(plan, to, candidate, "this shading order has no MSAA");
+        return skip(plan, to, candidate, "this shading path has no MSAA");
     if (strstr(candidate->options, "visibility.barycentrics=on") && strstr(candidate->options, "visibility.grid=on"))
         return skip(plan, to, candidate, "the grid stores no barycentrics");
     if (strstr(candidate->options, "geometry=mesh") && !strstr(candidate->options, "culling="))

@@ -217,7 +217,7 @@ static bool read_pictures(struct bench_run *run, struct lane *lane, fnl_image *r
     return result == FNL_OK;
 }
 
-/* The reference picture of one shading order, drawn by the renderer of a lane that has it. */
+/* The reference picture of one shading path, drawn by the renderer of a lane that has it. */
 static void make_reference(struct bench_run *run, struct lane *lane, uint32_t point, struct reference *out) {
     fnl_frame_stats stats;
     struct lane drawn = *lane; /* a failure is the reference's, not the lane's */
@@ -290,7 +290,7 @@ static void check_lane(struct bench_run *run, struct lane *lane, uint32_t point,
     json_decref(key);
 }
 
-/* The picture of each shading order and way, and how far it is from the first one's. */
+/* The picture of each shading path and way, and how far it is from the first one's. */
 static void show_reference(struct bench_run *run, const struct lane *lane, const struct reference *reference,
                            fnl_image *first) {
     const struct bench_case *c = &run->plan->cases[run->case_index];
@@ -381,7 +381,7 @@ static void check_group(struct bench_run *run, struct lane *first, uint32_t poin
     bool wanted = false;
     for (const struct lane *lane = first; lane < end; lane++) wanted = wanted || (!lane->kept && same_reference(first, lane));
     if (strcmp(fnl_value_name(FNL_ENUM_SHADING, first->candidate->shading), "auto") == 0) { /* it may choose another for the reference */
-        snprintf(reference.reason, sizeof reference.reason, "the shading order is chosen");
+        snprintf(reference.reason, sizeof reference.reason, "the shading path is chosen");
     } else if (compare && wanted) {
         show_progress(run, first, "drawing the reference picture");
         make_reference(run, first, point, &reference);

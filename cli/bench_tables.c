@@ -154,7 +154,7 @@ void bench_table_geometry(const struct bench_data *data, json_t *tables) {
     }
 }
 
-/* ---- shading orders over sizes and samples ---- */
+/* ---- shading paths over sizes and samples ---- */
 
 /* A statistic of a pass by its name; NaN where it did not run. */
 static double pass_number(const json_t *result, const char *name, const char *statistic) {
@@ -239,7 +239,7 @@ void bench_table_orders(const struct bench_data *data, json_t *tables) {
     char *labels[LABELS_MAX];
     uint32_t case_count = cases_of(results, cases), count = labels_of(results, labels);
     struct wins *wins = calloc(count + 1, sizeof *wins);
-    json_t *table = add_table(tables, "orders", "Where each shading order wins: medians of the frame, ms");
+    json_t *table = add_table(tables, "orders", "Where each shading path wins: medians of the frame, ms");
     static const char *const head[] = {"<scene", "<size", "MSAA"}, *const tail[] = {"<fastest", "lead", "<over", "<"};
     for (size_t c = 0; c < 3; c++) add_column(table, head[c]);
     for (uint32_t i = 0; i < count; i++) add_column(table, labels[i]);

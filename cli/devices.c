@@ -33,18 +33,18 @@ static const struct {
 } features[] = {
 #define FEATURE(field, use)                                                                                                 \
     { #field, use, offsetof(fnl_device_info, field) }
-    FEATURE(async_compute, "light lists beside drawing"),
-    FEATURE(timestamps, "times of passes"),
-    FEATURE(primitive_ids, "visibility and dais shading, coarse shading by triangles, the view of clusters"),
-    FEATURE(minmax_samplers, "coarse shading by ranges (minmax) reads fewer texels"),
-    FEATURE(post_depth_coverage, "dais shading with lists of covered samples"),
-    FEATURE(quad_operations, "dais shading at a lower rate"),
-    FEATURE(conservative_raster, "light lists by conservative rasterisation"),
-    FEATURE(barycentrics, "not used: visibility shading stores weights without it"),
-    FEATURE(mesh_shader, "clusters of triangles drawn by mesh shaders"),
+    FEATURE(async_compute, "builds light lists while drawing"),
+    FEATURE(timestamps, "measures the time of each pass"),
+    FEATURE(primitive_ids, "visibility and dais shading, coarse.criterion=id, --debug clusters"),
+    FEATURE(minmax_samplers, "coarse.criterion=minmax reads fewer texels"),
+    FEATURE(post_depth_coverage, "dais.mode=list stores fewer elements with MSAA"),
+    FEATURE(quad_operations, "dais.multirate shares ambient light between four pixels"),
+    FEATURE(conservative_raster, "--lists raster draws light meshes conservatively"),
+    FEATURE(barycentrics, "not used; visibility.barycentrics works without it"),
+    FEATURE(mesh_shader, "--geometry mesh"),
     FEATURE(ray_query, "not used yet"),
-    FEATURE(sample_locations, "not used: the grid of visibility shading takes the standard places"),
-    FEATURE(fragment_shading_rate, "not used: coarse shading needs none"),
+    FEATURE(sample_locations, "not used; visibility.grid uses the standard locations"),
+    FEATURE(fragment_shading_rate, "not used; coarse shading works without it"),
     FEATURE(multiview, "not used yet"),
 #undef FEATURE
 };

@@ -12,7 +12,7 @@ static const struct {
     int (*run)(int argc, char **argv);
 } commands[] = {
     {"render", "render a scene and write the picture and the numbers", command_render},
-    {"bench", "measure light lists and shading orders side by side", command_bench},
+    {"bench", "measure light lists and shading paths side by side", command_bench},
     {"info", "print what a scene consists of", command_info},
     {"devices", "list the Vulkan devices and what each offers", command_devices},
     {"compare", "measure how far two pictures are apart", command_compare},

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Links between the pages: the file is there, and so is the heading or the anchor; and the index of techniques leaves no page out. Usage: docs_test.sh
+# Links and pictures of the pages exist, headings too; the indexes leave no page out; pictures are used; README names every family of techniques.
+# Usage: docs_test.sh
 set -u
 cd "$(dirname "$0")/.." || exit 2
 failures=0
@@ -28,5 +29,14 @@ for page in docs/techniques/*.md; do
     name=$(basename "$page")
     [ "$name" = README.md ] || grep -qE "\]\($name[)#]" docs/techniques/README.md || fail "docs/techniques/README.md leaves out $name"
 done
+for page in docs/*.md; do
+    grep -qF "]($page" README.md || grep -qF "](../$(basename "$page")" docs/techniques/README.md || fail "neither README.md nor the index of techniques links $page"
+done
+for picture in docs/images/*; do
+    grep -qF "images/$(basename "$picture"))" README.md docs/*.md docs/techniques/*.md || fail "no page shows $picture"
+done
+families=$(cd src/passes && printf '%s\n' */ | tr -d /)
+named=$(sed -n 's/^| `src\/passes\/` |//p' README.md | grep -oE '`[a-z]+`' | tr -d '`')
+[ "$families" = "$named" ] || fail "README.md names the families" $named "and src/passes has" $families
 [ $failures = 0 ] && echo 'all links lead somewhere'
 exit $((failures > 0))

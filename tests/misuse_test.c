@@ -602,7 +602,7 @@ static void test_unsupported_frames(void **state) {
         frame = small_frame();                                                                                              \
     } while (0)
     UNSUPPORTED("mesh lists do not go with deferred shading", frame.lists = FNL_LISTS_MESH);
-    UNSUPPORTED("mobile shading has no MSAA; use another order, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
+    UNSUPPORTED("mobile shading has no MSAA; use another path, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
     UNSUPPORTED("deferred lighting in a fragment pass has no classes and 1 sample a pixel", frame.deferred.pass = FNL_DEFERRED_FRAGMENT,
                 frame.deferred.class_blocks = 8);
     UNSUPPORTED("the view dais-addresses shows what dais shading stores", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);

@@ -394,19 +394,19 @@ const orderLook = (name) => {
   const all = unique(results.map((r) => r.shading)), i = all.indexOf(name), p = palette();
   return {color: p[i % p.length], marker: markers[i % markers.length], dash: dashes[(i + Math.floor(i / p.length)) % dashes.length]};
 };
-addPlot('orders', 'Shading orders', 'Each with the lists that it is fastest with here: medians of the whole frame; whiskers span from the 5th to the 95th percentile.',
+addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with here: medians of the whole frame; whiskers span from the 5th to the 95th percentile.',
   (body) => {
   const key = 'frame_ms', fastest = (rows) => rows.slice().sort(byTime(key))[0], at = inCase().filter((r) => lightsOf(r) === state.lights);
   const bestOf = (rows) => unique(rows.map((r) => r.shading)).map((name) => fastest(rows.filter((r) => r.shading === name))).sort(byTime(key));
   const rows = bestOf(at), most = rows.length ? median(rows[rows.length - 1], key) : 0;
   const brute = (r) => at.find((o) => o.shading === r.shading && o.lists === 'all' && (o.ways || '') === (r.ways || ''));
-  barPlot(body, 'Time of shading orders', rows, 'ms', [{
+  barPlot(body, 'Time of shading paths', rows, 'ms', [{
     label: 'whole frame, ms', value: (r) => median(r, key), colors: (r) => orderLook(r.shading).color, spread: (r) => [r[key].p5, r[key].p95]
   }], {label: (r) => [r.shading, 'with ' + listsName(r.lists)].concat(r.options ? r.options.split(',') : []), log: most > 30 * median(rows[0], key)});
   if (many()) {
     const orders = unique(inCase().map((r) => r.shading));
     body.append(roleLegend(orders, (name) => orderLook(name).color, Object.fromEntries(orders.map((name) => [name, name]))));
-    linesPlot(body, 'Time of shading orders over lights', orders.map((name) => ({
+    linesPlot(body, 'Time of shading paths over lights', orders.map((name) => ({
       label: name, look: orderLook(name),
       rows: lightCounts().map((n) => fastest(inCase().filter((r) => r.shading === name && lightsOf(r) === n))).filter(Boolean)
     })), key, 'ms');
@@ -537,7 +537,7 @@ addPlot('traffic', 'Traffic of images', 'Bytes that the passes of a frame load, 
 function figure(uri, text, alt) {
   return element('figure', null, element('img', {src: uri, alt: alt, loading: 'lazy'}), element('figcaption', null, text));
 }
-addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading order (G-buffer, transparency and decals being the same), bit for bit, before tone ' +
+addPlot('pictures', 'Pictures', 'Every picture was compared with the reference of the same shading path (G-buffer, transparency and decals being the same), bit for bit, before tone ' +
   'mapping.', (body) => {
   const all = inCase().filter((r) => lightsOf(r) === state.lights), grid = element('div', {class: 'pictures'}), reference = data.settings.reference;
   const find = (r, lists, options, kind) => {

@@ -76,7 +76,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
         return unsupported(call, "%s lists do not go with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
                            fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     if (!fnl_msaa_supported(frame->shading) && frame->msaa > 1)
-        return unsupported(call, "%s shading has no MSAA; use another order, or 1 sample", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+        return unsupported(call, "%s shading has no MSAA; use another path, or 1 sample", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     uint32_t counts = gpu_info(r->device)->msaa_counts;
     if (!(counts & frame->msaa))
         return unsupported(call, "this device cannot render with %u samples a pixel, but with 1%s%s%s", frame->msaa,

@@ -123,7 +123,7 @@ tiny="--sizes 32x18 --shading deferred --lists brute,tiled --frames 2"
     grep -q 'WRONG PICTURE' "$work/a/report.html" || fail 'the page does not tell of a wrong picture'
 
     # Pairs that do not fit are listed with a reason; MSAA pictures are compared too.
-    expect 0 'mobile with tiled lists.*: this shading order has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading mobile,forward -o "$work/m"
+    expect 0 'mobile with tiled lists.*: this shading path has no MSAA' builtin:spheres $tiny --msaa 1,4 --shading mobile,forward -o "$work/m"
     check "$work/m" RESULTS=6 SKIPPED=2 EQUAL=6 FRAMES=2
     expect 0 'not compared' builtin:spheres $tiny --checks 0 -o "$work/m" --overwrite
     check "$work/m" RESULTS=2 SKIPPED=0 EQUAL=0 FRAMES=2
