@@ -172,6 +172,7 @@ void graph_begin(struct graph *graph) {
     graph->executed = false;
     graph->resources.count = graph->passes.count = 0;
     graph->scope = NULL;
+    graph->puts = NULL;
     graph->names.depth = graph->names.lost = 0;
     memset(&graph->plan, 0, sizeof graph->plan);
     arena_reset(&graph->arena);
@@ -330,13 +331,16 @@ uint64_t graph_buffer_size(const struct graph *graph, graph_buffer buffer) {
 struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute,
                                   const void *data, size_t data_size) {
     struct graph_pass *pass = arena_allocate_zero(&graph->arena, sizeof *pass);
-    const void *copy = data && data_size ? arena_copy(&graph->arena, data, data_size) : NULL;
+    void *copy = data && data_size ? arena_copy(&graph->arena, data, data_size) : NULL;
     if (!pass || (data && data_size && !copy) || !array_push(&graph->host, &graph->passes, pass)) {
         graph_fail(graph, FNL_ERROR_MEMORY);
         return NULL;
     }
     *pass = (struct graph_pass){
         .graph = graph, .name = graph_scoped_name(graph, name), .queue = queue, .execute = execute, .data = copy, .scope = graph->scope};
+    pass->original = data;
+    pass->original_size = copy ? data_size : 0;
+    pass->copy = copy;
     pass->depth.resource = pass->depth.resolve = GRAPH_NONE;
     return pass;
 }

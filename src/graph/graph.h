@@ -126,6 +126,90 @@ enum graph_use {
 void graph_use_image(struct graph_pass *pass, graph_image image, enum graph_use use);
 void graph_use_buffer(struct graph_pass *pass, graph_buffer buffer, enum graph_use use);
 
+/**
+ * A row: a use of a resource, and the member of the pass's data that tells the shader where it is. The graph writes buffer addresses,
+ * sampled indices and storage indices (as the use is) into its copy of the data before the pass is recorded, so that nothing can be
+ * passed on that was not declared. Rows are made by the functions below; of a `member` NULL the use alone counts (the shader finds the
+ * resource by another way, or an earlier row tells it). A handle of 0 is misuse: rows that are not always there go through graph_row_if.
+ */
+struct graph_row {
+    const void *member;
+    uint32_t id;
+    bool is_image, is_absent;
+    enum graph_use use;
+    uint64_t offset; /* added to the address of a buffer */
+};
+static inline struct graph_row graph_buffer_row(const uint64_t *member, graph_buffer buffer, enum graph_use use) {
+    return (struct graph_row){.member = member, .id = buffer.id, .use = use};
+}
+static inline struct graph_row graph_image_row(const uint32_t *member, graph_image image, enum graph_use use) {
+    return (struct graph_row){.member = member, .id = image.id, .is_image = true, .use = use};
+}
+/* What compute shaders do to buffers: */
+static inline struct graph_row graph_reads(const uint64_t *member, graph_buffer buffer) {
+    return graph_buffer_row(member, buffer, GRAPH_READ_COMPUTE);
+}
+static inline struct graph_row graph_writes(const uint64_t *member, graph_buffer buffer) {
+    return graph_buffer_row(member, buffer, GRAPH_WRITE_COMPUTE);
+}
+static inline struct graph_row graph_changes(const uint64_t *member, graph_buffer buffer) {
+    return graph_buffer_row(member, buffer, GRAPH_READ_WRITE_COMPUTE);
+}
+/* … and to images: */
+static inline struct graph_row graph_samples(const uint32_t *member, graph_image image) {
+    return graph_image_row(member, image, GRAPH_SAMPLE_COMPUTE);
+}
+static inline struct graph_row graph_stores(const uint32_t *member, graph_image image) {
+    return graph_image_row(member, image, GRAPH_WRITE_COMPUTE);
+}
+static inline struct graph_row graph_row_if(bool condition, struct graph_row row) {
+    row.is_absent = !condition;
+    return row;
+}
+/** The row, with the address so many bytes into the buffer. */
+static inline struct graph_row graph_row_at(uint64_t offset, struct graph_row row) {
+    row.offset = offset;
+    return row;
+}
+/** Adds a row to a pass. The member is one of the `data` that graph_add_pass copied, or of the `push` of graph_dispatch. */
+void graph_add_row(struct graph_pass *pass, struct graph_row row);
+
+/**
+ * A pass that is one dispatch: its uses, its push constants and its pipeline in one statement.
+ *
+ *     struct gpu_blur_push push = {.radius = 3};
+ *     graph_dispatch(graph, &(struct graph_dispatch){.name = "blur",
+ *                                                    .pipeline = {.shader = &shader_blur_comp},
+ *                                                    .groups = {DIVIDE_UP(width, 8u), DIVIDE_UP(height, 8u)},
+ *                                                    GRAPH_PUSH(push),
+ *                                                    GRAPH_ROWS(graph_samples(&push.from, from), graph_stores(&push.to, to))});
+ *
+ * Rows may be added to the pass as long as `push` is in scope, and uses.
+ */
+struct graph_dispatch {
+    const char *name;
+    enum graph_queue queue; /* default GRAPH_QUEUE_GRAPHICS */
+    struct gpu_compute_params pipeline;
+    uint32_t groups[3];     /* work groups; with a height of 0 as many as gpu_dispatch_linear makes of the width */
+    graph_buffer indirect;  /* id 0 (default): `groups`. Else these are read at indirect_offset, and the row is added */
+    uint64_t indirect_offset;
+    const void *push; /* copied; NULL: none */
+    size_t push_size;
+    const struct graph_row *rows;
+    uint32_t row_count;
+};
+#define GRAPH_PUSH(push_) .push = &(push_), .push_size = sizeof(push_)
+#define GRAPH_ROWS(...)                                                                                                     \
+    .rows = (const struct graph_row[]){__VA_ARGS__},                                                                        \
+    .row_count = (uint32_t)(sizeof((const struct graph_row[]){__VA_ARGS__}) / sizeof(struct graph_row))
+struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispatch *dispatch);
+
+/**
+ * Writes the address of a buffer to memory that the host and shaders share (gpu_frame_allocate), before the frame's passes are recorded:
+ * for tables of addresses that several passes read. Those passes declare their uses of the buffer themselves. 0 where no pass needs it.
+ */
+void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer);
+
 /** Attachments: the graph begins and ends rendering around the pass. All must have the same size and samples. */
 void graph_color(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, const float clear[4]);
 /** Multisampled colour attachment `index` (in the order of graph_color) is averaged into `image` at the end. */

@@ -4,6 +4,7 @@
 #include "graph/graph_internal.h"
 #include "shaders.h"
 
+#include <sched.h>
 #include <setjmp.h>
 #include <stdatomic.h>
 
@@ -81,34 +82,25 @@ struct dispatch {
     float value;
 };
 
-static void execute_dispatch(const struct graph_context *context, const void *data) {
-    const struct dispatch *dispatch = data;
-    struct {
-        VkDeviceAddress from, to;
-        uint32_t from_image, to_image, width, count;
-        float value;
-    } push = {.width = WIDTH, .count = PIXELS, .value = dispatch->value};
-    if (dispatch->from.id) push.from = graph_address(context, dispatch->from);
-    if (dispatch->to.id) push.to = graph_address(context, dispatch->to);
-    if (dispatch->from_image.id) push.from_image = graph_sampled(context, dispatch->from_image);
-    if (dispatch->to_image.id) push.to_image = graph_storage(context, dispatch->to_image);
-    struct gpu_compute_params params;
-    memset(&params, 0, sizeof params);
-    params.shader = &shader_graph_test_comp;
-    params.constant_count = 1;
-    params.constants[0] = dispatch->mode;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, (sizeof push + 3) / 4 * 4);
-    gpu_dispatch(context->commands, DIVIDE_UP(PIXELS, 64), 1, 1);
-}
+struct push {
+    uint64_t from, to;
+    uint32_t from_image, to_image, width, count;
+    float value;
+};
 
-static void add_dispatch(struct graph *graph, const char *name, enum graph_queue queue, const struct dispatch *dispatch) {
-    struct graph_pass *pass = graph_add_pass(graph, name, queue, execute_dispatch, dispatch, sizeof *dispatch);
-    enum graph_use write = dispatch->mode == ADD ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE;
-    if (dispatch->from.id) graph_use_buffer(pass, dispatch->from, GRAPH_READ_COMPUTE);
-    if (dispatch->to.id) graph_use_buffer(pass, dispatch->to, write);
-    if (dispatch->from_image.id) graph_use_image(pass, dispatch->from_image, GRAPH_SAMPLE_COMPUTE);
-    if (dispatch->to_image.id) graph_use_image(pass, dispatch->to_image, write);
+static void add_dispatch(struct graph *graph, const char *name, enum graph_queue queue, const struct dispatch *d) {
+    struct push push = {.width = WIDTH, .count = PIXELS, .value = d->value};
+    enum graph_use write = d->mode == ADD ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE;
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){.name = name,
+                                            .queue = queue,
+                                            .pipeline = {&shader_graph_test_comp, 1, {d->mode}},
+                                            .groups = {DIVIDE_UP(PIXELS, 64)},
+                                            GRAPH_PUSH(push),
+                                            GRAPH_ROWS(graph_row_if(d->from.id, graph_reads(&push.from, d->from)),
+                                                       graph_row_if(d->to.id, graph_buffer_row(&push.to, d->to, write)),
+                                                       graph_row_if(d->from_image.id, graph_samples(&push.from_image, d->from_image)),
+                                                       graph_row_if(d->to_image.id, graph_image_row(&push.to_image, d->to_image, write)))});
 }
 
 struct draw {
@@ -443,6 +435,86 @@ static void execute_undeclared(const struct graph_context *context, const void *
     assert_int_equal(graph_sampled(context, *image), GPU_NO_INDEX);
 }
 
+/* ---- rows ---- */
+
+/* What a pass that is recorded by hand gets from its rows. */
+struct seen {
+    struct push push;
+    struct push *out;
+};
+
+static void execute_see(const struct graph_context *context, const void *data) {
+    const struct seen *seen = data;
+    UNUSED(context);
+    *seen->out = seen->push;
+}
+
+static void test_rows_write_addresses(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    for (uint32_t frame = 0; frame < 3; frame++) {
+        assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+        graph_begin(graph);
+        graph_buffer values = graph_create_buffer(graph, "values", BYTES), groups = graph_create_buffer(graph, "groups", 64);
+        graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+        graph_image image = float_image(graph, "image", 1);
+        add_dispatch(graph, "values", GRAPH_QUEUE_ASYNC, &(struct dispatch){.mode = FILL, .to = values, .value = 7});
+        add_dispatch(graph, "image", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = TO_IMAGE, .from = values, .to_image = image});
+        graph_add_clear(graph, "groups", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {groups}, .word = 1});
+        /* One group of 64, at word 8 of the output. */
+        struct push push = {.width = WIDTH, .count = PIXELS};
+        graph_dispatch(graph, &(struct graph_dispatch){
+                                  .name = "indirect",
+                                  .pipeline = {&shader_graph_test_comp, 1, {TO_BUFFER}},
+                                  .indirect = groups,
+                                  .indirect_offset = 12,
+                                  GRAPH_PUSH(push),
+                                  GRAPH_ROWS(graph_samples(&push.from_image, image), graph_row_at(32, graph_writes(&push.to, output)))});
+        struct push seen = {0};
+        struct seen data = {.out = &seen};
+        struct graph_pass *pass = graph_add_pass(graph, "see", GRAPH_QUEUE_GRAPHICS, execute_see, &data, sizeof data);
+        graph_add_row(pass, graph_row_at(16, graph_reads(&data.push.from, values)));
+        graph_add_row(pass, graph_image_row(&data.push.to_image, image, GRAPH_READ_COMPUTE));
+        graph_add_row(pass, graph_buffer_row(NULL, output, GRAPH_READ_HOST));
+        uint64_t put = 1, unused = 1;
+        graph_put_address(graph, &put, values);
+        graph_put_address(graph, &unused, graph_create_buffer(graph, "unused", 64));
+        assert_int_equal(graph_compile(graph), FNL_OK);
+        memset(world->readback.mapped, 0, world->readback.size);
+        if (frame == 1) {
+            uint64_t ticket;
+            assert_int_equal(graph_ask_pipelines(graph, &ticket), FNL_OK);
+            assert_int_equal(ticket, 0); /* the frame before had them made */
+            assert_true(put == 1 && seen.from == 16); /* no buffer has a place */
+            assert_int_equal(gpu_frame_end(world->device, NULL, 0, NULL), FNL_OK);
+            continue;
+        }
+        assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+        assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
+        const float *out = world->readback.mapped;
+        for (uint32_t i = 0; i < 80; i++) assert_true(out[i] == (i >= 8 && i < 72 ? (float)(i - 8) + 7 : 0));
+        assert_true(put != 0 && put != 1 && seen.from == put + 16 && unused == 0);
+        assert_true(seen.to_image != GPU_NO_INDEX && seen.width == 0 && seen.to == 0);
+    }
+}
+
+static void test_pipelines_of_dispatches_can_be_asked_for(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    uint64_t ticket;
+    for (uint32_t again = 0; again < 2; again++) {
+        assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+        graph_begin(graph);
+        graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+        add_dispatch(graph, "fill", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = output});
+        assert_int_equal(graph_compile(graph), FNL_OK);
+        assert_int_equal(graph_ask_pipelines(graph, &ticket), FNL_OK);
+        assert_int_equal(gpu_frame_end(world->device, NULL, 0, NULL), FNL_OK);
+        assert_true(again ? ticket == 0 : ticket != 0);
+        while (gpu_pipeline_stats(world->device).done < ticket) sched_yield();
+    }
+}
+
 static void test_errors_end_the_frame_and_the_next_one_works(void **state) {
     struct world *world = *state;
     struct graph *graph = world->graph;
@@ -483,6 +555,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_steady_state_allocates_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_memory_follows_the_plan, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_images_of_old_plans_are_released, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_rows_write_addresses, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_pipelines_of_dispatches_can_be_asked_for, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_errors_end_the_frame_and_the_next_one_works, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

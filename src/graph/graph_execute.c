@@ -114,6 +114,12 @@ static bool begin_rendering(const struct graph *graph, struct gpu_commands *comm
     return true;
 }
 
+static void execute(const struct recording *recording) {
+    const struct graph_pass *pass = recording->pass;
+    graph_patch_data(&recording->context, pass);
+    if (pass->execute) pass->execute(&recording->context, pass->data);
+}
+
 /* The passes of a merged scope, a step each. */
 static void record_scope(const struct graph *graph, struct gpu_commands *commands, const struct graph_merged *merged,
                          uint32_t step) {
@@ -151,7 +157,7 @@ static void record_scope(const struct graph *graph, struct gpu_commands *command
         if (i) gpu_next_step(commands);
         gpu_begin_label(commands, part->name);
         struct recording recording = {{commands, graph->device, graph, scope, i}, part};
-        if (part->execute) part->execute(&recording.context, part->data);
+        execute(&recording);
         gpu_end_label(commands);
     }
     gpu_end_scope(commands);
@@ -170,7 +176,7 @@ static void record_step(const struct recorder *recorder, struct gpu_commands *co
     } else {
         bool rendering = begin_rendering(graph, commands, pass, index);
         struct recording recording = {{commands, graph->device, graph, NULL, 0}, pass};
-        if (pass->execute) pass->execute(&recording.context, pass->data);
+        execute(&recording);
         if (rendering) gpu_end_rendering(commands);
     }
     if (timed) gpu_timestamp(commands, 2 * index + 1);
@@ -307,6 +313,7 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     }
     fnl_result result = graph_realise(graph);
     if (result != FNL_OK) return give_up(graph, params->external, result);
+    graph_put_addresses(graph);
 
     struct jobs *jobs = gpu_jobs(graph->device);
     uint32_t threads = params->record_threads ? params->record_threads : jobs_thread_count(jobs);

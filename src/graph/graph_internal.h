@@ -44,12 +44,30 @@ struct graph_scope {
     bool merged;
 };
 
+/** A row of a pass, and where its address goes in the pass's data. */
+struct graph_patch {
+    struct graph_patch *next;
+    struct graph_row row;
+    void *place;
+};
+
+/** An address that is wanted outside of passes. */
+struct graph_put {
+    struct graph_put *next;
+    uint64_t *place;
+    uint32_t resource;
+};
+
 struct graph_pass {
     struct graph *graph;
     const char *name;
     enum graph_queue queue;
     graph_execute *execute;
-    const void *data;
+    void *data;
+    const void *original; /* what rows point into: the caller's data, or push constants */
+    void *copy;           /* the same in `data` */
+    size_t original_size;
+    struct graph_patch *patches;
     struct graph_access *first_use, *last_use;
     struct graph_pass_attachment colors[GPU_MAX_COLORS], depth;
     uint32_t color_count;
@@ -219,6 +237,7 @@ struct graph {
     ARRAY(struct graph_resource) resources;
     ARRAY(struct graph_pass *) passes;
     const struct graph_scope *scope; /* the open one */
+    struct graph_put *puts;
     struct graph_plan plan;
     bool executed;
     struct graph_names names;
@@ -246,6 +265,11 @@ void graph_names_finish(struct graph *graph);
 const char *graph_scoped_name(struct graph *graph, const char *name);
 /** Misuse: two passes of one name, scopes that are still open. */
 void graph_check_names(struct graph *graph);
+
+/** Writes the addresses that a pass's rows ask for into its data. */
+void graph_patch_data(const struct graph_context *context, const struct graph_pass *pass);
+/** Writes those of graph_put_address. */
+void graph_put_addresses(struct graph *graph);
 
 /** Index of a resource among the attachments of a merged scope, or GRAPH_NONE. */
 uint32_t graph_merged_attachment(const struct graph_merged *merged, uint32_t resource);

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+/** Rows: a use of a resource together with the place of its address. And passes that are one dispatch. */
+#include "graph/graph_internal.h"
+
+/* ---- rows ---- */
+
+/* Where a row's member stands in the copy of the pass's data, or NULL after a logged error. */
+static void *place_of(struct graph_pass *pass, const struct graph_row *row, size_t size) {
+    uintptr_t first = (uintptr_t)pass->original, member = (uintptr_t)row->member;
+    if (member - first <= pass->original_size && pass->original_size - (member - first) >= size)
+        return (char *)pass->copy + (member - first);
+    const struct graph_resource *resource = graph_find_resource(pass->graph, row->id, row->is_image);
+    graph_misuse(pass->graph, "pass '%s' has a row for '%s' whose member is outside of its %zu bytes", pass->name,
+                 resource ? resource->name : "no resource", pass->original_size);
+    return NULL;
+}
+
+void graph_add_row(struct graph_pass *pass, struct graph_row row) {
+    if (!pass || row.is_absent) return;
+    if (row.is_image)
+        graph_use_image(pass, (graph_image){row.id}, row.use);
+    else
+        graph_use_buffer(pass, (graph_buffer){row.id}, row.use);
+    if (!row.member || pass->graph->result != FNL_OK) return;
+    void *place = place_of(pass, &row, row.is_image ? sizeof(uint32_t) : sizeof(uint64_t));
+    struct graph_patch *patch = place ? arena_allocate(&pass->graph->arena, sizeof *patch) : NULL;
+    if (!patch) {
+        graph_fail(pass->graph, FNL_ERROR_MEMORY); /* unless it failed already */
+        return;
+    }
+    *patch = (struct graph_patch){.next = pass->patches, .row = row, .place = place};
+    pass->patches = patch;
+}
+
+void graph_patch_data(const struct graph_context *context, const struct graph_pass *pass) {
+    for (const struct graph_patch *patch = pass->patches; patch; patch = patch->next) {
+        const struct graph_row *row = &patch->row;
+        if (!row->is_image) {
+            uint64_t address = graph_address(context, (graph_buffer){row->id}) + row->offset;
+            memcpy(patch->place, &address, sizeof address);
+            continue;
+        }
+        bool sampled = row->use == GRAPH_SAMPLE_COMPUTE || row->use == GRAPH_SAMPLE_FRAGMENT;
+        const graph_image image = {row->id};
+        uint32_t index = sampled ? graph_sampled(context, image) : graph_storage(context, image);
+        memcpy(patch->place, &index, sizeof index);
+    }
+}
+
+/* ---- dispatches ---- */
+
+struct dispatch_data {
+    struct gpu_compute_params pipeline;
+    uint32_t groups[3];
+    graph_buffer indirect;
+    uint64_t indirect_offset;
+    uint32_t push_size;
+    _Alignas(16) char push[GPU_PUSH_BYTES];
+};
+
+static void execute_dispatch(const struct graph_context *context, const void *data) {
+    const struct dispatch_data *d = data;
+    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &d->pipeline));
+    if (d->push_size) gpu_push(context->commands, d->push, d->push_size);
+    if (d->indirect.id)
+        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->indirect), d->indirect_offset);
+    else if (d->groups[1])
+        gpu_dispatch(context->commands, d->groups[0], d->groups[1], MAX(d->groups[2], 1u));
+    else
+        gpu_dispatch_linear(context->commands, d->groups[0]);
+}
+
+struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispatch *dispatch) {
+    struct dispatch_data data;
+    memset(&data, 0, sizeof data); /* pipelines are hashed as bytes */
+    data.pipeline.shader = dispatch->pipeline.shader;
+    data.pipeline.constant_count = dispatch->pipeline.constant_count;
+    memcpy(data.pipeline.constants, dispatch->pipeline.constants, sizeof data.pipeline.constants);
+    data.indirect = dispatch->indirect;
+    data.indirect_offset = dispatch->indirect_offset;
+    data.push_size = (uint32_t)dispatch->push_size;
+    memcpy(data.groups, dispatch->groups, sizeof data.groups);
+    if (dispatch->push_size > sizeof data.push) {
+        graph_misuse(graph, "pass '%s' has %zu bytes of push constants, which is more than %zu", dispatch->name,
+                     dispatch->push_size, sizeof data.push);
+        return NULL;
+    }
+    if (dispatch->push_size) memcpy(data.push, dispatch->push, dispatch->push_size);
+    struct graph_pass *pass =
+        graph_add_pass(graph, dispatch->name, dispatch->queue, execute_dispatch, &data, sizeof data);
+    if (!pass) return NULL;
+    /* Rows point into the caller's push constants. */
+    pass->original = dispatch->push;
+    pass->original_size = dispatch->push_size;
+    pass->copy = (char *)pass->copy + offsetof(struct dispatch_data, push);
+    for (uint32_t i = 0; i < dispatch->row_count; i++) graph_add_row(pass, dispatch->rows[i]);
+    if (dispatch->indirect.id) graph_use_buffer(pass, dispatch->indirect, GRAPH_INDIRECT);
+    return pass;
+}
+
+/* ---- addresses outside of passes ---- */
+
+void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer) {
+    const struct graph_resource *resource = graph_find_resource(graph, buffer.id, false);
+    if (!resource) {
+        graph_misuse(graph, "an address is asked for of %#x, which is no buffer handle of this frame", buffer.id);
+        return;
+    }
+    struct graph_put *put = arena_allocate(&graph->arena, sizeof *put);
+    if (!put) {
+        graph_fail(graph, FNL_ERROR_MEMORY);
+        return;
+    }
+    *put = (struct graph_put){graph->puts, place, (uint32_t)(resource - graph->resources.data)};
+    graph->puts = put;
+}
+
+void graph_put_addresses(struct graph *graph) {
+    for (const struct graph_put *put = graph->puts; put; put = put->next) {
+        const struct gpu_buffer *buffer = graph->resources.data[put->resource].buffer;
+        *put->place = buffer ? buffer->address : 0;
+    }
+}
