@@ -204,10 +204,8 @@ static void execute_copies(const struct graph_context *context, const void *data
 }
 
 static graph_image add_copy(struct graph *graph, struct copies_data *copies, graph_image from) {
-    static const char *const names[GBUFFER_TARGETS + 1] = {"gbuffer copy 0", "gbuffer copy 1", "gbuffer copy 2",
-                                                           "gbuffer copy 3", "gbuffer copy 4", "gbuffer copy 5"};
     struct graph_image_params params = graph_image_info(graph, from);
-    params.name = names[copies->count];
+    params.name = graph_name(graph, "gbuffer copy %u", copies->count);
     graph_image to = graph_create_image(graph, &params);
     copies->from[copies->count] = from;
     copies->to[copies->count++] = to;

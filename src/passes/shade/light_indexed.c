@@ -68,12 +68,6 @@ static void execute_list(const struct graph_context *context, const void *data) 
     gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
-#define SIXTEEN(text)                                                                                                       \
-    text, text " 1", text " 2", text " 3", text " 4", text " 5", text " 6", text " 7", text " 8", text " 9", text " 10",    \
-        text " 11", text " 12", text " 13", text " 14", text " 15"
-static const char *const first_names[INDEXED_LAYERS] = {SIXTEEN("light ids")}, *const second_names[INDEXED_LAYERS] = {
-                                                                                   SIXTEEN("light ids again")};
-
 static void add_ids(struct graph *graph, const char *name, const struct indexed_data *data, graph_image target,
                     VkAttachmentLoadOp load) {
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_ids, data, sizeof *data);
@@ -123,20 +117,21 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
                                .layers = layers};
     struct graph_image_params image = {
         .name = "light ids", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = input->width, .height = input->height};
-    if (!images) add_ids(graph, first_names[0], &ids, (graph_image){0}, VK_ATTACHMENT_LOAD_OP_LOAD);
+    if (!images) add_ids(graph, "light ids", &ids, (graph_image){0}, VK_ATTACHMENT_LOAD_OP_LOAD);
     for (uint32_t i = 0; images && i < layers; i++) {
-        image.name = first_names[i];
+        const char *name = graph_numbered_name(graph, "light ids", i), *again = graph_numbered_name(graph, "light ids again", i);
+        image.name = name;
         list.images[i] = graph_create_image(graph, &image);
         ids.batch = i;
         graph_image first = {0};
         if (params->packing == INDEXED_MAX) { /* what the second step reads, it cannot write: that is another image */
-            image.name = second_names[i];
+            image.name = again;
             first = graph_create_image(graph, &image);
-            add_ids(graph, second_names[i], &ids, first, VK_ATTACHMENT_LOAD_OP_CLEAR);
+            add_ids(graph, again, &ids, first, VK_ATTACHMENT_LOAD_OP_CLEAR);
             ids.first = first;
             ids.step = 1;
         }
-        add_ids(graph, first_names[i], &ids, list.images[i], VK_ATTACHMENT_LOAD_OP_CLEAR);
+        add_ids(graph, name, &ids, list.images[i], VK_ATTACHMENT_LOAD_OP_CLEAR);
         ids.first = (graph_image){0};
         ids.step = 0;
     }

@@ -100,10 +100,6 @@ struct edges light_surfaces_split(struct graph *graph, const struct shade_input 
 
 struct light_sums light_sums_create(struct graph *graph, const struct shade_input *input, uint32_t buffer, uint32_t scale,
                                     VkFormat format, uint32_t layers) {
-#define FOUR(text) {text, text ".1", text ".2", text ".3"}
-    static const char *const names[SURFACE_LAYERS][LIGHT_BUFFER_TARGETS] = {
-        FOUR("light sums"),         FOUR("edge light sums 1"), FOUR("edge light sums 2"), FOUR("edge light sums 3"),
-        FOUR("edge light sums 4"),  FOUR("edge light sums 5"), FOUR("edge light sums 6"), FOUR("edge light sums 7")};
     struct light_sums sums = {.buffer = buffer,
                               .scale = scale,
                               .layers = layers,
@@ -113,15 +109,17 @@ struct light_sums light_sums_create(struct graph *graph, const struct shade_inpu
                                               : buffer == LIGHT_BUFFER_TWO ? 2
                                                                            : 4};
     struct graph_image_params params = {.format = format, .width = sums.width, .height = sums.height};
-    for (uint32_t k = 0; k < layers; k++)
+    for (uint32_t k = 0; k < layers; k++) {
+        const char *name = graph_numbered_name(graph, k ? "edge light sums" : "light sums", k);
         for (uint32_t i = 0; i < sums.target_count; i++) {
-            params.name = names[k][i];
+            params.name = i ? graph_name(graph, "%s.%u", name, i) : name;
             graph_image image = graph_create_image(graph, &params);
             if (k == 0)
                 sums.targets[i] = image;
             else
                 sums.more[k - 1][i] = image;
         }
+    }
     if (scale == 1) return sums;
     params.name = "light samples";
     params.format = VK_FORMAT_R32_UINT;

@@ -37,14 +37,11 @@ void pre_lighting_add(struct graph *graph, const struct shade_input *input, cons
                                      .view = input->view,
                                      .counters = input->counters,
                                      .format = graph_image_info(graph, sums->targets[0]).format};
-    static const char *const names[SURFACE_LAYERS] = {"light volumes",   "light volumes 1", "light volumes 2",
-                                                      "light volumes 3", "light volumes 4", "light volumes 5",
-                                                      "light volumes 6", "light volumes 7"};
     struct surface_layers layers = surfaces->layers;
     if (layers.count > 1) surface_layers_add_depths(graph, input, surfaces->depth, &layers);
     for (; data.layer < layers.count; data.layer++) {
-        struct graph_pass *pass =
-            graph_add_pass(graph, names[data.layer], GRAPH_QUEUE_GRAPHICS, execute_pre_lighting, &data, sizeof data);
+        struct graph_pass *pass = graph_add_pass(graph, graph_numbered_name(graph, "light volumes", data.layer),
+                                                 GRAPH_QUEUE_GRAPHICS, execute_pre_lighting, &data, sizeof data);
         volumes_use(pass, volumes);
         light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_FRAGMENT);
         if (layers.count > 1) graph_use_buffer(pass, layers.surfaces, GRAPH_READ_FRAGMENT);

@@ -3,8 +3,6 @@
 
 #include "shaders.h"
 
-#define EIGHT(text) text, text " 1", text " 2", text " 3", text " 4", text " 5", text " 6", text " 7"
-
 struct layers_data {
     graph_buffer surfaces;
     VkDeviceAddress view;
@@ -36,16 +34,14 @@ static void execute_depth(const struct graph_context *context, const void *data)
 
 void surface_layers_add_depths(struct graph *graph, const struct shade_input *input, graph_image depth,
                                struct surface_layers *layers) {
-    static const char *const passes[SURFACE_LAYERS] = {EIGHT("surface layer")},
-                             *const images[SURFACE_LAYERS] = {EIGHT("surface depth")};
     struct layers_data data = {.surfaces = layers->surfaces, .view = input->view, .depth = depth, .count = layers->count};
     struct graph_image_params image = {.format = GEOMETRY_DEPTH_FORMAT, .width = input->width, .height = input->height};
     for (uint32_t i = 0; i < layers->count; i++) {
-        image.name = images[i];
+        image.name = graph_numbered_name(graph, "surface depth", i);
         layers->depths[i] = graph_create_image(graph, &image);
         data.layer = i;
-        struct graph_pass *pass =
-            graph_add_pass(graph, passes[i], GRAPH_QUEUE_GRAPHICS, execute_depth, &data, sizeof data);
+        struct graph_pass *pass = graph_add_pass(graph, graph_numbered_name(graph, "surface layer", i), GRAPH_QUEUE_GRAPHICS,
+                                                 execute_depth, &data, sizeof data);
         graph_use_image(pass, depth, GRAPH_SAMPLE_FRAGMENT);
         graph_use_buffer(pass, layers->surfaces, GRAPH_READ_FRAGMENT);
         graph_depth(pass, layers->depths[i], VK_ATTACHMENT_LOAD_OP_CLEAR, 0);

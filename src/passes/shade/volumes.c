@@ -344,7 +344,7 @@ void volumes_add(struct graph *graph, const struct shade_input *input, const str
     for (; volumes->hook && draw.first < volumes->alone; draw.first++) {
         draw.end = draw.first + 1;
         draw.mask = volumes->hook->add(graph, draw.first, volumes->hook->user);
-        add_draw(graph, volumes->hook->names[draw.first], &draw, radiance, both);
+        add_draw(graph, graph_name(graph, "volumes of light %u", draw.first), &draw, radiance, both);
         draw.begins = false;
     }
     draw.mask = (graph_image){0};
@@ -355,14 +355,6 @@ void volumes_add(struct graph *graph, const struct shade_input *input, const str
 
 void volumes_add_samples(struct graph *graph, const struct shade_input *input, const struct volumes *volumes,
                          const struct gbuffer *gbuffer, const struct surface_layers *layers, graph_image radiance) {
-    static const char *const names[SURFACE_LAYERS] = {"volumes",   "volumes 1", "volumes 2", "volumes 3",
-                                                      "volumes 4", "volumes 5", "volumes 6", "volumes 7"};
-    static const char *const images[SURFACE_LAYERS] = {"volume radiance",   "volume radiance 1", "volume radiance 2",
-                                                       "volume radiance 3", "volume radiance 4", "volume radiance 5",
-                                                       "volume radiance 6", "volume radiance 7"};
-    static const char *const stencils[SURFACE_LAYERS] = {"volume stencil",   "volume stencil 1", "volume stencil 2",
-                                                         "volume stencil 3", "volume stencil 4", "volume stencil 5",
-                                                         "volume stencil 6", "volume stencil 7"};
     struct surface_layers with_depths = *layers;
     bool stencil = volumes->shape == VOLUME_STENCIL;
     if (!stencil) surface_layers_add_depths(graph, input, gbuffer->depth, &with_depths);
@@ -383,18 +375,20 @@ void volumes_add_samples(struct graph *graph, const struct shade_input *input, c
     graph_image targets[SURFACE_LAYERS] = {{0}};
     static const float zero[4];
     for (; draw.layer < layers->count; draw.layer++) {
-        image.name = images[draw.layer];
+        image.name = graph_numbered_name(graph, "volume radiance", draw.layer);
         targets[draw.layer] = graph_create_image(graph, &image);
-        struct graph_pass *pass =
-            graph_add_pass(graph, names[draw.layer], GRAPH_QUEUE_GRAPHICS, execute_draw, &draw, sizeof draw);
+        struct graph_pass *pass = graph_add_pass(graph, graph_numbered_name(graph, "volumes", draw.layer), GRAPH_QUEUE_GRAPHICS,
+                                                 execute_draw, &draw, sizeof draw);
         volumes_use(pass, volumes);
         gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);
         graph_use_buffer(pass, draw.words, GRAPH_READ_FRAGMENT);
         if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
         graph_color(pass, targets[draw.layer], VK_ATTACHMENT_LOAD_OP_CLEAR, zero);
         if (stencil) {
-            struct graph_image_params both = {
-                .name = stencils[draw.layer], .format = STENCIL_FORMAT, .width = input->width, .height = input->height};
+            struct graph_image_params both = {.name = graph_numbered_name(graph, "volume stencil", draw.layer),
+                                              .format = STENCIL_FORMAT,
+                                              .width = input->width,
+                                              .height = input->height};
             graph_depth(pass, graph_create_image(graph, &both), VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
         } else {
             graph_depth_read_only(pass, with_depths.depths[draw.layer]);

@@ -27,7 +27,6 @@ VkFormat volumes_format(const gpu_device *device);
 struct volumes_hook {
     graph_image (*add)(struct graph *graph, uint32_t light, void *user);
     void *user;
-    const char *const *names; /* of the lights' passes, for the graph */
     uint32_t count;
 };
 

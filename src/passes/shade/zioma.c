@@ -74,11 +74,6 @@ static void execute_samples(const struct graph_context *context, const void *dat
 
 void zioma_add(struct graph *graph, const struct shade_input *input, const struct volumes *volumes, uint32_t layers,
                graph_image radiance, graph_image depth) {
-#define EIGHT(text) text, text " 1", text " 2", text " 3", text " 4", text " 5", text " 6", text " 7"
-    static const char *const passes[ZIOMA_LAYERS] = {EIGHT("light layer")},
-                             *const rays[ZIOMA_LAYERS] = {EIGHT("light layer rays")},
-                             *const colors[ZIOMA_LAYERS] = {EIGHT("light layer colors")},
-                             *const depths[ZIOMA_LAYERS] = {EIGHT("light layer order")};
     const uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
     struct sample_bounds bounds = {0};
     if (samples > 1) bounds = sample_bounds_add(graph, input, depth);
@@ -99,19 +94,19 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
     static const float zero[4];
     for (uint32_t i = 0; i < layers; i++) {
         if (samples == 1) {
-            image.name = rays[i];
+            image.name = graph_numbered_name(graph, "light layer rays", i);
             image.format = RAY_FORMAT;
             material.rays[i] = graph_create_image(graph, &image);
-            image.name = colors[i];
+            image.name = graph_numbered_name(graph, "light layer colors", i);
             image.format = COLOR_FORMAT;
             material.colors[i] = graph_create_image(graph, &image);
         }
-        image.name = depths[i];
+        image.name = graph_numbered_name(graph, "light layer order", i);
         image.format = GEOMETRY_DEPTH_FORMAT;
         material.places[i] = material.last = graph_create_image(graph, &image);
         layer.layer = i;
-        struct graph_pass *pass =
-            graph_add_pass(graph, passes[i], GRAPH_QUEUE_GRAPHICS, execute_layer, &layer, sizeof layer);
+        struct graph_pass *pass = graph_add_pass(graph, graph_numbered_name(graph, "light layer", i), GRAPH_QUEUE_GRAPHICS,
+                                                 execute_layer, &layer, sizeof layer);
         volumes_use(pass, volumes);
         graph_use_image(pass, layer.depth, GRAPH_SAMPLE_FRAGMENT);
         if (i > 0) graph_use_image(pass, layer.previous, GRAPH_SAMPLE_FRAGMENT);
