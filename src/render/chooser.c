@@ -25,7 +25,8 @@ static bool worth(const struct choice_case *at, struct choice c) {
     if (is_deferred(c.shading) && at->msaa > 1 && at->asked.shading == FNL_SHADING_AUTO) return false;
     bool splits = c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D || c.lists == FNL_LISTS_BACKFACE;
     /* Without depth beforehand these are others by another name. */
-    bool early = c.shading == FNL_SHADING_FORWARD || (c.shading == FNL_SHADING_MOBILE && !at->depth_first);
+    bool prepass = shading_is(c.shading, SHADING_PREPASS) || (at->depth_first && shading_is(c.shading, SHADING_MAY_PREPASS));
+    bool early = shading_is(c.shading, SHADING_LISTS_FIRST) && !prepass;
     if (early && (splits || c.lists == FNL_LISTS_FINE || c.lists == FNL_LISTS_SPARSE)) return false;
     return c.lists != FNL_LISTS_BACKFACE || is_deferred(c.shading); /* needs normals */
 }

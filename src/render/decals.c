@@ -13,11 +13,9 @@ static bool is_on(const struct frame_state *f) {
 }
 
 bool decals_in_gbuffer(const struct frame_state *f) {
-    if (f->frame->shading == FNL_SHADING_MOBILE) /* whose targets do not say what a surface receives */
-        return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER && !decals_of(f)->masks;
-    return is_on(f) && decals_of(f)->count > 0 && f->frame->decals == FNL_DECALS_GBUFFER &&
-           (f->frame->shading == FNL_SHADING_DEFERRED || f->frame->shading == FNL_SHADING_DEFERRED_VOLUMES) &&
-           f->frame->msaa == 1;
+    if (!is_on(f) || decals_of(f)->count == 0 || f->frame->decals != FNL_DECALS_GBUFFER || f->frame->msaa > 1) return false;
+    if (frame_is(f->frame, SHADING_DECAL_STEP) && decals_of(f)->masks) return false;
+    return frame_is(f->frame, SHADING_DECALS);
 }
 
 /* The log is told once by each renderer. */
@@ -58,7 +56,7 @@ static struct clustered_params cluster_params(const struct frame_state *f) {
 
 static bool needs_list(const struct frame_state *f) {
     if (decals_of(f)->count == 0) return false;
-    if (f->frame->shading == FNL_SHADING_MOBILE) return true; /* its step walks it */
+    if (frame_is(f->frame, SHADING_DECAL_STEP)) return true;
     /* Materials that a layout cannot hold are lit forward. */
     if (f->frame->gbuffer.layout != FNL_GBUFFER_DEFAULT) return true;
     if (!decals_in_gbuffer(f) || f->frame->debug != FNL_DEBUG_NONE || f->frame->outputs & FNL_OUTPUT_SURFACE) return true;

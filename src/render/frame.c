@@ -20,7 +20,7 @@ static fnl_result add_view(struct frame_state *f) {
     f->view.samples = f->frame->msaa;
     f->view.ambient_sky = f->r->scene->ambient_sky;
     f->view.ambient_ground = f->r->scene->ambient_ground;
-    shading_scale_light(f);
+    shading_begin(f);
     f->view.shade_cost = f->frame->shade_cost;
     f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
     TRY(decals_begin(f));
@@ -77,15 +77,9 @@ static bool needs_aov(const fnl_frame *frame) {
 
 /* ---- culling ---- */
 
-/* A grid of samples looks beside the centres of pixels. */
-static bool full_raster(const fnl_frame *frame) {
-    bool grid = frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.grid;
-    return shading_is(frame->shading, SHADING_FULL_RASTER) && !grid;
-}
-
 /* What hides a sample is known for the samples of the frame's own pixels alone. */
 static bool culls_hidden(const fnl_frame *frame) {
-    return frame->occlusion && full_raster(frame) && (frame->msaa == 1 || !needs_aov(frame));
+    return frame->occlusion && frame_is(frame, SHADING_FULL_RASTER) && (frame->msaa == 1 || !needs_aov(frame));
 }
 
 /*
@@ -93,13 +87,12 @@ static bool culls_hidden(const fnl_frame *frame) {
  * the opaque scene in a frame goes one way or the other. So no pass may have vertex shaders of its own, or a geometry shader.
  */
 bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
-    bool stored = frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics,
-         regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
+    bool regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
          redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene.decals.draw_count > 0;
     bool wanted = frame->geometry == FNL_GEOMETRY_MESH ||
                   (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || r->auto_meshes));
     return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !r->no_meshes &&
-           !stored && !regrouped && !redrawn && !temporal_needs_motion(frame);
+           !frame_is(frame, SHADING_VERTICES) && !regrouped && !redrawn && !temporal_needs_motion(frame);
 }
 
 static void cull(struct frame_state *f) {
@@ -113,7 +106,7 @@ static void cull(struct frame_state *f) {
         f->draws = cull_add(f->graph, scene, f->view_address);
     if (frame->culling == FNL_CULLING_INSTANCES) return;
     struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
-                                     .full_raster = full_raster(frame),
+                                     .full_raster = frame_is(frame, SHADING_FULL_RASTER),
                                      .samples = frame->msaa,
                                      .centers = true,
                                      .cluster_capacity = f->r->cluster_capacity,
@@ -347,6 +340,7 @@ static void note_stats(struct frame_state *f) {
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = shading_draw_count(f);
+    r->forward_layouts = f->forward_layouts;
     s->gbuffer_bytes = shading_gbuffer_bytes(f);
     if (f->page_commands.id) {
         s->atlas_bytes = r->atlas.bytes;

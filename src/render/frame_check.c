@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /** What a frame may ask for. */
-#include "passes/visibility/visibility.h"
 #include "render/options.h"
 #include "render/shading.h"
 
 static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame) {
-    if (frame->deferred.pass == FNL_DEFERRED_FRAGMENT && frame->shading == FNL_SHADING_DEFERRED &&
-        (frame->deferred.class_blocks || frame->msaa > 1))
-        return unsupported(call, "deferred lighting in a fragment pass has no classes and 1 sample a pixel");
     bool plain = frame->gbuffer.layout == FNL_GBUFFER_DEFAULT && frame->gbuffer.normals == FNL_NORMALS_LAYOUT && !frame->gbuffer.chroma;
     bool is_auto = frame->shading == FNL_SHADING_AUTO; /* may become deferred */
     if (plain || (!is_auto && !shading_is(frame->shading, SHADING_GBUFFER))) return FNL_OK;
@@ -42,11 +38,7 @@ static fnl_result check_gbuffer_view(const struct call *call, const fnl_frame *f
     return FNL_OK;
 }
 
-static fnl_result check_coarse(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
-    const fnl_coarse_options *coarse = &frame->coarse;
-    if (frame->shading == FNL_SHADING_COARSE && coarse->criterion == FNL_COARSE_CRITERION_ID &&
-        !gpu_info(r->device)->primitive_ids)
-        return unsupported(call, "this device cannot number triangles, which coarse.criterion id needs; use z");
+static fnl_result check_coarse(const struct call *call, const fnl_frame *frame) {
     bool view = frame->debug == FNL_DEBUG_COARSE || frame->debug == FNL_DEBUG_COARSE_REASON;
     if (view && frame->shading != FNL_SHADING_COARSE)
         return unsupported(call, "the view %s shows the blocks of coarse shading, not of %s",
@@ -70,7 +62,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));
     TRY(check_gbuffer_view(call, frame));
-    TRY(check_coarse(call, r, frame));
+    TRY(check_coarse(call, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_lists_supported(frame->shading, frame->lists))
         return unsupported(call, "%s lists do not go with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
@@ -81,24 +73,9 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     if (!(counts & frame->msaa))
         return unsupported(call, "this device cannot render with %u samples a pixel, but with 1%s%s%s", frame->msaa,
                            counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
-    bool texturing = frame->shading == FNL_SHADING_TEXTURING || frame->shading == FNL_SHADING_VIRTUAL_TEXTURING;
-    if (texturing && frame->msaa > 1 &&
-        !gpu_format_supports(r->device, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BIT))
-        return unsupported(call, "this device cannot draw to R16G16B16A16_UNORM, which %s shading with MSAA needs",
-                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
-    if (frame->shading == FNL_SHADING_DEFERRED && frame->msaa > 1 && frame->deferred.class_blocks)
-        return unsupported(call, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
-    if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.grid &&
-        (frame->msaa > 1 || frame->visibility.barycentrics || !visibility_grid_supported(r->device)))
-        return unsupported(
-            call, "visibility.grid takes 1 sample a pixel, no visibility.barycentrics, and a device with 4 samples");
-    if (frame->shading == FNL_SHADING_VISIBILITY && frame->visibility.barycentrics && frame->msaa > 1)
-        return unsupported(call, "visibility.barycentrics takes 1 sample a pixel, not %u", frame->msaa);
-    if ((frame->shading == FNL_SHADING_VISIBILITY || frame->shading == FNL_SHADING_DAIS) &&
-        !gpu_info(r->device)->primitive_ids)
-        return unsupported(call, "this device cannot number triangles, which %s shading needs",
-                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
-    TRY(dais_check(call, r, frame));
+    if (frame->shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, frame));
+    if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES && frame->shading != FNL_SHADING_DAIS)
+        return unsupported(call, "the view %s shows what dais shading stores", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
     if (frame->debug == FNL_DEBUG_ATLAS || frame->debug == FNL_DEBUG_PAGES) {
         if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING)
             return unsupported(call, "the view %s shows what virtual-texturing shading has",
@@ -110,5 +87,5 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
         return unsupported(call, "this device cannot number triangles, which the view of clusters needs");
     if (temporal_needs_motion(frame) && frame->msaa > 1)
         return unsupported(call, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
-    return mobile_check(call, r, frame);
+    return FNL_OK;
 }

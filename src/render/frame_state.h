@@ -41,6 +41,8 @@ struct frame_state {
     VkDeviceAddress view_address;
     struct geometry_draws draws;
     graph_image radiance, depth;
+    uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */
+    uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
     struct gbuffer gbuffer;                 /* depth id 0: none */
     struct light_input whole_lights;        /* before small ones were faded */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */

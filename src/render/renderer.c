@@ -2,7 +2,7 @@
 #include "base/check.h"
 #include "fanal/vulkan.h"
 #include "passes/aa/taa.h"
-#include "render/renderer_internal.h"
+#include "render/shading.h"
 
 /* ---- auto ---- */
 
@@ -175,8 +175,7 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
         if (!r->meshes) r->device_scene.wanted_triangles = r->triangle_capacity;
         TRY(device_scene_prepare(&r->device_scene));
     }
-    if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING) return FNL_OK;
-    return device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas);
+    return shading_prepare(r, frame);
 }
 
 static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct frame_target *target,
@@ -203,7 +202,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                                            .poison = r->poison,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
-    if (frame->shading == FNL_SHADING_VIRTUAL_TEXTURING) r->atlas.fresh = false;
+    shading_submitted(r, frame);
     r->frame = *frame;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number);

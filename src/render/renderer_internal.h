@@ -98,6 +98,7 @@ struct fnl_renderer {
     fnl_frame_stats stats;                      /* the parts that the CPU knows */
     struct light_totals known_totals;
     bool totals_known;
+    uint32_t forward_layouts; /* frame_state.forward_layouts of the last frame */
     uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
     uint32_t entry_bytes, blend_entry_bytes;
     ARRAY(fnl_pass_time) pass_times;

@@ -40,10 +40,7 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     const struct gpu_draw *draws = r->draws.mapped;
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
-        bool forward = !bucket->blend && shading_is(r->frame.shading, SHADING_LAYOUTS) &&
-                       bucket->forward_layouts >> r->frame.gbuffer.layout & 1;
-        if (r->frame.shading == FNL_SHADING_VIRTUAL_TEXTURING)
-            forward = !bucket->blend && bucket->forward_layouts >> VIRTUAL_FORWARD & 1;
+        bool forward = !bucket->blend && bucket->forward_layouts & r->forward_layouts;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)
             s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
@@ -62,7 +59,7 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
     pools_grow(r, counts);
     *out = r->stats;
-    dais_query(r, counts->dais, &out->dais);
+    shading_query(r, counts, out);
     out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
     out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;

@@ -1,11 +1,73 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/shading.h"
 #include "render/decals.h"
-#include "render/orders.h"
+#include "render/orders/order.h"
 
 #include "passes/lights/sprites.h"
 #include "passes/shade/gbuffer_layouts.h"
-#include "passes/shade/regroup.h"
+
+/* ---- the table ---- */
+
+static const struct order *const orders[FNL_SHADING_AUTO] = {
+    [FNL_SHADING_FORWARD] = &order_forward,
+    [FNL_SHADING_FORWARD_PREPASS] = &order_forward_prepass,
+    [FNL_SHADING_DEFERRED] = &order_deferred,
+    [FNL_SHADING_DEFERRED_VOLUMES] = &order_deferred_volumes,
+    [FNL_SHADING_LIGHT_PREPASS] = &order_light_prepass,
+    [FNL_SHADING_PRE_LIGHTING] = &order_pre_lighting,
+    [FNL_SHADING_LOW_RES] = &order_low_res,
+    [FNL_SHADING_INFERRED] = &order_inferred,
+    [FNL_SHADING_LIGHT_INDEXED] = &order_light_indexed,
+    [FNL_SHADING_ZIOMA] = &order_zioma,
+    [FNL_SHADING_VISIBILITY] = &order_visibility,
+    [FNL_SHADING_TEXTURING] = &order_texturing,
+    [FNL_SHADING_VIRTUAL_TEXTURING] = &order_virtual_texturing,
+    [FNL_SHADING_COARSE] = &order_coarse,
+    [FNL_SHADING_DAIS] = &order_dais,
+    [FNL_SHADING_MOBILE] = &order_mobile,
+};
+
+bool shading_is(fnl_shading shading, uint32_t traits) {
+    return (uint32_t)shading < FNL_SHADING_AUTO && (orders[shading]->traits & traits) == traits;
+}
+
+bool frame_is(const fnl_frame *frame, uint32_t traits) {
+    const struct order *order = orders[frame->shading];
+    uint32_t has = order->traits;
+    if (has & SHADING_MAY_PREPASS && frame->gbuffer.prepass) has |= SHADING_PREPASS;
+    if (order->adjust) has = order->adjust(frame, has);
+    return (has & traits) == traits;
+}
+
+bool fnl_msaa_supported(fnl_shading shading) { return shading == FNL_SHADING_AUTO || shading_is(shading, SHADING_SAMPLES); }
+
+fnl_result shading_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    const struct order *order = orders[frame->shading];
+    return order->check ? order->check(call, r, frame) : FNL_OK;
+}
+
+fnl_result shading_prepare(fnl_renderer *r, const fnl_frame *frame) {
+    const struct order *order = orders[frame->shading];
+    return order->prepare ? order->prepare(r, frame) : FNL_OK;
+}
+
+void shading_begin(struct frame_state *f) {
+    const struct order *order = orders[f->frame->shading];
+    f->view.light_scale = f->view.light_max = 1;
+    if (order->begin) order->begin(f);
+}
+
+void shading_submitted(fnl_renderer *r, const fnl_frame *frame) {
+    const struct order *order = orders[frame->shading];
+    if (order->submitted) order->submitted(r);
+}
+
+void shading_query(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out) {
+    const struct order *order = orders[r->frame.shading];
+    if (order->query) order->query(r, counts, out);
+}
+
+/* ---- what orders share ---- */
 
 bool order_has_blend(const struct frame_state *f) {
     for (uint32_t i = 0; i < f->scene->geometry.bucket_count; i++)
@@ -43,6 +105,23 @@ struct light_list order_add_fallback_lists(struct frame_state *f) {
     return lists_add_fallback(&context);
 }
 
+struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
+    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
+                                  f->r->volume_hook};
+    return volumes_prepare(f->graph, f->r->device, &input);
+}
+
+void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
+    f->lights.totals = f->blend_lights.totals = volumes->totals;
+    f->lights.totals_known = false;
+}
+
+fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    if (gpu_info(r->device)->primitive_ids) return FNL_OK;
+    return unsupported(call, "this device cannot number triangles, which %s shading needs",
+                       fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+}
+
 /* ---- blended surfaces ---- */
 
 static void add_transparency(struct frame_state *f, const struct shade_input *input) {
@@ -66,57 +145,9 @@ static uint32_t blend_draw_count(const struct frame_state *f) {
     return (f->frame->transparency == FNL_TRANSPARENCY_LINKED ? 2 : 1) * draws + f->frame->msaa;
 }
 
-/* ---- the table ---- */
+/* ---- the frame ---- */
 
-static const struct order {
-    /* Declares lists and opaque surfaces; f->depth is complete with `prepass`. `input` is a copy that the order may change. */
-    void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
-    uint32_t traits;
-} orders[FNL_SHADING_COUNT] = {
-    [FNL_SHADING_FORWARD] = {order_forward, SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_ITEMS | SHADING_SAMPLES},
-    [FNL_SHADING_FORWARD_PREPASS] = {order_forward, SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES},
-    [FNL_SHADING_DEFERRED] = {order_deferred, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_SAMPLES | SHADING_LAYOUTS},
-    [FNL_SHADING_DEFERRED_VOLUMES] = {order_volumes, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_BLENDS | SHADING_LAYOUTS | SHADING_VOLUMES |
-                                                            SHADING_SAMPLES},
-    [FNL_SHADING_LIGHT_PREPASS] = {order_light_prepass, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_SAMPLES},
-    [FNL_SHADING_PRE_LIGHTING] = {order_pre_lighting, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_REDRAW | SHADING_VOLUMES | SHADING_SAMPLES},
-    [FNL_SHADING_INFERRED] = {order_inferred,
-                              SHADING_GBUFFER | SHADING_PREPASS | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE |
-                                  SHADING_SAMPLES},
-    [FNL_SHADING_LIGHT_INDEXED] = {order_light_indexed, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES},
-    [FNL_SHADING_ZIOMA] = {order_zioma, SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES},
-    [FNL_SHADING_LOW_RES] = {order_low_res, SHADING_GBUFFER | SHADING_POSITIONS | SHADING_REDRAW | SHADING_APPROXIMATE |
-                                                SHADING_SAMPLES},
-    /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-    [FNL_SHADING_VISIBILITY] = {order_visibility, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES},
-    [FNL_SHADING_TEXTURING] = {order_texturing, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_SAMPLES}, /* as above; normals are rounded */
-    [FNL_SHADING_VIRTUAL_TEXTURING] = {order_virtual_texturing, SHADING_FULL_RASTER | SHADING_APPROXIMATE | SHADING_SAMPLES},
-    [FNL_SHADING_COARSE] = {order_coarse, SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_POSITIONS | SHADING_APPROXIMATE},
-    [FNL_SHADING_DAIS] = {order_dais, SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_SAMPLES | SHADING_APPROXIMATE},
-    [FNL_SHADING_MOBILE] = {order_mobile, SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_APPROXIMATE},
-};
-
-bool shading_is(fnl_shading shading, uint32_t traits) { return (orders[shading].traits & traits) == traits; }
-
-bool fnl_msaa_supported(fnl_shading shading) {
-    return shading == FNL_SHADING_AUTO || ((uint32_t)shading < FNL_SHADING_COUNT && shading_is(shading, SHADING_SAMPLES));
-}
-
-bool shading_has_prepass(const fnl_frame *frame) {
-    return shading_is(frame->shading, SHADING_PREPASS) ||
-           ((shading_is(frame->shading, SHADING_GBUFFER) || frame->shading == FNL_SHADING_TEXTURING ||
-             frame->shading == FNL_SHADING_VIRTUAL_TEXTURING || frame->shading == FNL_SHADING_MOBILE) &&
-            frame->gbuffer.prepass);
-}
-
-bool shading_draws_volumes(const fnl_frame *frame) {
-    return shading_is(frame->shading, SHADING_VOLUMES) ||
-           (frame->shading == FNL_SHADING_MOBILE && frame->mobile.lights == FNL_MOBILE_LIGHTS_VOLUMES);
-}
-
-bool shading_shows_volumes(const fnl_frame *frame) {
-    return shading_draws_volumes(frame) && frame->debug == FNL_DEBUG_LIGHTS;
-}
+bool shading_shows_volumes(const fnl_frame *frame) { return frame->debug == FNL_DEBUG_LIGHTS && frame_is(frame, SHADING_VOLUMES); }
 
 VkFormat shading_format(const struct frame_state *f) {
     if (f->frame->outputs & FNL_OUTPUT_RADIANCE) return VK_FORMAT_R32G32B32A32_SFLOAT;
@@ -139,10 +170,11 @@ void shading_add(struct frame_state *f) {
                                       .layout = f->frame->gbuffer.layout,
                                       .normals = f->frame->gbuffer.normals,
                                       .chroma = f->frame->gbuffer.chroma};
-    bool prepass = shading_has_prepass(f->frame);
+    bool prepass = frame_is(f->frame, SHADING_PREPASS);
+    f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE);
     if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
     struct shade_input opaque = input, blend = input;
-    orders[f->frame->shading].add(f, &opaque, prepass);
+    orders[f->frame->shading]->add(f, &opaque, prepass);
     decals_redraw(f, &input);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     if (order_has_blend(f) && !f->blended) {
@@ -160,14 +192,7 @@ uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
 }
 
 uint32_t shading_draw_count(const struct frame_state *f) {
-    const struct geometry_scene *scene = &f->scene->geometry;
-    uint32_t opaque = geometry_draw_count(scene, GEOMETRY_OPAQUE), prepass = shading_has_prepass(f->frame) ? opaque : 0;
-    if (order_draws_batches(f)) opaque = batches_draw_count(scene);
-    if (order_draws_per_light(f))
-        opaque = multipass_draw_count(scene, f->scene->lights.local_count, f->scene->lights.directional_count);
-    if (shading_is(f->frame->shading, SHADING_REDRAW) || f->dais.counts.id) opaque *= 2;
-    if (f->frame->shading == FNL_SHADING_VIRTUAL_TEXTURING)
-        opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD)) + (f->r->atlas.fresh ? opaque : 0);
-    if (f->gbuffer.mask.id) opaque += geometry_draw_count(scene, GEOMETRY_NOT_IN(f->frame->gbuffer.layout));
-    return prepass + opaque + blend_draw_count(f);
+    bool prepass = frame_is(f->frame, SHADING_PREPASS);
+    uint32_t depth = prepass ? geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE) : 0;
+    return depth + f->opaque_draws + blend_draw_count(f);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/orders.h"
+#include "render/orders/order.h"
 
 #include "passes/shade/inferred.h"
 #include "passes/shade/light_indexed.h"
@@ -44,7 +44,7 @@ static void add_light_sums(struct frame_state *f, struct shade_input *input, boo
         light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * surfaces.samples * input->width * input->height);
 }
 
-void order_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_TWO), 1);
 }
 
@@ -58,7 +58,7 @@ static void add_blend_lists(struct frame_state *f) {
     }
 }
 
-void order_pre_lighting(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_pre_lighting(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct light_surfaces surfaces = light_surfaces_add(f->graph, input, prepass, LIGHT_BUFFER_TWO, f->depth);
     split_surfaces(f, input, &surfaces);
     add_blend_lists(f);
@@ -81,7 +81,7 @@ void order_pre_lighting(struct frame_state *f, struct shade_input *input, bool p
 _Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX,
                "light_indexed_shared.h has the values of fnl_light_packing");
 
-void order_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     add_blend_lists(f);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_DEPTH_BOUNDS);
@@ -95,7 +95,7 @@ void order_light_indexed(struct frame_state *f, struct shade_input *input, bool 
         forward_add(f->graph, input, GEOMETRY_OPAQUE, true, f->radiance, f->depth);
 }
 
-void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_zioma(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     add_blend_lists(f);
     struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
@@ -107,7 +107,7 @@ void order_zioma(struct frame_state *f, struct shade_input *input, bool prepass)
 }
 
 /* Everything of light at a lower resolution, lists included: the frame, for as long as they are made, is a smaller one. */
-void order_inferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_inferred(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     const fnl_frame *frame = f->frame;
     struct gpu_view view = f->view;
@@ -150,6 +150,16 @@ void order_inferred(struct frame_state *f, struct shade_input *input, bool prepa
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
 
-void order_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_low_res(struct frame_state *f, struct shade_input *input, bool prepass) {
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->light_buffer.scale);
 }
+
+enum { STORES = SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_REDRAW | SHADING_SAMPLES };
+const struct order order_light_prepass = {.traits = STORES | SHADING_FULL_RASTER | SHADING_POSITIONS, .add = add_light_prepass};
+const struct order order_pre_lighting = {.traits = STORES | SHADING_FULL_RASTER | SHADING_VOLUMES, .add = add_pre_lighting};
+const struct order order_low_res = {.traits = STORES | SHADING_POSITIONS | SHADING_APPROXIMATE, .add = add_low_res};
+const struct order order_inferred = {.traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE, .add = add_inferred};
+
+enum { WRITES_IDS = SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
+const struct order order_light_indexed = {.traits = WRITES_IDS, .add = add_light_indexed};
+const struct order order_zioma = {.traits = WRITES_IDS, .add = add_zioma};

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/orders.h"
-#include "render/shading.h"
+#include "render/orders/order.h"
 
 #include "passes/dais/dais.h"
 
@@ -21,19 +20,15 @@ static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *fram
                                 .attempts = r->dais_impatient ? 0 : DAIS_ATTEMPTS};
 }
 
-fnl_result dais_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
-    if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES &&
-        frame->shading != FNL_SHADING_DAIS)
-        return unsupported(call, "the view %s shows what dais shading stores", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
-    if (frame->shading != FNL_SHADING_DAIS || frame->msaa == 1) return FNL_OK;
-    if (frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa))
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->msaa > 1 && frame->dais.mode == FNL_DAIS_TARGET && !dais_target_supported(r->device, frame->msaa))
         return unsupported(
             call, "this device has no integer targets of %u samples for dais shading; lists (fnl_dais_options) need none",
             frame->msaa);
-    return FNL_OK;
+    return order_check_primitive_ids(call, r, frame);
 }
 
-void order_dais(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass); /* always */
     struct dais_params params = params_of(f->r, f->frame);
     struct dais dais = dais_add(f->graph, input, &params, f->depth);
@@ -43,9 +38,9 @@ void order_dais(struct frame_state *f, struct shade_input *input, bool prepass) 
     f->r->dais_bytes = dais.fixed_bytes;
 }
 
-void dais_query(const fnl_renderer *r, const uint32_t *counts, struct fnl_dais_stats *out) {
-    *out = (struct fnl_dais_stats){0};
-    if (r->frame.shading != FNL_SHADING_DAIS) return;
+static void query(const fnl_renderer *r, const struct frame_counts *frame_counts, fnl_frame_stats *stats) {
+    const uint32_t *counts = frame_counts->dais;
+    struct fnl_dais_stats *out = &stats->dais;
     bool lists = r->frame.dais.mode == FNL_DAIS_LIST;
     out->triangles = counts[DAIS_STORED];
     out->unique = counts[DAIS_UNIQUE];
@@ -57,3 +52,9 @@ void dais_query(const fnl_renderer *r, const uint32_t *counts, struct fnl_dais_s
     out->bytes = r->dais_bytes + counts[DAIS_WORDS] * 4ull + counts[DAIS_STORED] * 4ull +
                  (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
 }
+
+const struct order order_dais = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW | SHADING_SAMPLES |
+                                           SHADING_APPROXIMATE,
+                                 .check = check,
+                                 .add = add,
+                                 .query = query};

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/decals.h"
-#include "render/orders.h"
-#include "render/shading.h"
+#include "render/orders/order.h"
 
 #include "passes/mobile/mobile.h"
 
 /* What the device can do of what was asked for. */
-static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, struct mobile_params *out) {
+static bool resolve(const gpu_device *device, const fnl_frame *frame, struct mobile_params *out) {
     const fnl_mobile_options *o = &frame->mobile;
     *out = (struct mobile_params){.layout = o->layout,
                                   .gamma = o->gamma,
@@ -23,16 +22,19 @@ static bool mobile_resolve(const gpu_device *device, const fnl_frame *frame, str
     return supported;
 }
 
-fnl_result mobile_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
+    return frame->mobile.lights == FNL_MOBILE_LIGHTS_VOLUMES ? traits | SHADING_VOLUMES : traits;
+}
+
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     struct mobile_params params;
-    if (frame->shading != FNL_SHADING_MOBILE || mobile_resolve(r->device, frame, &params)) return FNL_OK;
+    if (resolve(r->device, frame, &params)) return FNL_OK;
     return unsupported(call, "this device cannot draw to the formats of layout %s", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame->mobile.layout));
 }
 
-void shading_scale_light(struct frame_state *f) {
+static void begin(struct frame_state *f) {
     struct mobile_params params;
-    f->view.light_scale = f->view.light_max = 1;
-    if (f->frame->shading != FNL_SHADING_MOBILE || !mobile_resolve(f->r->device, f->frame, &params)) return;
+    if (!resolve(f->r->device, f->frame, &params)) return; /* checked before */
     f->view.light_scale = params.scale.scale;
     f->view.light_max = params.scale.most;
 }
@@ -44,7 +46,7 @@ static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {
 }
 
 /* Whether nothing but the picture is wanted, and all that makes it is known before the scope begins. */
-static bool mobile_tonemaps(struct frame_state *f, bool blend_inside) {
+static bool tonemaps(struct frame_state *f, bool blend_inside) {
     const fnl_frame *frame = f->frame;
     if (!f->target && !(frame->outputs & FNL_OUTPUT_COLOR)) return false;
     if (frame->debug != FNL_DEBUG_NONE || frame->aa == FNL_ANTIALIASING_TAA) return false;
@@ -86,14 +88,14 @@ static void add_tap(struct frame_state *f, const struct mobile_result *result) {
     graph_use_buffer(pass, data.buffer, GRAPH_READ_HOST);
 }
 
-void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct mobile_params params;
-    if (!mobile_resolve(f->r->device, f->frame, &params)) return; /* checked before */
+    if (!resolve(f->r->device, f->frame, &params)) return; /* checked before */
     if (params.layout <= FNL_MOBILE_SPECULAR_160 && params.float_light != (f->frame->mobile.light == FNL_MOBILE_LIGHT_FLOAT))
         note_once(f->r, 0,
                   params.float_light ? "light adds up in floats: fractions need an exposure that is known beforehand"
                                      : "light adds up in fractions: the device cannot blend packed floats");
-    bool by_volumes = shading_draws_volumes(f->frame), has_blend = order_has_blend(f);
+    bool by_volumes = frame_is(f->frame, SHADING_VOLUMES), has_blend = order_has_blend(f);
     if (!by_volumes || has_blend)
         order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* the scope knows no depth beforehand */
     struct light_list base;
@@ -124,7 +126,7 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
         f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half);
     const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
     struct picture picture = frame_picture(f);
-    f->mobile_tonemapped = !more && mobile_tonemaps(f, f->blended);
+    f->mobile_tonemapped = !more && tonemaps(f, f->blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
     if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
     struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, by_volumes ? &volumes : NULL,
@@ -136,3 +138,10 @@ void order_mobile(struct frame_state *f, struct shade_input *input, bool prepass
         note_once(f->r, 1,
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
+
+const struct order order_mobile = {.traits = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST | SHADING_POSITIONS |
+                                             SHADING_APPROXIMATE | SHADING_DECALS | SHADING_DECAL_STEP,
+                                   .adjust = adjust,
+                                   .check = check,
+                                   .begin = begin,
+                                   .add = add};

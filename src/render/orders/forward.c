@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/orders.h"
+#include "render/orders/order.h"
 
 #include "passes/shade/regroup.h"
 
 /* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
-bool order_draws_batches(const struct frame_state *f) {
+static bool draws_batches(const struct frame_state *f) {
     return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
 }
 
-bool order_draws_per_light(const struct frame_state *f) {
+static bool draws_per_light(const struct frame_state *f) {
     return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
            multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
 }
@@ -16,7 +16,7 @@ bool order_draws_per_light(const struct frame_state *f) {
 /* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
 static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
-    if (!own || (f->lights.kind & ~GPU_LIST_SCATTERED) != GPU_LIST_ITEMS || order_draws_batches(f) || order_draws_per_light(f)) return;
+    if (!own || (f->lights.kind & ~GPU_LIST_SCATTERED) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
     if (f->r->told_of_mesh_lists) return;
     f->r->told_of_mesh_lists = true;
@@ -31,15 +31,22 @@ static void tell_of_mesh_lists(struct frame_state *f) {
                     name, f->scene->lights.local_count, f->scene->geometry.group_count);
 }
 
-void order_forward(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     const struct light_input *lights = &f->scene->lights;
     order_add_lists(f, prepass ? f->depth : (graph_image){0}, NULL); /* a single pass knows no depth beforehand */
-    if (order_draws_batches(f))
+    if (draws_batches(f)) {
         batches_add(f->graph, input, f->radiance, f->depth);
-    else if (order_draws_per_light(f))
+        f->opaque_draws = batches_draw_count(input->scene);
+    } else if (draws_per_light(f)) {
         multipass_add(f->graph, input, lights->local_count, lights->directional_count, f->r->pool_capacity, f->radiance,
                       f->depth);
-    else
+        f->opaque_draws = multipass_draw_count(input->scene, lights->local_count, lights->directional_count);
+    } else {
         forward_add(f->graph, input, GEOMETRY_OPAQUE, prepass, f->radiance, f->depth);
+    }
     tell_of_mesh_lists(f);
 }
+
+enum { TRAITS = SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_LISTS_FIRST | SHADING_ITEMS | SHADING_SAMPLES };
+const struct order order_forward = {.traits = TRAITS, .add = add};
+const struct order order_forward_prepass = {.traits = TRAITS | SHADING_PREPASS, .add = add};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/decals.h"
-#include "render/orders.h"
+#include "render/orders/order.h"
 
 #include "passes/shade/classify.h"
 #include "passes/shade/deferred.h"
@@ -11,6 +11,22 @@ _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT 
                    (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
                "deferred_msaa_shared.h has the values of fnl_msaa_method");
 
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->deferred.pass == FNL_DEFERRED_FRAGMENT && (frame->deferred.class_blocks || frame->msaa > 1))
+        return unsupported(call, "deferred lighting in a fragment pass has no classes and 1 sample a pixel");
+    if (frame->msaa > 1 && frame->deferred.class_blocks)
+        return unsupported(call, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
+    return FNL_OK;
+}
+
+/* What the layout cannot hold is shaded forward. */
+static void add_rest(struct frame_state *f, const struct shade_input *input, const struct gbuffer *gbuffer) {
+    hybrid_add(f->graph, input, gbuffer, f->radiance);
+    f->forward_layouts = 1u << f->frame->gbuffer.layout;
+    f->opaque_draws += geometry_draw_count(input->scene, GEOMETRY_NOT_IN(f->frame->gbuffer.layout));
+}
+
 /* Lists see all samples of the depth, but no normals. */
 static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
@@ -20,12 +36,12 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
                                           .tolerance = f->frame->deferred.msaa_method == FNL_MSAA_ALL ? 0 : f->frame->deferred.msaa_tolerance};
     f->gbuffer = gbuffer;
     struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
-    hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    add_rest(f, input, &gbuffer);
     f->surfaces = edges.surfaces;
     f->edge_counts = edges.counts;
 }
 
-void order_deferred(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     if (f->frame->msaa > 1) {
         add_deferred_samples(f, input, prepass);
         return;
@@ -42,24 +58,12 @@ void order_deferred(struct frame_state *f, struct shade_input *input, bool prepa
         f->radiance = deferred_screen_add(f->graph, input, &gbuffer, f->radiance);
     else
         deferred_add(f->graph, input, &gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
-    hybrid_add(f->graph, input, &gbuffer, f->radiance);
+    add_rest(f, input, &gbuffer);
     f->gbuffer = gbuffer;
 }
 
 _Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_STENCIL + 1,
                "volumes_shared.h has the values of fnl_volume_shape");
-
-struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
-    struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
-                                  f->r->volume_hook};
-    return volumes_prepare(f->graph, f->r->device, &input);
-}
-
-/* The lights in view are those whose volumes are drawn, where no lists count them. */
-void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
-    f->lights.totals = f->blend_lights.totals = volumes->totals;
-    f->lights.totals_known = false;
-}
 
 /* The base of volumes: everything but local lights. Several samples a pixel: each surface once. */
 static struct surface_layers add_base(struct frame_state *f, struct shade_input *input, const struct gbuffer *gbuffer) {
@@ -77,7 +81,7 @@ static struct surface_layers add_base(struct frame_state *f, struct shade_input 
 }
 
 /* Everything but local lights in one pass over the screen, then a volume for each of those. */
-void order_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void add_with_volumes(struct frame_state *f, struct shade_input *input, bool prepass) {
     struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
     decals_on_gbuffer_add(f, input, &gbuffer);
     struct light_list own = {0}; /* of what is lit forward */
@@ -104,8 +108,12 @@ void order_volumes(struct frame_state *f, struct shade_input *input, bool prepas
     f->light_draws = layers.count * (2 + 2 * volumes.alone);
     if (gbuffer.mask.id) {
         input->lights = &own;
-        hybrid_add(f->graph, input, &gbuffer, f->radiance);
+        add_rest(f, input, &gbuffer);
     }
     f->gbuffer = gbuffer;
     if (!has_lists) order_count_volumes(f, &volumes);
 }
+
+enum { TRAITS = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
+const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS, .check = check, .add = add};
+const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES, .add = add_with_volumes};

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/orders.h"
+#include "render/orders/order.h"
 
 #include "passes/shade/coarse.h"
 
-void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass) {
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->coarse.criterion == FNL_COARSE_CRITERION_ID && !gpu_info(r->device)->primitive_ids)
+        return unsupported(call, "this device cannot number triangles, which coarse.criterion id needs; use z");
+    return FNL_OK;
+}
+
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     fnl_debug_view view = f->frame->debug;
     struct coarse_params params = {.options = f->frame->coarse,
                                    .samplers = coarse_has_samplers(f->r->device) && !f->r->no_minmax,
@@ -16,3 +22,8 @@ void order_coarse(struct frame_state *f, struct shade_input *input, bool prepass
     f->coarse_counts = coarse.counts;
     f->coarse_words = coarse.words;
 }
+
+const struct order order_coarse = {
+    .traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE,
+    .check = check,
+    .add = add};

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * A shading order: a file of this folder that ends in its row, or in several where they share most of their code. shading.c lists the rows and
+ * calls them for frames of their own order alone.
+ */
+#ifndef FNL_RENDER_ORDER_H
+#define FNL_RENDER_ORDER_H
+
+#include "passes/shade/volumes.h"
+#include "render/shading.h"
+
+struct order {
+    uint32_t traits; /* enum shading_trait, whatever the options */
+    /* Takes traits away or adds some by the frame's options. Optional, as all that follow but `add`. */
+    uint32_t (*adjust)(const fnl_frame *frame, uint32_t traits);
+    /* Fails, with a log line, where options do not go together or the device cannot do what they ask for. */
+    fnl_result (*check)(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
+    /* Before the frame begins: what lasts longer than it. */
+    fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
+    /* Fills in its part of f->view, before that is sent. */
+    void (*begin)(struct frame_state *f);
+    /* Declares lists and opaque surfaces and fills f->radiance; f->depth is complete with `prepass`. `input` is a copy that it may change. */
+    void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
+    /* Once a frame is on its way to the device: what it made lasts. */
+    void (*submitted)(fnl_renderer *r);
+    /* From what the GPU counted to the stats. */
+    void (*query)(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out);
+};
+
+extern const struct order order_forward, order_forward_prepass, order_deferred, order_deferred_volumes, order_light_prepass,
+    order_pre_lighting, order_low_res, order_inferred, order_light_indexed, order_zioma, order_visibility, order_texturing,
+    order_virtual_texturing, order_coarse, order_dais, order_mobile;
+
+/* ---- what they share ---- */
+
+/** Whether the scene has blended surfaces. */
+bool order_has_blend(const struct frame_state *f);
+/** Makes the frame's lists; `depth` (id 0: none yet) and `gbuffer` (or NULL) are what they may look at. */
+void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
+/** Makes lists beside those of the frame, for pixels that those do not serve. */
+struct light_list order_add_fallback_lists(struct frame_state *f);
+/** The local lights' volumes of a shape of volumes_shared.h. */
+struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape);
+/** The lights in view are those whose volumes are drawn, where no lists count them. */
+void order_count_volumes(struct frame_state *f, const struct volumes *volumes);
+/** Fails with a log line unless the device numbers triangles. */
+fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/orders/order.h"
+
+#include "passes/texturing/texturing.h"
+
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->msaa > 1 &&
+        !gpu_format_supports(r->device, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_2_COLOR_ATTACHMENT_BIT))
+        return unsupported(call, "this device cannot draw to R16G16B16A16_UNORM, which %s shading with MSAA needs",
+                           fnl_value_name(FNL_ENUM_SHADING, frame->shading));
+    return FNL_OK;
+}
+
+static void shade(struct frame_state *f, struct shade_input *input, const struct texturing *texturing) {
+    f->gbuffer_bytes = (uint64_t)texturing->bytes * f->frame->width * f->frame->height;
+    order_add_lists(f, f->depth, NULL);
+    struct visible_list surfaces = texturing_shade_add(f->graph, input, texturing, f->radiance);
+    f->surfaces = surfaces.words;
+    f->edge_counts = surfaces.counts;
+}
+
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
+    bool derived = f->frame->texturing.gradients == FNL_GRADIENTS_DERIVED;
+    struct texturing texturing = texturing_add(f->graph, input, derived, prepass, f->depth);
+    shade(f, input, &texturing);
+}
+
+/* ---- virtual ---- */
+
+static fnl_result prepare_virtual(fnl_renderer *r, const fnl_frame *frame) {
+    return device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas);
+}
+
+static void submitted_virtual(fnl_renderer *r) { r->atlas.fresh = false; }
+
+/* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
+static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
+    fnl_renderer *r = f->r;
+    struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->atlas, r->device_scene.materials.address);
+    if (r->atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
+    virtual_update_add(f->graph, &pages);
+    f->page_commands = pages.commands;
+    struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
+    texturing.shows_levels = r->show_levels;
+    f->texturing = texturing;
+    shade(f, input, &texturing);
+    texturing_forward_add(f->graph, input, f->radiance, f->depth);
+    f->forward_layouts = 1u << VIRTUAL_FORWARD;
+    f->opaque_draws = (r->atlas.fresh ? 2 : 1) * f->opaque_draws + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
+}
+
+/* Approximate as visibility is, and because normals are rounded. */
+enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
+const struct order order_texturing = {.traits = TRAITS | SHADING_POSITIONS, .check = check, .add = add};
+const struct order order_virtual_texturing = {.traits = TRAITS,
+                                              .check = check,
+                                              .prepare = prepare_virtual,
+                                              .add = add_virtual,
+                                              .submitted = submitted_virtual};

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/decals.h"
+#include "render/orders/order.h"
+
+#include "passes/visibility/visibility.h"
+
+_Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&
+                   (int)FNL_VISIBILITY_SORT_COUNT == VISIBILITY_SORT_MATERIAL + 1,
+               "visibility.h has the values of fnl_visibility_sort");
+
+/* A grid of samples looks beside the centres of pixels; barycentrics are stored by a geometry shader, or by vertices of their own. */
+static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
+    if (frame->visibility.grid) traits &= ~(uint32_t)SHADING_FULL_RASTER;
+    return frame->visibility.barycentrics ? traits | SHADING_VERTICES : traits;
+}
+
+static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    const fnl_visibility_options *o = &frame->visibility;
+    if (o->grid && (frame->msaa > 1 || o->barycentrics || !visibility_grid_supported(r->device)))
+        return unsupported(call, "visibility.grid takes 1 sample a pixel, no visibility.barycentrics, and a device with 4 samples");
+    if (o->barycentrics && frame->msaa > 1)
+        return unsupported(call, "visibility.barycentrics takes 1 sample a pixel, not %u", frame->msaa);
+    return order_check_primitive_ids(call, r, frame);
+}
+
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
+    const fnl_visibility_options *options = &f->frame->visibility;
+    uint32_t bits = f->r->visibility_bits;
+    struct visibility visibility;
+    if (options->grid && !decals_redraws(f)) /* which look for the very depth of pixels' centres */
+        visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
+    else
+        visibility = visibility_add(f->graph, input, bits, options->barycentrics, f->depth);
+    order_add_lists(f, f->depth, NULL);
+    enum visibility_sort sort = (enum visibility_sort)options->sort;
+    struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &visibility, sort, f->radiance);
+    f->visible_ranges = shaded.ranges;
+    f->visible_fragments = visibility.fragments;
+    f->surfaces = shaded.words;
+    f->edge_counts = shaded.counts;
+}
+
+/* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
+const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES,
+                                       .adjust = adjust,
+                                       .check = check,
+                                       .add = add};
