@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/** What of the opaque scene is drawn, and by which kind of shaders. */
+#include "passes/geometry/clusters.h"
+#include "passes/geometry/occlusion.h"
+#include "render/frame_steps.h"
+#include "render/shading.h"
+
+/* What hides a sample is known for the samples of the frame's own pixels alone. */
+static bool culls_hidden(const fnl_frame *frame) {
+    return frame->occlusion && frame_is(frame, SHADING_FULL_RASTER) && (frame->msaa == 1 || !frame_shows_surfaces(frame));
+}
+
+/*
+ * Vertex and mesh shaders put vertices in the same places, but Vulkan does not promise that depths are the same to the bit: all that is drawn of
+ * the opaque scene in a frame goes one way or the other. So no pass may have vertex shaders of its own, or a geometry shader.
+ */
+bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
+    bool regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
+         redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene.decals.draw_count > 0;
+    bool wanted = frame->geometry == FNL_GEOMETRY_MESH ||
+                  (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || r->auto_meshes));
+    return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !r->no_meshes &&
+           !frame_is(frame, SHADING_VERTICES) && !regrouped && !redrawn && !temporal_needs_motion(frame);
+}
+
+void frame_cull(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
+    const struct geometry_scene *scene = &f->scene->geometry;
+    struct hierarchy occluders = {0};
+    if (culls_hidden(frame))
+        f->draws = occlusion_add(f->graph, f->r->device, scene, &f->view, f->r->temporal.valid ? &f->r->temporal.view : NULL,
+                                 f->view_address, frame->msaa, &occluders);
+    else
+        f->draws = cull_add(f->graph, scene, f->view_address);
+    if (frame->culling == FNL_CULLING_INSTANCES) return;
+    struct clusters_params params = {.by_triangle = frame->culling == FNL_CULLING_TRIANGLES,
+                                     .full_raster = frame_is(frame, SHADING_FULL_RASTER),
+                                     .samples = frame->msaa,
+                                     .centers = true,
+                                     .cluster_capacity = f->r->cluster_capacity,
+                                     .meshes = f->r->meshes,
+                                     .mesh_row = f->r->mesh_row ? f->r->mesh_row : 65535,
+                                     .mesh_rows = f->r->mesh_rows ? f->r->mesh_rows : 64,
+                                     .occluders = occluders.levels.id ? &occluders : NULL};
+    clusters_add(f->graph, f->r->device, scene, &f->view, f->view_address, &params, &f->draws);
+}
