@@ -8,6 +8,15 @@ static const VkDescriptorType descriptor_types[GPU_BINDING_COUNT] = {
 };
 static const char *const binding_names[GPU_BINDING_COUNT] = {"sampled images", "samplers", "storage images"};
 
+/**
+ * Synchronisation validation before 1.3.270 visits every descriptor of the set at every draw and dispatch, written or not, which takes longer
+ * than all else in small frames: so the arrays get a part of their size.
+ */
+static uint32_t share_of_arrays(const gpu_device *device) {
+    const uint32_t version = device->instance.layer_version;
+    return version != 0 && version < VK_MAKE_API_VERSION(0, 1, 3, 270) ? 16 : 1;
+}
+
 /** Sizes of the three arrays: what we want, or what the device has, less room for attachments. */
 static void size_arrays(gpu_device *device) {
     VkPhysicalDeviceVulkan12Properties limits = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
@@ -20,8 +29,8 @@ static void size_arrays(gpu_device *device) {
     uint32_t samplers =
         MIN(limits.maxDescriptorSetUpdateAfterBindSamplers, limits.maxPerStageDescriptorUpdateAfterBindSamplers);
     samplers = MIN(MIN(samplers, GPU_SAMPLER_MAX), device->properties.limits.maxSamplerAllocationCount);
-    sampled = MIN(sampled, GPU_SAMPLED_MAX);
-    storage = MIN(storage, GPU_STORAGE_MAX);
+    sampled = MIN(sampled, GPU_SAMPLED_MAX / share_of_arrays(device));
+    storage = MIN(storage, GPU_STORAGE_MAX / share_of_arrays(device));
     uint32_t all = limits.maxPerStageUpdateAfterBindResources -
                    MIN(limits.maxPerStageUpdateAfterBindResources, GPU_MAX_COLORS + GPU_MAX_INPUTS + samplers);
     if (sampled + storage > all) {
