@@ -54,6 +54,21 @@ function(fanal_library)
   endif()
 endfunction()
 
+# CTest starts the tests of tests/slow.txt first, the longest before the others, so that no core waits for one of them at the end. Call it in
+# the directory that adds the tests.
+function(fanal_test_costs)
+  file(STRINGS ${PROJECT_SOURCE_DIR}/tests/slow.txt lines REGEX "^[a-z]")
+  foreach(line ${lines})
+    string(REGEX MATCH "^([a-z0-9_]+) +([0-9]+)$" line "${line}")
+    if(NOT line)
+      message(FATAL_ERROR "tests/slow.txt: a line is not NAME SECONDS")
+    endif()
+    if(CMAKE_MATCH_1 IN_LIST ARGN)
+      set_tests_properties(${CMAKE_MATCH_1} PROPERTIES COST ${CMAKE_MATCH_2})
+    endif()
+  endforeach()
+endfunction()
+
 # fanal_test(maths SOURCES maths_test.c LAYERS base) makes the cmocka program test_maths and its CTest entry. LAYERS lists
 # every layer whose objects the test needs; HELPERS are those of tests/CMakeLists.txt, SHADERS the test's own.
 function(fanal_test name)
@@ -80,6 +95,7 @@ function(fanal_test name)
     set_tests_properties(${name} PROPERTIES
       ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
   endif()
+  fanal_test_costs(${name})
   if(test_TIMEOUT)
     set_tests_properties(${name} PROPERTIES TIMEOUT ${test_TIMEOUT})
   endif()
