@@ -104,6 +104,7 @@ fnl_result gpu_buffer_create_in(gpu_device *device, const struct gpu_heap *heap,
 void gpu_buffer_destroy(gpu_device *device, struct gpu_buffer *buffer) {
     if (buffer->handle) {
         struct gpu_retired item = retired_buffer(buffer);
+        gpu_last_use_remove(&device->last_uses, false, (uint64_t)buffer->handle);
         gpu_retire(device, &item);
     }
     *buffer = (struct gpu_buffer){0};

@@ -175,6 +175,7 @@ fnl_result gpu_device_new(const fnl_device_params *params, gpu_device **out) {
     pthread_mutex_init(&device->queue_mutex, NULL);
     pthread_mutex_init(&device->retire_mutex, NULL);
     pthread_mutex_init(&device->slice_mutex, NULL);
+    pthread_mutex_init(&device->last_uses.mutex, NULL);
     pthread_mutex_init(&device->memory.mutex, NULL);
     pthread_mutex_init(&device->bindless.mutex, NULL);
     pthread_mutex_init(&device->scopes.mutex, NULL);
@@ -382,6 +383,8 @@ void fnl_device_destroy(fnl_device **address) {
     pthread_mutex_destroy(&device->queue_mutex);
     pthread_mutex_destroy(&device->retire_mutex);
     pthread_mutex_destroy(&device->slice_mutex);
+    array_free(&device->host, &device->last_uses.items);
+    pthread_mutex_destroy(&device->last_uses.mutex);
     pthread_mutex_destroy(&device->memory.mutex);
     pthread_mutex_destroy(&device->bindless.mutex);
     pthread_mutex_destroy(&device->scopes.mutex);

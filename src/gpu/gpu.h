@@ -11,6 +11,7 @@
 #include "fanal/device.h"
 #include "gpu/shader.h"
 
+#include <pthread.h>
 #include <vulkan/vulkan_core.h>
 
 struct fnl_vulkan_import;
@@ -365,6 +366,33 @@ void gpu_end_label(struct gpu_commands *commands);
 /** Writes timestamp `index` of the frame, below GPU_MAX_TIMESTAMPS. */
 enum { GPU_MAX_TIMESTAMPS = 512 };
 void gpu_timestamp(struct gpu_commands *commands, uint32_t index);
+
+/*
+ * ---- what a frame leaves for the next to wait for ----
+ *
+ * By handle of a buffer or image that outlives frames, for all who make frames of the device: what its last uses on the graphics queue
+ * were. (What the compute queue did is over when a frame's last batch is.) Goes with the buffer or image.
+ */
+struct gpu_last_use {
+    uint64_t handle; /* which an image and a buffer may have in common */
+    bool is_image;
+    VkPipelineStageFlags2 write_stages, visible_stages; /* of the last write, and what it was made visible to */
+    VkAccessFlags2 write_access, visible_access;
+    VkPipelineStageFlags2 read_stages; /* since then */
+};
+struct gpu_last_uses {
+    pthread_mutex_t mutex;
+    ARRAY(struct gpu_last_use) items;
+};
+struct gpu_last_uses *gpu_last_uses(gpu_device *device);
+/**
+ * Finds that of `use->handle`, or enters `use` as it is for one that is not known. False when memory ran out; what is entered can be
+ * set without fail. Thread-safe, and so are the next two.
+ */
+bool gpu_last_use_find(struct gpu_last_uses *uses, const fnl_host *host, struct gpu_last_use *use);
+/** Does nothing where the handle has gone meanwhile. */
+void gpu_last_use_set(struct gpu_last_uses *uses, const struct gpu_last_use *use);
+void gpu_last_use_remove(struct gpu_last_uses *uses, bool is_image, uint64_t handle);
 
 /* ---- frames ---- */
 

@@ -385,6 +385,7 @@ struct fnl_device {
     ARRAY(VkCommandBufferSubmitInfo) submit_infos;
     ARRAY(uint64_t) batch_values;
     pthread_mutex_t slice_mutex;
+    struct gpu_last_uses last_uses;
 };
 
 /** The parts that own and imported devices share: everything above the VkDevice. */

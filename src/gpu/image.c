@@ -338,6 +338,7 @@ fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu
 void gpu_image_destroy(gpu_device *device, struct gpu_image *image) {
     if (image->handle) {
         struct gpu_retired item = retired_image(image);
+        gpu_last_use_remove(&device->last_uses, true, (uint64_t)image->handle);
         gpu_retire(device, &item);
     }
     *image = empty_image();

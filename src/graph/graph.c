@@ -137,6 +137,8 @@ fnl_result graph_create(const fnl_host *host, gpu_device *device, struct graph *
     if (!graph) return FNL_ERROR_MEMORY;
     graph->host = resolved;
     graph->device = device;
+    pthread_mutex_init(&graph->own_uses.mutex, NULL);
+    graph->last_uses = device ? gpu_last_uses(device) : &graph->own_uses;
     arena_init(&graph->arena, &graph->host, ARENA_BLOCK);
     graph_names_init(graph);
     *out = graph;
@@ -151,7 +153,10 @@ void graph_destroy(struct graph **handle) {
     graph_release_memory(graph);
     array_free(&host, &graph->resources);
     array_free(&host, &graph->passes);
+    for (uint32_t i = 0; i < graph->pools.count; i++) array_free(&host, &graph->pools.data[i].tenants);
     array_free(&host, &graph->pools);
+    array_free(&host, &graph->own_uses.items);
+    pthread_mutex_destroy(&graph->own_uses.mutex);
     array_free(&host, &graph->physicals);
     array_free(&host, &graph->histories);
     array_free(&host, &graph->requirements);
@@ -166,7 +171,7 @@ void graph_destroy(struct graph **handle) {
 }
 
 void graph_begin(struct graph *graph) {
-    if (!graph->device && graph->plan.compiled) graph_commit_histories(graph); /* nothing executes, so compiled is as good */
+    if (!graph->device && graph->plan.compiled) graph_commit(graph); /* nothing executes, so compiled is as good */
     graph->frame++;
     graph->result = FNL_OK;
     graph->executed = false;

@@ -2,9 +2,10 @@
 /**
  * From declarations to a plan: checks, culling, lifetimes, batches and barriers. Passes keep their order of declaration.
  *
- * Every frame starts with one full barrier on the graphics queue (batch 0), so whatever earlier frames did is finished
- * and visible; within the frame only what the frame itself did needs to be waited for. With a compute queue, batch 0 holds
- * nothing but that barrier, the first compute batch waits for it, and the last graphics batch waits for all compute.
+ * A frame begins where the last one left each resource: its first uses wait for the last uses of that resource, or of the memory that it
+ * takes over, and for nothing else. Other plans may come in between; what outlives frames is known by its handle (gpu_last_use). With a
+ * compute queue, batch 0 holds nothing; the first compute batch waits for it, and so for the last frame, and the last graphics batch waits
+ * for all compute.
  */
 #include "graph/graph_internal.h"
 
@@ -237,6 +238,18 @@ static void find_former_tenants(const struct graph *graph, const struct graph_re
     }
 }
 
+/* The same of those that had it in the last frame. */
+static void find_last_tenants(const struct graph *graph, const struct graph_resource *resource,
+                              VkPipelineStageFlags2 *stages, VkAccessFlags2 *access) {
+    const struct graph_pool *pool = &graph->pools.data[resource->pool];
+    for (uint32_t i = 0; i < pool->tenants.count; i++) {
+        const struct graph_tenant *tenant = &pool->tenants.data[i];
+        if (tenant->offset >= resource->offset + resource->size || resource->offset >= tenant->offset + tenant->size) continue;
+        *stages |= tenant->stages;
+        *access |= tenant->access;
+    }
+}
+
 /* Everything before `use` may happen; the other queue has been waited for. */
 static void add_barriers(struct graph *graph, struct graph_step *step, struct graph_access *use) {
     struct graph_resource *resource = &graph->resources.data[use->resource];
@@ -251,8 +264,9 @@ static void add_barriers(struct graph *graph, struct graph_step *step, struct gr
         struct graph_barriers *after = &graph->plan.batches[state->write_batch].after;
         /* Later reads of the graphics queue need nothing more. */
         const VkPipelineStageFlags2 all = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+        const VkPipelineStageFlags2 write_or_read = state->write_stages | state->read_stages[GPU_QUEUE_GRAPHICS];
         add_image(graph, after,
-                  &(struct graph_barrier){NULL, use->resource, state->write_stages ? state->write_stages : all, all,
+                  &(struct graph_barrier){NULL, use->resource, write_or_read ? write_or_read : all, all,
                                           state->write_access, VK_ACCESS_2_MEMORY_READ_BIT, from_layout, use->layout});
         state->visible_stages = ~0ull;
         state->visible_access = ~WRITE_ACCESS;
@@ -278,10 +292,12 @@ static void add_barriers(struct graph *graph, struct graph_step *step, struct gr
         state->visible_stages = to_stages;
         state->visible_access = to_access;
     }
-    if (resource->pool != GRAPH_NONE && use == resource->first_use && !resource->on_async) {
+    /* The compute queue has waited for the last frame as a whole. */
+    if (resource->pool != GRAPH_NONE && use == resource->first_use && step->queue == GPU_QUEUE_GRAPHICS) {
         VkPipelineStageFlags2 former_stages = 0;
         VkAccessFlags2 former_access = 0;
-        find_former_tenants(graph, resource, &former_stages, &former_access);
+        if (!resource->on_async) find_former_tenants(graph, resource, &former_stages, &former_access);
+        find_last_tenants(graph, resource, &former_stages, &former_access);
         from_stages |= former_stages;
         from_access |= former_access;
         /* An image barrier flushes the new image only; the former tenant's writes need a global one. */
@@ -290,8 +306,8 @@ static void add_barriers(struct graph *graph, struct graph_step *step, struct gr
     }
 
     if (resource->is_image && (transition || from_stages)) {
-        /* With no work of this queue to wait for, a change of layout follows the semaphore or the frame barrier through the
-           stages that wait for it. */
+        /* With no work of this queue to wait for, a change of layout follows the semaphore, if there was one, through the stages that
+           wait for it. */
         add_image(graph, &step->before,
                   &(struct graph_barrier){NULL, use->resource, from_stages ? from_stages : to_stages, to_stages, from_access,
                                           to_access, transition ? from_layout : state->layout, use->layout});
@@ -376,11 +392,18 @@ static void finish_frame(struct graph *graph, struct schedule *schedule) {
         if (!resource->is_image || !resource->imported || resource->final_layout == VK_IMAGE_LAYOUT_UNDEFINED ||
             resource->final_layout == state->layout)
             continue;
+        if (from == state->read_stages[GPU_QUEUE_GRAPHICS]) access = 0; /* they have waited for the write */
         add_image(graph, after,
                   &(struct graph_barrier){NULL, i, from, all, access,
                                           VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT, state->layout,
                                           resource->final_layout});
         state->layout = resource->final_layout;
+        state->write_queue = GPU_QUEUE_GRAPHICS;
+        state->write_stages = all;
+        state->write_access = 0;
+        state->visible_stages = ~0ull;
+        state->visible_access = ~0ull;
+        memset(state->read_stages, 0, sizeof state->read_stages);
     }
 }
 
@@ -390,11 +413,7 @@ static bool make_schedule(struct graph *graph) {
     if (!plan->batches) return false;
     for (uint32_t i = 0; i < graph->resources.count; i++) {
         struct graph_resource *resource = &graph->resources.data[i];
-        resource->state =
-            (struct graph_state){.layout = resource->has_contents ? resource->initial_layout : VK_IMAGE_LAYOUT_UNDEFINED,
-                                 .write_queue = GPU_QUEUE_GRAPHICS,
-                                 .visible_stages = ~0ull,
-                                 .visible_access = ~0ull};
+        if (!graph_first_state(graph, resource, &resource->state)) return false;
         find_runs(graph, resource);
     }
     struct schedule schedule = {.open = {add_batch(plan, GPU_QUEUE_GRAPHICS, -1), GRAPH_NONE}, .waited = {-1, -1}};
@@ -405,7 +424,6 @@ static bool make_schedule(struct graph *graph) {
             add_barriers(graph, &plan->steps[i], use);
     }
     finish_frame(graph, &schedule);
-    plan->barrier_count++; /* the frame barrier */
     return true;
 }
 

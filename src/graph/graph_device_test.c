@@ -430,6 +430,41 @@ static void test_images_of_old_plans_are_released(void **state) {
     }
 }
 
+static VkDeviceAddress seen_address;
+static VkImage seen_image;
+
+static void execute_look(const struct graph_context *context, const void *data) {
+    const struct dispatch *look = data;
+    seen_address = graph_address(context, look->to);
+    seen_image = graph_get_image(context, look->to_image)->handle;
+}
+
+/* A frame writes its buffers while the last one may still read those of its own; images, which wait, stay where they are. */
+static void test_frames_in_flight_have_buffers_of_their_own(void **state) {
+    struct world *world = *state;
+    VkDeviceAddress addresses[6];
+    VkImage images[6];
+    uint64_t used = 0;
+    for (uint32_t frame = 0; frame < COUNT_OF(addresses); frame++) {
+        graph_begin(world->graph);
+        struct dispatch look = {.to = graph_create_buffer(world->graph, "buffer", 1 << 20)};
+        struct graph_image_params params = {.name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = 64, .height = 64};
+        look.to_image = graph_create_image(world->graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->graph, "look", GRAPH_QUEUE_GRAPHICS, execute_look, &look, sizeof look);
+        graph_use_buffer(pass, look.to, GRAPH_WRITE_COMPUTE);
+        graph_use_image(pass, look.to_image, GRAPH_WRITE_COMPUTE);
+        graph_keep(pass);
+        run(world, NULL);
+        addresses[frame] = seen_address;
+        images[frame] = seen_image;
+        if (frame == 1) used = gpu_memory_stats(world->device).used_bytes;
+        if (frame >= 1) assert_int_not_equal(addresses[frame], addresses[frame - 1]);
+        if (frame >= 1) assert_ptr_equal(images[frame], images[frame - 1]);
+        if (frame >= GPU_FRAMES_IN_FLIGHT) assert_int_equal(addresses[frame], addresses[frame - GPU_FRAMES_IN_FLIGHT]);
+    }
+    assert_int_equal(gpu_memory_stats(world->device).used_bytes, used);
+}
+
 static void execute_undeclared(const struct graph_context *context, const void *data) {
     const graph_image *image = data;
     assert_int_equal(graph_sampled(context, *image), GPU_NO_INDEX);
@@ -557,6 +592,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_images_of_old_plans_are_released, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_rows_write_addresses, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_pipelines_of_dispatches_can_be_asked_for, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_frames_in_flight_have_buffers_of_their_own, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_errors_end_the_frame_and_the_next_one_works, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -203,9 +203,6 @@ static void record_chunk(void *context, uint32_t chunk) {
         const struct graph_batch *batch = &plan->batches[segment->batch];
         struct gpu_commands *commands = gpu_commands_begin(recorder->graph->device, batch->queue, chunk);
         recorder->commands[i] = commands;
-        if (segment->batch == 0 && segment->starts_batch)
-            gpu_barrier(commands, NULL, 0, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
-                        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
         if (recorder->poison && segment->batch == 0 && segment->starts_batch) poison_buffers(recorder->graph, commands);
         uint32_t step = segment->first_step;
         for (uint32_t n = 0; n < segment->step_count; n++, step = plan->steps[step].next_in_batch)
@@ -325,7 +322,7 @@ fnl_result graph_execute_frame(struct graph *graph, const struct graph_execute_p
     graph->executed = true;
     result = submit(&recorder, params->external);
     if (result == FNL_OK)
-        graph_commit_histories(graph);
+        graph_commit(graph);
     else
         graph->timer_slots[gpu_frame_slot(graph->device)].names.count = 0;
     return result;

@@ -86,7 +86,7 @@ struct graph_merged {
     uint32_t attachment_count;
 };
 
-/** What must be waited for before a resource may be used again. Only meaningful while a plan is made. */
+/** What must be waited for before a resource may be used again: while a plan is made, and at its end for the next one. */
 struct graph_state {
     VkImageLayout layout;
     /* The last write or layout change, and what it was made visible to on its own queue. */
@@ -168,7 +168,7 @@ struct graph_plan {
     bool compiled, async; /* async: some pass runs on the compute queue */
     struct graph_step *steps;
     uint32_t step_count, culled_count, barrier_count;
-    struct graph_batch *batches; /* in submission order; the first starts with the frame barrier */
+    struct graph_batch *batches; /* in submission order */
     uint32_t batch_count;
     uint64_t transient_bytes, unaliased_bytes;
     uint64_t bytes_read, bytes_written, tile_bytes; /* of images */
@@ -177,20 +177,33 @@ struct graph_plan {
 
 /* ---- what lives longer than a frame ---- */
 
-/** Transient memory of one kind: all its resources are packed into one heap. */
+/** What the last frame did with a piece of memory on the graphics queue. */
+struct graph_tenant {
+    uint64_t offset, size;
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 access; /* writes that nobody has waited for */
+};
+
+/**
+ * Transient memory of one kind: all its resources are packed into one heap. Buffers have a heap for each frame in flight, so that what a
+ * frame does first, culling and light lists, waits for nothing of the last one; images, which are larger, have one heap and wait.
+ */
 struct graph_pool {
     bool images;
     uint32_t memory_types;
     uint64_t needed;         /* by this frame's plan */
     uint32_t first_resource; /* by rising offset */
-    struct gpu_heap heap;    /* size 0: none yet */
-    uint32_t oversized_frames;
+    struct graph_heap {
+        struct gpu_heap memory; /* size 0: none yet */
+        uint32_t oversized_frames;
+    } heaps[GPU_FRAMES_IN_FLIGHT]; /* images: the first */
+    ARRAY(struct graph_tenant) tenants; /* images */
 };
 
 /** A resource bound to a place in a pool's heap. */
 struct graph_physical {
     uint64_t key;
-    uint32_t pool;
+    uint32_t pool, heap;
     bool is_image;
     uint64_t last_frame;
     struct gpu_image image;
@@ -202,6 +215,7 @@ struct graph_history_entry {
     struct graph_image_params params;
     struct gpu_image images[2];
     VkImageLayout layouts[2];
+    struct graph_state states[2]; /* as the last frame that used them left them */
     uint32_t current; /* which of the two this frame writes */
     bool valid;       /* the other one holds the last frame's contents */
     uint64_t last_frame;
@@ -246,6 +260,8 @@ struct graph {
     ARRAY(struct graph_physical) physicals;
     ARRAY(struct graph_history_entry) histories;
     ARRAY(struct graph_requirements) requirements;
+    struct gpu_last_uses *last_uses; /* the device's, or its own */
+    struct gpu_last_uses own_uses;
     struct graph_timer_slot timer_slots[GPU_FRAMES_IN_FLIGHT];
 };
 
@@ -291,8 +307,10 @@ bool graph_overlaps(const struct graph_resource *a, const struct graph_resource 
 
 /** Makes heaps, images and buffers of the plan real, and lets go of what has not been used for some frames. */
 fnl_result graph_realise(struct graph *graph);
-/** The plan was executed: histories keep what was written and swap with the next frame. */
-void graph_commit_histories(struct graph *graph);
+/** The plan was executed: histories keep what was written and swap with the next frame, which learns what it has to wait for. */
+void graph_commit(struct graph *graph);
+/** What a resource's last users left for this frame to wait for. False when memory ran out. */
+bool graph_first_state(struct graph *graph, const struct graph_resource *resource, struct graph_state *out);
 void graph_drop_history(struct graph *graph, uint32_t index);
 /** Destroys all heaps and what lies in them. */
 void graph_release_memory(struct graph *graph);

@@ -171,7 +171,11 @@ bool graph_place_resources(struct graph *graph) {
     sort_candidates(candidates, count);
     for (uint32_t i = 0; i < count; i++)
         place(graph, &graph->resources.data[candidates[i].resource], candidates[i].alignment);
-    for (uint32_t i = 0; i < graph->pools.count; i++) graph->plan.transient_bytes += graph->pools.data[i].needed;
+    for (uint32_t i = 0; i < graph->pools.count; i++) {
+        struct graph_pool *pool = &graph->pools.data[i];
+        graph->plan.transient_bytes += pool->needed;
+        if (pool->images && !array_reserve(&graph->host, &pool->tenants, count)) return false;
+    }
     return true;
 }
 
@@ -186,41 +190,52 @@ static void destroy_physical(struct graph *graph, uint32_t index) {
     *physical = graph->physicals.data[--graph->physicals.count];
 }
 
-static void destroy_heap(struct graph *graph, uint32_t pool_index) {
+static void destroy_heap(struct graph *graph, uint32_t pool_index, uint32_t which) {
     for (uint32_t i = graph->physicals.count; i-- > 0;)
-        if (graph->physicals.data[i].pool == pool_index) destroy_physical(graph, i);
-    struct graph_pool *pool = &graph->pools.data[pool_index];
-    if (pool->heap.size) gpu_heap_destroy(graph->device, &pool->heap);
-    memset(&pool->heap, 0, sizeof pool->heap);
-    pool->oversized_frames = 0;
+        if (graph->physicals.data[i].pool == pool_index && graph->physicals.data[i].heap == which)
+            destroy_physical(graph, i);
+    struct graph_heap *heap = &graph->pools.data[pool_index].heaps[which];
+    if (heap->memory.size) gpu_heap_destroy(graph->device, &heap->memory);
+    *heap = (struct graph_heap){0};
+}
+
+static uint32_t heap_index(const struct graph *graph, const struct graph_pool *pool) {
+    return pool->images ? 0 : gpu_frame_slot(graph->device);
 }
 
 void graph_release_memory(struct graph *graph) {
     if (!graph->device) return;
-    for (uint32_t i = 0; i < graph->pools.count; i++) destroy_heap(graph, i);
+    for (uint32_t i = 0; i < graph->pools.count; i++)
+        for (uint32_t k = 0; k < GPU_FRAMES_IN_FLIGHT; k++) destroy_heap(graph, i, k);
 }
 
 /* Heaps grow at once, and shrink when less than half was needed for some frames. */
 static fnl_result realise_heap(struct graph *graph, uint32_t index) {
     struct graph_pool *pool = &graph->pools.data[index];
-    bool fits = pool->needed <= pool->heap.size;
-    pool->oversized_frames = fits && pool->needed < pool->heap.size / 2 ? pool->oversized_frames + 1 : 0;
-    if (fits && pool->oversized_frames <= GRAPH_KEEP_FRAMES) return FNL_OK;
-    destroy_heap(graph, index);
+    const uint32_t which = heap_index(graph, pool);
+    struct graph_heap *heap = &pool->heaps[which];
+    const uint64_t wanted = align_up(pool->needed, HEAP_GRANULARITY);
+    bool fits = wanted <= heap->memory.size;
+    heap->oversized_frames = fits && wanted < heap->memory.size / 2 ? heap->oversized_frames + 1 : 0;
+    if (fits && heap->oversized_frames <= GRAPH_KEEP_FRAMES) return FNL_OK;
+    destroy_heap(graph, index, which);
     if (pool->needed == 0) return FNL_OK;
     return gpu_heap_create(graph->device, pool->images ? "transient images" : "transient buffers",
-                           align_up(pool->needed, HEAP_GRANULARITY), pool->memory_types, &pool->heap);
+                           wanted, pool->memory_types, &heap->memory);
 }
 
 static fnl_result realise_transient(struct graph *graph, struct graph_resource *resource) {
     /* Two resources of one description at one place share the image, but not under two names. */
-    uint64_t place[3] = {resource->pool, resource->offset, (uintptr_t)resource->name};
+    const struct graph_pool *pool = &graph->pools.data[resource->pool];
+    const uint32_t which = heap_index(graph, pool);
+    uint64_t place[4] = {resource->pool, resource->offset, (uintptr_t)resource->name, which};
     uint64_t key = hash_bytes(place, sizeof place, requirements_key(resource));
     uint32_t index = 0;
     while (index < graph->physicals.count && graph->physicals.data[index].key != key) index++;
     if (index == graph->physicals.count) {
-        const struct gpu_heap *heap = &graph->pools.data[resource->pool].heap;
-        struct graph_physical physical = {.key = key, .pool = resource->pool, .is_image = resource->is_image};
+        const struct gpu_heap *heap = &pool->heaps[which].memory;
+        struct graph_physical physical = {
+            .key = key, .pool = resource->pool, .heap = which, .is_image = resource->is_image};
         if (!array_reserve(&graph->host, &graph->physicals, (uint64_t)index + 1)) return FNL_ERROR_MEMORY;
         struct gpu_image_params params = graph_gpu_params(resource);
         TRY(resource->is_image ? gpu_image_create_in(graph->device, heap, resource->offset, &params, &physical.image)
@@ -289,9 +304,91 @@ fnl_result graph_realise(struct graph *graph) {
     return FNL_OK;
 }
 
-/* ---- histories ---- */
+/* ---- from frame to frame ---- */
 
-void graph_commit_histories(struct graph *graph) {
+/* Whether it is one that lives outside of the graph; `out` then says that there is nothing to wait for. */
+static bool last_use_of(const struct graph_resource *resource, struct gpu_last_use *out) {
+    if (!resource->imported) return false;
+    uint64_t handle = resource->is_image ? (uint64_t)resource->image->handle : (uint64_t)resource->buffer->handle;
+    if (!handle) handle = resource->is_image ? (uintptr_t)resource->image : (uintptr_t)resource->buffer; /* the null back end */
+    *out = (struct gpu_last_use){
+        .handle = handle, .is_image = resource->is_image, .visible_stages = ~0ull, .visible_access = ~0ull};
+    return true;
+}
+
+bool graph_first_state(struct graph *graph, const struct graph_resource *resource, struct graph_state *out) {
+    const VkImageLayout layout = resource->has_contents ? resource->initial_layout : VK_IMAGE_LAYOUT_UNDEFINED;
+    struct gpu_last_use last;
+    *out = (struct graph_state){
+        .layout = layout, .write_queue = GPU_QUEUE_GRAPHICS, .visible_stages = ~0ull, .visible_access = ~0ull};
+    if (resource->role != GRAPH_HISTORY_NONE) {
+        const struct graph_history_entry *entry = &graph->histories.data[resource->history];
+        const struct graph_state *state =
+            &entry->states[resource->role == GRAPH_HISTORY_CURRENT ? entry->current : entry->current ^ 1];
+        if (!state->visible_stages && !state->write_stages) return true; /* never used */
+        *out = *state;
+        out->layout = layout;
+        return true;
+    }
+    if (!last_use_of(resource, &last)) return true;
+    if (resource->is_image) {
+        /* Whoever had it before: a frame that imported it otherwise, or its owner. */
+        last.write_stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+        last.write_access = VK_ACCESS_2_MEMORY_WRITE_BIT;
+        last.visible_stages = last.visible_access = 0;
+    }
+    if (!gpu_last_use_find(graph->last_uses, &graph->host, &last)) return false;
+    out->write_stages = last.write_stages;
+    out->write_access = last.write_access;
+    out->visible_stages = last.visible_stages;
+    out->visible_access = last.visible_access;
+    out->read_stages[GPU_QUEUE_GRAPHICS] = last.read_stages;
+    return true;
+}
+
+/* What is left to wait for on the graphics queue, which has waited for all that the compute queue did. */
+static struct graph_state left_to_wait_for(const struct graph_state *state) {
+    struct graph_state left = {.layout = state->layout,
+                               .write_queue = GPU_QUEUE_GRAPHICS,
+                               .visible_stages = ~0ull,
+                               .visible_access = ~0ull,
+                               .read_stages = {[GPU_QUEUE_GRAPHICS] = state->read_stages[GPU_QUEUE_GRAPHICS]}};
+    if (state->write_queue == GPU_QUEUE_COMPUTE) return left;
+    left.write_stages = state->write_stages;
+    left.write_access = state->write_access;
+    left.visible_stages = state->visible_stages;
+    left.visible_access = state->visible_access;
+    return left;
+}
+
+static void commit_tenant(struct graph *graph, const struct graph_resource *resource) {
+    struct graph_pool *pool = &graph->pools.data[resource->pool];
+    const struct graph_state state = left_to_wait_for(&resource->state);
+    const VkPipelineStageFlags2 reads = state.read_stages[GPU_QUEUE_GRAPHICS];
+    /* Reads have waited for the write. */
+    const struct graph_tenant tenant = {resource->offset, resource->size, reads ? reads : state.write_stages,
+                                        reads ? 0 : state.write_access};
+    if (pool->images && tenant.stages) pool->tenants.data[pool->tenants.count++] = tenant;
+}
+
+static void commit_uses(struct graph *graph) {
+    for (uint32_t i = 0; i < graph->pools.count; i++) graph->pools.data[i].tenants.count = 0;
+    for (uint32_t i = 0; i < graph->resources.count; i++) {
+        const struct graph_resource *resource = &graph->resources.data[i];
+        struct gpu_last_use last;
+        if (resource->pool != GRAPH_NONE) commit_tenant(graph, resource);
+        if (!last_use_of(resource, &last)) continue;
+        const struct graph_state state = left_to_wait_for(&resource->state);
+        last.write_stages = state.write_stages;
+        last.write_access = state.write_access;
+        last.visible_stages = state.visible_stages;
+        last.visible_access = state.visible_access;
+        last.read_stages = state.read_stages[GPU_QUEUE_GRAPHICS];
+        gpu_last_use_set(graph->last_uses, &last);
+    }
+}
+
+static void commit_histories(struct graph *graph) {
     for (uint32_t i = 0; i < graph->histories.count; i++) {
         struct graph_history_entry *entry = &graph->histories.data[i];
         if (entry->last_frame != graph->frame) continue;
@@ -302,9 +399,16 @@ void graph_commit_histories(struct graph *graph) {
         for (const struct graph_access *use = current->first_use; use; use = use->next_of_resource)
             entry->valid |= use->writes;
         entry->layouts[entry->current] = current->state.layout;
+        entry->states[entry->current] = left_to_wait_for(&current->state);
         if (previous) entry->layouts[entry->current ^ 1] = previous->state.layout;
+        if (previous) entry->states[entry->current ^ 1] = left_to_wait_for(&previous->state);
         entry->current ^= 1;
     }
+}
+
+void graph_commit(struct graph *graph) {
+    commit_uses(graph);
+    commit_histories(graph);
 }
 
 void graph_drop_history(struct graph *graph, uint32_t index) {

@@ -177,7 +177,6 @@ size_t graph_print(const struct graph *graph, char *text, size_t capacity) {
         put(&printer, "batch %u %s", i, batch->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
         if (batch->wait != GRAPH_NONE) put(&printer, ", waits for batch %u", batch->wait);
         put(&printer, ":\n");
-        if (i == 0) put(&printer, "  barrier frame (ALL_COMMANDS/MEMORY_WRITE -> ALL_COMMANDS/MEMORY_READ|MEMORY_WRITE)\n");
         for (uint32_t step = batch->first_step; step != GRAPH_NONE; step = plan->steps[step].next_in_batch)
             put_step(&printer, step);
         put_barriers(&printer, &batch->after, "  at the end: ");

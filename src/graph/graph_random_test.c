@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Random frames against an exhaustive checker. The checker knows Vulkan's rules of execution and memory dependencies and
- * the declared uses, not how plans are made: it follows every single access of two frames in a row through the plan's
- * barriers and semaphores and demands that each later conflicting access, or change of layout, is ordered after it.
+ * the declared uses, not how plans are made: it follows every single access of two frames in a row, equal ones and different ones, through
+ * the barriers and semaphores of their plans and demands that each later conflicting access, or change of layout, is ordered after it.
  */
 #include "graph/graph_internal.h"
 
@@ -38,7 +38,7 @@ struct probe {
 
 /** What is known to come after the probe, by queue. */
 struct follow {
-    const struct graph *graph;
+    const struct graph *graphs[FRAMES];
     struct probe probe;
     bool happened[2]; /* on this queue */
     VkPipelineStageFlags2 after[2];
@@ -50,33 +50,53 @@ struct follow {
 
 static void complain(struct follow *follow, uint32_t frame, const char *what, const char *where, uint32_t resource) {
     const struct probe *probe = &follow->probe;
-    const struct graph *graph = follow->graph;
+    const struct graph *graph = follow->graphs[probe->frame];
     if (follow->errors++ > 3) return;
-    print_error("frame %u: '%s' in %s %s after %s of '%s' in frame %u\n", frame, graph->resources.data[resource].name, where,
-                what, probe->step == GRAPH_NONE ? "a change of layout" : graph->plan.steps[probe->step].pass->name,
+    print_error("frame %u: '%s' in %s %s after %s of '%s' in frame %u\n", frame,
+                follow->graphs[frame]->resources.data[resource].name, where, what, probe->step == GRAPH_NONE ? "a change of layout" : graph->plan.steps[probe->step].pass->name,
                 graph->resources.data[probe->resource].name, probe->frame);
 }
 
-static bool same_memory(const struct graph *graph, uint32_t a, uint32_t b) {
-    const struct graph_resource *first = &graph->resources.data[a], *second = &graph->resources.data[b];
-    if (a == b) return true;
-    return first->pool == second->pool && first->pool != GRAPH_NONE && first->offset < second->offset + second->size &&
-           second->offset < first->offset + first->size;
+/* A resource of a frame. */
+struct place {
+    const struct graph *graph;
+    uint32_t frame, index;
+    const struct graph_resource *resource;
+};
+
+static struct place place_of(const struct follow *follow, uint32_t frame, uint32_t index) {
+    return (struct place){follow->graphs[frame], frame, index, &follow->graphs[frame]->resources.data[index]};
 }
 
-/* Over two frames the two images of a history swap. */
-static bool conflicts(const struct graph *graph, uint32_t frame_a, uint32_t a, uint32_t frame_b, uint32_t b) {
-    const struct graph_resource *first = &graph->resources.data[a], *second = &graph->resources.data[b];
-    if (frame_a != frame_b && first->role && second->role && first->history == second->history) return a != b;
-    if (frame_a != frame_b && first->role && a == b) return false;
-    return same_memory(graph, a, b);
+static uint32_t history_image(const struct place *place) {
+    uint32_t current = place->graph->histories.data[place->resource->history].current;
+    return place->resource->role == GRAPH_HISTORY_CURRENT ? current : current ^ 1;
+}
+
+/* One image or buffer, not only its memory; the two images of a history swap from frame to frame. */
+static bool is_same(const struct place *a, const struct place *b) {
+    if (a->frame == b->frame) return a->index == b->index;
+    if (a->resource->is_image != b->resource->is_image) return false;
+    if (a->resource->imported && b->resource->imported)
+        return a->resource->image == b->resource->image && a->resource->buffer == b->resource->buffer;
+    return a->resource->role && b->resource->role && a->resource->history == b->resource->history &&
+           history_image(a) == history_image(b);
+}
+
+/* Buffers have memory of their own in each frame in flight. */
+static bool conflicts(const struct place *a, const struct place *b) {
+    const struct graph_resource *first = a->resource, *second = b->resource;
+    if (is_same(a, b)) return true;
+    if (a->frame != b->frame && !first->is_image) return false;
+    return first->pool == second->pool && first->pool != GRAPH_NONE && first->offset < second->offset + second->size &&
+           second->offset < first->offset + first->size;
 }
 
 static bool has_happened(const struct follow *follow) { return follow->happened[0] || follow->happened[1]; }
 
 /* One barrier of a call; `old` is what came after the probe before the call. */
-static void follow_barrier(struct follow *follow, uint32_t queue, const struct follow *old, uint32_t resource,
-                           VkPipelineStageFlags2 from, VkAccessFlags2 from_access, VkPipelineStageFlags2 to,
+static void follow_barrier(struct follow *follow, uint32_t frame, uint32_t queue, const struct follow *old,
+                           uint32_t resource, VkPipelineStageFlags2 from, VkAccessFlags2 from_access, VkPipelineStageFlags2 to,
                            VkAccessFlags2 to_access) {
     const struct probe *probe = &follow->probe;
     from = expand_stages(from);
@@ -84,7 +104,11 @@ static void follow_barrier(struct follow *follow, uint32_t queue, const struct f
     bool direct = old->happened[queue] && (from & probe->stage);
     if (!direct && !(from & old->after[queue])) return;
     follow->after[queue] |= to;
-    if (!probe->writes || (resource != GRAPH_NONE && resource != probe->resource)) return;
+    if (!probe->writes) return;
+    if (resource != GRAPH_NONE) {
+        const struct place here = place_of(follow, frame, resource), there = place_of(follow, probe->frame, probe->resource);
+        if (!is_same(&here, &there)) return;
+    }
     bool available = old->available || (direct && (expand_access(from_access) & probe->access));
     follow->available |= available;
     if (!available) return;
@@ -96,16 +120,17 @@ static void follow_barriers(struct follow *follow, uint32_t frame, uint32_t queu
     struct follow old = *follow;
     const struct probe *probe = &follow->probe;
     if (barriers->from_stages)
-        follow_barrier(follow, queue, &old, GRAPH_NONE, barriers->from_stages, barriers->from_access, barriers->to_stages,
+        follow_barrier(follow, frame, queue, &old, GRAPH_NONE, barriers->from_stages, barriers->from_access, barriers->to_stages,
                        barriers->to_access);
     for (const struct graph_barrier *barrier = barriers->first; barrier; barrier = barrier->next)
-        follow_barrier(follow, queue, &old, barrier->resource, barrier->from_stages, barrier->from_access,
+        follow_barrier(follow, frame, queue, &old, barrier->resource, barrier->from_stages, barrier->from_access,
                        barrier->to_stages, barrier->to_access);
     for (const struct graph_barrier *barrier = barriers->first; barrier; barrier = barrier->next) {
         if (barrier->from_layout == barrier->to_layout) continue;
         bool is_probe = probe->transition == barrier && probe->frame == frame;
-        if (!is_probe && has_happened(&old) &&
-            conflicts(follow->graph, probe->frame, probe->resource, frame, barrier->resource)) {
+        const struct place here = place_of(follow, frame, barrier->resource),
+                           there = place_of(follow, probe->frame, probe->resource);
+        if (!is_probe && has_happened(&old) && conflicts(&here, &there)) {
             VkPipelineStageFlags2 from = expand_stages(barrier->from_stages);
             if (!(from & old.after[queue]) && !(old.happened[queue] && (from & probe->stage)))
                 complain(follow, frame, "changes layout unordered", "a barrier", barrier->resource);
@@ -125,8 +150,9 @@ static void follow_barriers(struct follow *follow, uint32_t frame, uint32_t queu
 static void check_use(struct follow *follow, uint32_t frame, uint32_t queue, const char *where,
                       const struct graph_access *use) {
     const struct probe *probe = &follow->probe;
-    if (!conflicts(follow->graph, probe->frame, probe->resource, frame, use->resource)) return;
-    bool same = use->resource == probe->resource && frame == probe->frame;
+    const struct place here = place_of(follow, frame, use->resource), there = place_of(follow, probe->frame, probe->resource);
+    if (!conflicts(&here, &there)) return;
+    bool same = is_same(&here, &there);
     if (same && !probe->writes && !use->writes) return;
     VkPipelineStageFlags2 after = follow->after[queue];
     if (!has_happened(follow) || (use->stages & ~after)) {
@@ -143,7 +169,7 @@ static void check_use(struct follow *follow, uint32_t frame, uint32_t queue, con
 }
 
 static void follow_step(struct follow *follow, uint32_t frame, uint32_t index) {
-    const struct graph_step *step = &follow->graph->plan.steps[index];
+    const struct graph_step *step = &follow->graphs[frame]->plan.steps[index];
     const struct probe *probe = &follow->probe;
     follow_barriers(follow, frame, step->queue, &step->before);
     if (probe->step == index && probe->frame == frame) {
@@ -157,16 +183,19 @@ static void follow_step(struct follow *follow, uint32_t frame, uint32_t index) {
         if (submitted_before) continue; /* follow_barriers of that access's own probe looks at it */
         if (!declared_before)
             check_use(follow, frame, step->queue, step->pass->name, use);
-        else if (has_happened(follow) && same_memory(follow->graph, probe->resource, use->resource) &&
-                 (probe->writes || use->writes))
-            complain(follow, frame, "is submitted", step->pass->name, use->resource);
+        else if (has_happened(follow) && (probe->writes || use->writes)) {
+            const struct place here = place_of(follow, frame, use->resource),
+                               there = place_of(follow, probe->frame, probe->resource);
+            if (conflicts(&here, &there)) complain(follow, frame, "is submitted", step->pass->name, use->resource);
+        }
     }
 }
 
-static uint32_t run_probe(const struct graph *graph, const struct probe *probe) {
-    const struct graph_plan *plan = &graph->plan;
-    struct follow follow = {.graph = graph, .probe = *probe};
+static uint32_t run_probe(const struct graph *const graphs[FRAMES], const struct probe *probe) {
+    struct follow follow = {.graphs = {graphs[0], graphs[1]}, .probe = *probe};
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
+        const struct graph *graph = graphs[frame];
+        const struct graph_plan *plan = &graph->plan;
         for (uint32_t b = 0; b < plan->batch_count; b++) {
             const struct graph_batch *batch = &plan->batches[b];
             uint32_t queue = batch->queue;
@@ -174,12 +203,6 @@ static uint32_t run_probe(const struct graph *graph, const struct probe *probe) 
                 follow.after[queue] = ~HOST;
                 follow.available = true;
                 memset(follow.visible[queue], 0xff, sizeof follow.visible[queue]);
-            }
-            if (b == 0) {
-                struct follow old = follow;
-                follow_barrier(&follow, queue, &old, GRAPH_NONE, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                               VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                               VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
             }
             for (uint32_t step = batch->first_step; step != GRAPH_NONE; step = plan->steps[step].next_in_batch)
                 follow_step(&follow, frame, step);
@@ -194,23 +217,24 @@ static uint32_t run_probe(const struct graph *graph, const struct probe *probe) 
     return follow.errors;
 }
 
-static uint32_t check_hazards(const struct graph *graph) {
-    const struct graph_plan *plan = &graph->plan;
+/* Of what the first of two frames does. */
+static uint32_t check_hazards(const struct graph *const graphs[FRAMES]) {
+    const struct graph_plan *plan = &graphs[0]->plan;
     uint32_t errors = 0;
     for (uint32_t i = 0; i < plan->step_count; i++) {
         for (const struct graph_access *use = plan->steps[i].pass->first_use; use; use = use->next)
             for (uint32_t bit = 0; bit < 64; bit++)
                 if (use->stages >> bit & 1)
                     errors += run_probe(
-                        graph, &(struct probe){0, i, NULL, use->resource, 1ull << bit, use->access & WRITES, use->writes});
+                        graphs, &(struct probe){0, i, NULL, use->resource, 1ull << bit, use->access & WRITES, use->writes});
         for (const struct graph_barrier *barrier = plan->steps[i].before.first; barrier; barrier = barrier->next)
             if (barrier->from_layout != barrier->to_layout)
-                errors += run_probe(graph, &(struct probe){0, GRAPH_NONE, barrier, barrier->resource, 0, 0, true});
+                errors += run_probe(graphs, &(struct probe){0, GRAPH_NONE, barrier, barrier->resource, 0, 0, true});
     }
     for (uint32_t b = 0; b < plan->batch_count; b++)
         for (const struct graph_barrier *barrier = plan->batches[b].after.first; barrier; barrier = barrier->next)
             if (barrier->from_layout != barrier->to_layout)
-                errors += run_probe(graph, &(struct probe){0, GRAPH_NONE, barrier, barrier->resource, 0, 0, true});
+                errors += run_probe(graphs, &(struct probe){0, GRAPH_NONE, barrier, barrier->resource, 0, 0, true});
     return errors;
 }
 
@@ -506,27 +530,56 @@ static void declare_pass(struct frame *frame, uint32_t number, bool async) {
     for (uint32_t r = 0; r < frame->count; r++) frame->resources[r].written |= written[r];
 }
 
+/* The plan as it is, for when the graph has gone on: what was declared lies in the arena, and the graph gets another one. */
+static void keep_plan(struct graph *graph, struct graph *out) {
+    *out = *graph;
+    out->resources.data = malloc(graph->resources.count * sizeof *graph->resources.data);
+    memcpy(out->resources.data, graph->resources.data, graph->resources.count * sizeof *graph->resources.data);
+    out->histories.data = malloc(graph->histories.count * sizeof *graph->histories.data);
+    memcpy(out->histories.data, graph->histories.data, graph->histories.count * sizeof *graph->histories.data);
+    arena_init(&graph->arena, &graph->host, 64 << 10);
+}
+
+static void drop_plan(struct graph *kept) {
+    free(kept->resources.data);
+    free(kept->histories.data);
+    arena_finish(&kept->arena);
+}
+
+static void declare_frame(struct frame *frame, uint32_t seed) {
+    frame->random.state = seed;
+    graph_begin(frame->graph);
+    declare_resources(frame);
+    for (uint32_t i = 0; i < PASSES; i++) declare_pass(frame, i, seed % 2);
+    assert_int_equal(graph_compile(frame->graph), FNL_OK);
+    assert_true(frame->graph->plan.batch_count <= MAX_BATCHES);
+}
+
+static void fail_with(const struct graph *graph, uint32_t seed, uint32_t errors) {
+    static char text[1 << 16];
+    graph_print(graph, text, sizeof text);
+    fail_msg("seed %u: %u errors in\n%s", seed, errors, text);
+}
+
+/* Each frame after its like, and after the one before, which is another. */
 static void test_random_graphs_have_no_hazard(void **state) {
     UNUSED(state);
     struct frame frame = {0};
     assert_int_equal(graph_create(NULL, NULL, &frame.graph), FNL_OK);
     uint64_t shared = 0, unshared = 0, async_plans = 0, batches = 0, barriers = 0, culled = 0, passes = 0;
+    struct graph kept;
     for (uint32_t seed = 0; seed < GRAPHS; seed++) {
-        frame.random.state = seed;
-        bool async = seed % 2;
-        graph_begin(frame.graph);
-        declare_resources(&frame);
-        for (uint32_t i = 0; i < PASSES; i++) declare_pass(&frame, i, async);
-        assert_int_equal(graph_compile(frame.graph), FNL_OK);
-        const struct graph_plan *plan = &frame.graph->plan;
-        assert_true(plan->batch_count <= MAX_BATCHES);
-        uint32_t errors = check_hazards(frame.graph) + check_contents(frame.graph) + check_culling(frame.graph);
-        if (errors) {
-            static char text[1 << 16];
-            graph_print(frame.graph, text, sizeof text);
-            fail_msg("seed %u: %u errors in\n%s", seed, errors, text);
+        for (int again = 0; again < 2; again++) {
+            declare_frame(&frame, seed);
+            const struct graph *const graphs[FRAMES] = {&kept, frame.graph};
+            uint32_t errors = check_contents(frame.graph) + check_culling(frame.graph);
+            if (seed || again) errors += check_hazards(graphs);
+            if (seed || again) drop_plan(&kept);
+            if (errors) fail_with(frame.graph, seed, errors);
+            keep_plan(frame.graph, &kept);
         }
-        struct graph_stats stats = graph_query_stats(frame.graph);
+        const struct graph_plan *plan = &kept.plan;
+        struct graph_stats stats = graph_query_stats(&kept);
         assert_int_equal(stats.pass_count + stats.culled_pass_count, PASSES);
         shared += stats.transient_bytes;
         unshared += stats.transient_bytes_unaliased;
@@ -536,6 +589,7 @@ static void test_random_graphs_have_no_hazard(void **state) {
         culled += stats.culled_pass_count;
         passes += stats.pass_count;
     }
+    drop_plan(&kept);
     graph_destroy(&frame.graph);
     print_message("%llu passes, %llu culled, %llu barriers, %llu batches, %llu plans with async, memory %.2f of unaliased\n",
                   (unsigned long long)passes, (unsigned long long)culled, (unsigned long long)barriers,

@@ -235,7 +235,7 @@ uint32_t graph_query_traffic(const struct graph *graph, struct graph_traffic *ou
 struct graph_lazy_memory graph_query_lazy_memory(struct graph *graph) {
     struct graph_lazy_memory memory = {0, 0};
     for (uint32_t i = 0; i < graph->pools.count; i++) {
-        const struct gpu_heap *heap = &graph->pools.data[i].heap;
+        const struct gpu_heap *heap = &graph->pools.data[i].heaps[0].memory; /* images' */
         if (!heap->size || !heap->lazy) continue;
         memory.reserved_bytes += heap->size;
         memory.committed_bytes += gpu_heap_committed(graph->device, heap);
