@@ -190,7 +190,7 @@ struct graph_dispatch {
     const char *name;
     enum graph_queue queue; /* default GRAPH_QUEUE_GRAPHICS */
     struct gpu_compute_params pipeline;
-    uint32_t groups[3];     /* work groups; with a height of 0 as many as gpu_dispatch_linear makes of the width */
+    uint32_t groups[3];     /* work groups; with a height of 0 as many as gpu_dispatch_linear makes of the width, which may be 0 too */
     graph_buffer indirect;  /* id 0 (default): `groups`. Else these are read at indirect_offset, and the row is added */
     uint64_t indirect_offset;
     const void *push; /* copied; NULL: none */
@@ -209,6 +209,8 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
  * for tables of addresses that several passes read. Those passes declare their uses of the buffer themselves. 0 where no pass needs it.
  */
 void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer);
+/** The same for the index by which an image is sampled; GPU_NO_INDEX where no pass needs it. */
+void graph_put_sampled(struct graph *graph, uint32_t *place, graph_image image);
 
 /** Attachments: the graph begins and ends rendering around the pass. All must have the same size and samples. */
 void graph_color(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp load, const float clear[4]);

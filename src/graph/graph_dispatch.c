@@ -60,6 +60,7 @@ struct dispatch_data {
 
 static void execute_dispatch(const struct graph_context *context, const void *data) {
     const struct dispatch_data *d = data;
+    if (!d->indirect.id && d->groups[0] == 0) return;
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &d->pipeline));
     if (d->push_size) gpu_push(context->commands, d->push, d->push_size);
     if (d->indirect.id)
@@ -75,7 +76,7 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
     memset(&data, 0, sizeof data); /* pipelines are hashed as bytes */
     data.pipeline.shader = dispatch->pipeline.shader;
     data.pipeline.constant_count = dispatch->pipeline.constant_count;
-    memcpy(data.pipeline.constants, dispatch->pipeline.constants, sizeof data.pipeline.constants);
+    memcpy(data.pipeline.constants, dispatch->pipeline.constants, dispatch->pipeline.constant_count * sizeof(uint32_t));
     data.indirect = dispatch->indirect;
     data.indirect_offset = dispatch->indirect_offset;
     data.push_size = (uint32_t)dispatch->push_size;
@@ -86,8 +87,7 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
         return NULL;
     }
     if (dispatch->push_size) memcpy(data.push, dispatch->push, dispatch->push_size);
-    struct graph_pass *pass =
-        graph_add_pass(graph, dispatch->name, dispatch->queue, execute_dispatch, &data, sizeof data);
+    struct graph_pass *pass = graph_add_pass(graph, dispatch->name, dispatch->queue, execute_dispatch, &data, sizeof data);
     if (!pass) return NULL;
     /* Rows point into the caller's push constants. */
     pass->original = dispatch->push;
@@ -100,24 +100,33 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
 
 /* ---- addresses outside of passes ---- */
 
-void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer) {
-    const struct graph_resource *resource = graph_find_resource(graph, buffer.id, false);
+static void put(struct graph *graph, void *place, uint32_t id, bool is_image) {
+    const struct graph_resource *resource = graph_find_resource(graph, id, is_image);
     if (!resource) {
-        graph_misuse(graph, "an address is asked for of %#x, which is no buffer handle of this frame", buffer.id);
+        graph_misuse(graph, "an address is asked for of %#x, which is no %s handle of this frame", id,
+                     is_image ? "image" : "buffer");
         return;
     }
-    struct graph_put *put = arena_allocate(&graph->arena, sizeof *put);
-    if (!put) {
+    struct graph_put *added = arena_allocate(&graph->arena, sizeof *added);
+    if (!added) {
         graph_fail(graph, FNL_ERROR_MEMORY);
         return;
     }
-    *put = (struct graph_put){graph->puts, place, (uint32_t)(resource - graph->resources.data)};
-    graph->puts = put;
+    *added = (struct graph_put){graph->puts, place, (uint32_t)(resource - graph->resources.data)};
+    graph->puts = added;
 }
+
+void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer) { put(graph, place, buffer.id, false); }
+void graph_put_sampled(struct graph *graph, uint32_t *place, graph_image image) { put(graph, place, image.id, true); }
 
 void graph_put_addresses(struct graph *graph) {
     for (const struct graph_put *put = graph->puts; put; put = put->next) {
-        const struct gpu_buffer *buffer = graph->resources.data[put->resource].buffer;
-        *put->place = buffer ? buffer->address : 0;
+        const struct graph_resource *resource = &graph->resources.data[put->resource];
+        uint64_t address = resource->buffer ? resource->buffer->address : 0;
+        uint32_t index = resource->image ? resource->image->sampled_index : GPU_NO_INDEX;
+        if (resource->is_image)
+            memcpy(put->place, &index, sizeof index);
+        else
+            memcpy(put->place, &address, sizeof address);
     }
 }

@@ -51,10 +51,10 @@ struct graph_patch {
     void *place;
 };
 
-/** An address that is wanted outside of passes. */
+/** An address or sampled index that is wanted outside of passes. */
 struct graph_put {
     struct graph_put *next;
-    uint64_t *place;
+    void *place;
     uint32_t resource;
 };
 

@@ -7,93 +7,24 @@
 
 #include <math.h>
 
+/* The buffers of all steps. */
 struct step_data {
-    const struct geometry_scene *scene;
-    VkDeviceAddress view, params, buckets;
     graph_buffer visible_sums, cluster_sums, slots, counts, masks, draw_sums, draws, totals, indices, triangles, hierarchy,
         hidden;
-    const struct gpu_shader *shader;
-    uint32_t threads; /* 0: the dispatch is in totals */
-    bool by_triangle, meshes;
 };
 
-static VkDeviceAddress address_of(const struct graph_context *context, graph_buffer buffer) {
-    return buffer.id ? graph_address(context, buffer) : 0;
-}
-
-static void execute_step(const struct graph_context *context, const void *data) {
-    const struct step_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    if (d->shader == &shader_clusters_fill_comp) {
-        params.constant_count = 1;
-        params.constants[0] = d->by_triangle;
-    } else if (d->meshes && (d->shader == &shader_clusters_cull_comp || d->shader == &shader_clusters_triangles_comp ||
-                             d->shader == &shader_clusters_meshes_comp)) {
-        params.constant_count = 2;
-        params.constants[0] = d->by_triangle;
-        params.constants[1] = true;
-    }
-    struct gpu_cluster_push push = {.view = d->view,
-                                    .scene = d->scene->scene,
-                                    .params = d->params,
-                                    .buckets = d->buckets,
-                                    .visible_sums = address_of(context, d->visible_sums),
-                                    .cluster_sums = address_of(context, d->cluster_sums),
-                                    .slots = address_of(context, d->slots),
-                                    .counts = address_of(context, d->counts),
-                                    .masks = address_of(context, d->masks),
-                                    .draw_sums = address_of(context, d->draw_sums),
-                                    .draws = address_of(context, d->draws),
-                                    .totals = address_of(context, d->totals),
-                                    .indices = address_of(context, d->indices),
-                                    .triangles = address_of(context, d->triangles),
-                                    .hierarchy = address_of(context, d->hierarchy),
-                                    .hidden = address_of(context, d->hidden)};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (d->threads)
-        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
-    else
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->totals), 0);
-}
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct step_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->totals), 0,
-                    sizeof(struct gpu_cluster_totals) + d->scene->bucket_count * 4ull, 0);
-}
-
-/* A step that reads and writes some of the buffers of `all`, which are named by `reads` and `writes`. */
-struct step_use {
-    graph_buffer buffer;
-    enum graph_use use;
-};
-static void add_step(struct graph *graph, const char *name, const struct gpu_shader *shader, const struct step_data *all,
-                     uint32_t threads, const struct step_use *uses, uint32_t use_count) {
-    struct step_data data = *all;
-    data.shader = shader;
-    data.threads = threads;
-    graph_buffer *fields[] = {&data.visible_sums, &data.cluster_sums, &data.slots,     &data.counts,
-                              &data.masks,        &data.draw_sums,    &data.draws,     &data.totals,
-                              &data.indices,      &data.triangles,    &data.hierarchy, &data.hidden};
-    for (uint32_t i = 0; i < COUNT_OF(fields); i++) { /* a pass may not look at what it does not use */
-        bool used = false;
-        for (uint32_t k = 0; k < use_count; k++) used = used || uses[k].buffer.id == fields[i]->id;
-        if (!used) *fields[i] = (graph_buffer){0};
-    }
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_step, &data, sizeof data);
-    for (uint32_t k = 0; k < use_count; k++)
-        if (uses[k].buffer.id) graph_use_buffer(pass, uses[k].buffer, uses[k].use);
-}
-#define ADD_STEP(name, shader, threads, ...)                                                                                \
-    add_step(graph, name, &shader, &d, threads, (const struct step_use[]){__VA_ARGS__},                                     \
-             (uint32_t)(sizeof((const struct step_use[]){__VA_ARGS__}) / sizeof(struct step_use)))
-#define READS(field)                                                                                                        \
-    { d.field, GRAPH_READ_COMPUTE }
-#define WRITES(field)                                                                                                       \
-    { d.field, GRAPH_WRITE_COMPUTE }
-#define CHANGES(field)                                                                                                      \
-    { d.field, GRAPH_READ_WRITE_COMPUTE }
+/* A step reads, writes and changes some of the buffers; those that are not there it does without. */
+#define READS(field) graph_row_if(d.field.id, graph_reads(&push.field, d.field))
+#define WRITES(field) graph_row_if(d.field.id, graph_writes(&push.field, d.field))
+#define CHANGES(field) graph_row_if(d.field.id, graph_changes(&push.field, d.field))
+#define THREADS(count) .groups = {DIVIDE_UP(count, 64u)}
+#define ADD_STEP(name_, shader_, constant_count_, size_, ...)                                                               \
+    graph_dispatch(graph,                                                                                                   \
+                   &(struct graph_dispatch){.name = name_,                                                                  \
+                                            .pipeline = {&shader_, constant_count_, {params->by_triangle, params->meshes}}, \
+                                            size_,                                                                          \
+                                            GRAPH_PUSH(push),                                                               \
+                                            GRAPH_ROWS(__VA_ARGS__)})
 
 /* The standard sample locations (Vulkan 1.3, 27.4). */
 static uint32_t sample_locations(uint32_t samples, vec2 *out) {
@@ -147,11 +78,9 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
                                                                (b->double_sided ? CLUSTERS_BUCKET_DOUBLE_SIDED : 0) |
                                                                (b->mirrored ? CLUSTERS_BUCKET_MIRRORED : 0)};
     }
+    const struct gpu_cluster_push push = {
+        .view = view, .scene = scene->scene, .params = slice.address, .buckets = slice.address + params_size};
     struct step_data d = {
-        .scene = scene,
-        .view = view,
-        .params = slice.address,
-        .buckets = slice.address + params_size,
         .visible_sums = draws->sums,
         .cluster_sums = graph_create_buffer(graph, "cluster sums", (items + 1) * 4ull),
         .slots = graph_create_buffer(graph, "cluster slots", MAX(capacity, 1u) * 4ull),
@@ -159,9 +88,7 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
         .totals = graph_create_buffer(graph, "cluster totals", sizeof(struct gpu_cluster_totals) + buckets * 4ull),
         .indices = graph_import_buffer(graph, "indices", scene->indices),
         .hierarchy = params->occluders ? params->occluders->levels : (graph_buffer){0},
-        .hidden = params->occluders ? draws->hidden : (graph_buffer){0},
-        .by_triangle = params->by_triangle,
-        .meshes = params->meshes};
+        .hidden = params->occluders ? draws->hidden : (graph_buffer){0}};
     if (params->meshes) {
         d.draw_sums = graph_create_buffer(graph, "mesh list", MAX(capacity, 1u) * 4ull);
         d.draws = graph_create_buffer(graph, "mesh draws", (uint64_t)buckets * p.mesh_draws * sizeof(struct gpu_mesh_draw));
@@ -173,25 +100,25 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
     if (params->by_triangle)
         d.masks = graph_create_buffer(graph, "cluster masks", MAX(capacity, 1u) * (uint64_t)CLUSTERS_MASK_WORDS * 4);
     graph_buffer vertices = scene->vertices;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "cull clusters clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &d, sizeof d);
-    graph_use_buffer(pass, d.totals, GRAPH_COPY_TO);
-    ADD_STEP("cull clusters items", shader_clusters_items_comp, items + 1, READS(visible_sums), WRITES(cluster_sums),
-             CHANGES(totals), READS(hidden));
+    graph_add_clear(graph, "cull clusters clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {d.totals}});
+    const uint32_t mesh_constants = params->meshes ? 2 : 0;
+    ADD_STEP("cull clusters items", shader_clusters_items_comp, 0, THREADS(items + 1), READS(visible_sums),
+             WRITES(cluster_sums), CHANGES(totals), READS(hidden));
     prefix_sum_add(graph, "cull item clusters", GRAPH_QUEUE_GRAPHICS, d.cluster_sums, items + 1);
-    ADD_STEP("cull clusters slots", shader_clusters_slots_comp, 1, READS(cluster_sums), CHANGES(totals));
-    ADD_STEP("cull clusters cull", shader_clusters_cull_comp, MAX(capacity, 1u), READS(cluster_sums), WRITES(slots),
-             WRITES(counts), CHANGES(totals), READS(hierarchy), {vertices, GRAPH_READ_COMPUTE});
+    ADD_STEP("cull clusters slots", shader_clusters_slots_comp, 0, THREADS(1), READS(cluster_sums), CHANGES(totals));
+    ADD_STEP("cull clusters cull", shader_clusters_cull_comp, mesh_constants, THREADS(MAX(capacity, 1u)),
+             READS(cluster_sums), WRITES(slots), WRITES(counts), CHANGES(totals), READS(hierarchy),
+             graph_reads(NULL, vertices));
     if (params->by_triangle)
-        ADD_STEP("cull clusters triangles", shader_clusters_triangles_comp, 0, READS(cluster_sums), READS(slots),
-                 CHANGES(counts), WRITES(masks), CHANGES(totals), READS(indices), {vertices, GRAPH_READ_COMPUTE},
-                 {d.totals, GRAPH_INDIRECT});
+        ADD_STEP("cull clusters triangles", shader_clusters_triangles_comp, mesh_constants, .indirect = d.totals,
+                 READS(cluster_sums), READS(slots), CHANGES(counts), WRITES(masks), CHANGES(totals), READS(indices),
+                 graph_reads(NULL, vertices));
     prefix_sum_add(graph, "cull triangles", GRAPH_QUEUE_GRAPHICS, d.counts, capacity + 1);
     draws->totals = d.totals;
     if (params->meshes) {
-        ADD_STEP("cull clusters meshes", shader_clusters_meshes_comp, MAX(MAX(items, capacity), buckets * p.mesh_draws),
-                 READS(cluster_sums), READS(counts), READS(slots), READS(masks), WRITES(draw_sums), WRITES(draws),
-                 CHANGES(totals));
+        ADD_STEP("cull clusters meshes", shader_clusters_meshes_comp, mesh_constants,
+                 THREADS(MAX(MAX(items, capacity), buckets * p.mesh_draws)), READS(cluster_sums), READS(counts),
+                 READS(slots), READS(masks), WRITES(draw_sums), WRITES(draws), CHANGES(totals));
         draws->mesh_draws = d.draws;
         draws->mesh_list = d.draw_sums;
         draws->mesh_slots = d.slots;
@@ -200,13 +127,13 @@ void clusters_add(struct graph *graph, gpu_device *device, const struct geometry
         draws->mesh_draw_count = p.mesh_draws;
         return;
     }
-    ADD_STEP("cull clusters mark", shader_clusters_mark_comp, items + 1, READS(cluster_sums), READS(counts),
+    ADD_STEP("cull clusters mark", shader_clusters_mark_comp, 0, THREADS(items + 1), READS(cluster_sums), READS(counts),
              WRITES(draw_sums), CHANGES(totals));
     prefix_sum_add(graph, "cull item draws", GRAPH_QUEUE_GRAPHICS, d.draw_sums, items + 1);
-    ADD_STEP("cull clusters draws", shader_clusters_draws_comp, MAX(items, buckets), READS(visible_sums),
+    ADD_STEP("cull clusters draws", shader_clusters_draws_comp, 0, THREADS(MAX(items, buckets)), READS(visible_sums),
              READS(cluster_sums), READS(counts), READS(draw_sums), WRITES(draws), WRITES(triangles), CHANGES(totals));
-    ADD_STEP("cull clusters fill", shader_clusters_fill_comp, 0, READS(cluster_sums), READS(slots), READS(counts),
-             READS(masks), CHANGES(indices), WRITES(triangles), CHANGES(totals), {d.totals, GRAPH_INDIRECT});
+    ADD_STEP("cull clusters fill", shader_clusters_fill_comp, 1, .indirect = d.totals, READS(cluster_sums), READS(slots),
+             READS(counts), READS(masks), CHANGES(indices), WRITES(triangles), CHANGES(totals));
     draws->item_draws = d.draws;
     draws->triangles = d.triangles;
     draws->indices = d.indices;

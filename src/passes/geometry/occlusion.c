@@ -7,28 +7,19 @@
 
 enum { TILE = 8 };
 
+/* What the passes have in common. */
 struct occlusion_data {
     VkDeviceAddress view, previous;
     struct hierarchy hierarchy;
-    graph_image depth, tiles;
-    uint32_t samples, groups[2];
-    const struct gpu_shader *shader;
+    uint32_t samples;
 };
 
-static void execute_occlusion(const struct graph_context *context, const void *data) {
-    const struct occlusion_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    struct gpu_occlusion_push push = {.view = d->view,
-                                      .previous = d->previous,
-                                      .hierarchy = graph_address(context, d->hierarchy.levels),
-                                      .depth = d->depth.id ? graph_sampled(context, d->depth) : 0,
-                                      .tiles = d->tiles.id ? graph_storage(context, d->tiles) : 0,
-                                      .width = d->hierarchy.width,
-                                      .height = d->hierarchy.height,
-                                      .samples = d->samples};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, d->groups[0], d->groups[1], 1);
+static struct gpu_occlusion_push push_of(const struct occlusion_data *d) {
+    return (struct gpu_occlusion_push){.view = d->view,
+                                       .previous = d->previous,
+                                       .width = d->hierarchy.width,
+                                       .height = d->hierarchy.height,
+                                       .samples = d->samples};
 }
 
 static void execute_holes(const struct graph_context *context, const void *data) {
@@ -49,45 +40,45 @@ static struct hierarchy create_hierarchy(struct graph *graph, const char *name, 
     return h;
 }
 
-static void add_levels(struct graph *graph, const char *name, struct occlusion_data data) {
-    data.shader = &shader_occlusion_levels_comp;
-    data.groups[0] = data.groups[1] = 1;
-    data.depth = data.tiles = (graph_image){0};
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
-    graph_use_buffer(pass, data.hierarchy.levels, GRAPH_READ_WRITE_COMPUTE);
+static void add_levels(struct graph *graph, const char *name, const struct occlusion_data *data) {
+    struct gpu_occlusion_push push = push_of(data);
+    graph_dispatch(graph, &(struct graph_dispatch){.name = name,
+                                                   .pipeline = {.shader = &shader_occlusion_levels_comp},
+                                                   .groups = {1},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_changes(&push.hierarchy, data->hierarchy.levels))});
 }
 
 static struct hierarchy add_reprojection(struct graph *graph, struct occlusion_data data, const struct gpu_view *camera,
                                          graph_image tiles) {
     data.hierarchy = create_hierarchy(graph, "reprojected depth", camera);
-    data.depth = tiles;
     struct graph_pass *pass =
         graph_add_pass(graph, "cull holes", GRAPH_QUEUE_GRAPHICS, execute_holes, &data.hierarchy, sizeof data.hierarchy);
     graph_use_buffer(pass, data.hierarchy.levels, GRAPH_COPY_TO);
-    data.shader = &shader_occlusion_reproject_comp;
-    data.groups[0] = DIVIDE_UP(data.hierarchy.width, 8u);
-    data.groups[1] = DIVIDE_UP(data.hierarchy.height, 8u);
-    pass = graph_add_pass(graph, "cull reproject", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
-    graph_use_image(pass, tiles, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data.hierarchy.levels, GRAPH_READ_WRITE_COMPUTE);
-    add_levels(graph, "cull reprojected levels", data);
+    struct gpu_occlusion_push push = push_of(&data);
+    graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = "cull reproject",
+                   .pipeline = {.shader = &shader_occlusion_reproject_comp},
+                   .groups = {DIVIDE_UP(data.hierarchy.width, 8u), DIVIDE_UP(data.hierarchy.height, 8u)},
+                   GRAPH_PUSH(push),
+                   GRAPH_ROWS(graph_samples(&push.depth, tiles), graph_changes(&push.hierarchy, data.hierarchy.levels))});
+    add_levels(graph, "cull reprojected levels", &data);
     return data.hierarchy;
 }
 
 static struct hierarchy add_depth(struct graph *graph, struct occlusion_data data, const struct gpu_view *camera,
                                   graph_image depth, graph_image tiles) {
     data.hierarchy = create_hierarchy(graph, "hierarchical depth", camera);
-    data.depth = depth;
-    data.tiles = tiles;
-    data.shader = &shader_occlusion_tiles_comp;
-    data.groups[0] = data.hierarchy.width;
-    data.groups[1] = data.hierarchy.height;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "cull tiles", GRAPH_QUEUE_GRAPHICS, execute_occlusion, &data, sizeof data);
-    graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, tiles, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.hierarchy.levels, GRAPH_WRITE_COMPUTE);
-    add_levels(graph, "cull levels", data);
+    struct gpu_occlusion_push push = push_of(&data);
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){.name = "cull tiles",
+                                            .pipeline = {.shader = &shader_occlusion_tiles_comp},
+                                            .groups = {data.hierarchy.width, data.hierarchy.height},
+                                            GRAPH_PUSH(push),
+                                            GRAPH_ROWS(graph_samples(&push.depth, depth), graph_stores(&push.tiles, tiles),
+                                                       graph_writes(&push.hierarchy, data.hierarchy.levels))});
+    add_levels(graph, "cull levels", &data);
     return data.hierarchy;
 }
 
@@ -108,7 +99,8 @@ struct geometry_draws occlusion_add(struct graph *graph, gpu_device *device, con
         data.previous = slice.address;
         likely = add_reprojection(graph, data, camera, tiles.previous);
     }
-    struct geometry_draws occluders = cull_items_add(graph, "cull occluders", scene, view, likely.levels.id ? &likely : NULL);
+    struct geometry_draws occluders =
+        cull_items_add(graph, "cull occluders", scene, view, likely.levels.id ? &likely : NULL);
     graph_image depth = graph_create_image(graph, &(struct graph_image_params){.name = "occluder depth",
                                                                                .format = GEOMETRY_DEPTH_FORMAT,
                                                                                .width = camera->size.x,

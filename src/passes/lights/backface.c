@@ -12,19 +12,14 @@ struct backface_params backface_params_default(void) {
     return (struct backface_params){.tiles = tiled_params_default(), .least = 12};
 }
 
-/* The steps of this list alone; those of all cells are in cells.c. */
-enum step { STEP_PICK, STEP_CULL, STEP_TALLY, STEP_BLOCKS, STEP_AXES };
-
+/* Of the steps of this list alone; those of all cells are in cells.c. */
 struct own_data {
     struct light_input input;
     struct lights_in_view in_view;
     struct cells_build build;
     struct gbuffer gbuffer;
-    graph_buffer bounds, sums, cones, picks, blocks, axes, marks, tally;
-    struct gpu_backface *block; /* addresses are filled in while recording */
-    VkDeviceAddress block_address;
-    uint32_t cell_count, chunk_size, chunk_count;
-    enum step step;
+    graph_buffer cones, picks, axes, marks, tally;
+    VkDeviceAddress block; /* struct gpu_backface */
 };
 
 static void execute_clear(const struct graph_context *context, const void *data) {
@@ -33,97 +28,84 @@ static void execute_clear(const struct graph_context *context, const void *data)
     static const uint32_t dispatch[4] = {BACKFACE_ROW, 0, 1, 0};
     for (uint32_t i = 0; i < 4; i++) gpu_fill_buffer(context->commands, picks, i * 4ull, 4, dispatch[i]);
     if (!d->marks.id) return;
-    if (d->block) d->block->marks = graph_address(context, d->marks);
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->marks), 0, MAX(d->input.local_count, 1u) * 4ull, 0);
     gpu_fill_buffer(context->commands, graph_get_buffer(context, d->tally), 0, 4, 0);
 }
 
-/* The pyramid of normals: level 2, then the level of the tiles. */
-static void execute_pyramid(const struct graph_context *context, const void *data) {
-    const struct own_data *d = data;
-    bool tiles = d->step == STEP_AXES;
-    struct gpu_compute_params params = {.shader = tiles ? &shader_backface_axes_comp : &shader_backface_blocks_comp};
-    struct gpu_cells_push push = {.view = d->input.view, .list = d->build.header_address, .extra = d->block_address};
-    if (tiles) {
-        if (d->block) d->block->axes = graph_address(context, d->axes);
-    } else {
-        if (d->block) d->block->blocks = graph_address(context, d->blocks);
-        if (d->block) d->block->gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
-        push.depth = graph_sampled(context, d->gbuffer.depth);
-        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    uint32_t threads = tiles ? d->build.bounds_groups_x * d->build.bounds_groups_y
-                             : DIVIDE_UP(d->input.width, 4u) * DIVIDE_UP(d->input.height, 4u);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
-}
-
-static void execute_step(const struct graph_context *context, const void *data) {
-    const struct own_data *d = data;
-    static const struct gpu_shader *const shaders[] = {[STEP_PICK] = &shader_backface_pick_comp,
-                                                       [STEP_CULL] = &shader_backface_cull_comp,
-                                                       [STEP_TALLY] = &shader_backface_tally_comp};
-    struct gpu_compute_params params = {.shader = shaders[d->step]};
-    struct gpu_cells_push push = {.view = d->input.view,
-                                  .list = d->build.header_address,
-                                  .extra = d->block_address,
-                                  .light_count = d->input.local_count,
-                                  .cell_count = d->cell_count,
-                                  .chunk_size = d->chunk_size,
-                                  .chunk_count = d->chunk_count,
-                                  .flags = d->build.flags,
-                                  .front = GPU_NO_DEPTH};
-    if (d->step != STEP_TALLY) push.sums = graph_address(context, d->sums);
-    if (d->step != STEP_PICK) push.visible_sums = graph_address(context, d->in_view.sums);
-    if (d->step == STEP_PICK && d->block) d->block->cones = graph_address(context, d->cones);
-    if (d->step == STEP_PICK && d->block) d->block->picks = graph_address(context, d->picks);
-    if (d->step == STEP_TALLY && d->block) d->block->tally = graph_address(context, d->tally);
-    if (d->step == STEP_CULL) {
-        push.cells = graph_address(context, d->bounds);
-        push.visible_ids = graph_address(context, d->in_view.ids);
-        push.bounds = graph_address(context, d->in_view.bounds);
-        if (cells_use_reaches(push.flags)) push.reaches = graph_address(context, d->in_view.reaches);
-        push.depth = graph_sampled(context, d->gbuffer.depth);
-        if (d->block) d->block->gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
-        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (d->step == STEP_CULL)
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->picks), 0);
-    else
-        gpu_dispatch_linear(context->commands,
-                            DIVIDE_UP(d->step == STEP_PICK ? d->cell_count : MAX(d->input.local_count, 1u), 64u));
+static struct gpu_cells_push push_of(const struct own_data *d) {
+    return (struct gpu_cells_push){.view = d->input.view,
+                                   .list = d->build.header_address,
+                                   .extra = d->block,
+                                   .light_count = d->input.local_count,
+                                   .flags = d->build.flags,
+                                   .front = GPU_NO_DEPTH};
 }
 
 static void add_refine(struct graph *graph, const struct cells_counted *counted, const void *user) {
-    struct own_data data = *(const struct own_data *)user;
-    const enum graph_queue queue = data.input.queue;
-    data.bounds = counted->bounds;
-    data.sums = counted->sums;
-    data.cell_count = counted->cell_count;
-    data.chunk_size = counted->chunk_size;
-    data.chunk_count = counted->chunk_count;
-    data.step = STEP_PICK;
-    struct graph_pass *pass = graph_add_pass(graph, "backface pick", queue, execute_step, &data, sizeof data);
-    graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.cones, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.picks, GRAPH_READ_WRITE_COMPUTE);
-    data.step = STEP_CULL;
-    pass = graph_add_pass(graph, "backface cull", queue, execute_step, &data, sizeof data);
-    gbuffer_use_normal(pass, &data.gbuffer, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data.input.buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.picks, GRAPH_INDIRECT);
-    graph_use_buffer(pass, data.picks, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.in_view.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.in_view.ids, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.in_view.bounds, GRAPH_READ_COMPUTE);
-    if (cells_use_reaches(data.build.flags)) graph_use_buffer(pass, data.in_view.reaches, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.sums, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.cones, GRAPH_READ_WRITE_COMPUTE);
-    if (data.axes.id) graph_use_buffer(pass, data.axes, GRAPH_READ_COMPUTE);
+    const struct own_data *d = user;
+    struct gpu_cells_push common = push_of(d);
+    common.cell_count = counted->cell_count;
+    common.chunk_size = counted->chunk_size;
+    common.chunk_count = counted->chunk_count;
+    struct gpu_cells_push push = common;
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "backface pick",
+                                                   .queue = d->input.queue,
+                                                   .pipeline = {.shader = &shader_backface_pick_comp},
+                                                   .groups = {DIVIDE_UP(counted->cell_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, counted->sums),
+                                                              graph_writes(NULL, d->cones), graph_changes(NULL, d->picks))});
+    push = common;
+    struct gpu_compute_params pipeline = {.shader = &shader_backface_cull_comp};
+    gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
+    bool reaches = cells_use_reaches(d->build.flags);
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = "backface cull",
+                   .queue = d->input.queue,
+                   .pipeline = pipeline,
+                   .indirect = d->picks,
+                   GRAPH_PUSH(push),
+                   GRAPH_ROWS(graph_samples(&push.depth, d->gbuffer.depth), graph_reads(NULL, d->input.buffer),
+                              graph_reads(NULL, d->picks), graph_reads(&push.cells, counted->bounds),
+                              graph_reads(&push.visible_sums, d->in_view.sums),
+                              graph_reads(&push.visible_ids, d->in_view.ids), graph_reads(&push.bounds, d->in_view.bounds),
+                              graph_row_if(reaches, graph_reads(&push.reaches, d->in_view.reaches)),
+                              graph_changes(&push.sums, counted->sums), graph_changes(NULL, d->cones),
+                              graph_row_if(d->axes.id, graph_reads(NULL, d->axes)))});
+    gbuffer_use_normal(pass, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);
+}
+
+/* The pyramid of normals: level 2, then the level of the tiles. */
+static graph_buffer add_pyramid(struct graph *graph, const struct own_data *d, struct gpu_backface *block,
+                                uint32_t tile_count) {
+    const uint32_t block_count = DIVIDE_UP(d->input.width, 4u) * DIVIDE_UP(d->input.height, 4u);
+    graph_buffer blocks = graph_create_buffer(graph, "backface blocks", block_count * (uint64_t)sizeof(vec3));
+    graph_buffer axes = graph_create_buffer(graph, "backface axes", tile_count * sizeof(vec3));
+    if (block) {
+        graph_put_address(graph, &block->blocks, blocks);
+        graph_put_address(graph, &block->axes, axes);
+    }
+    struct gpu_cells_push push = {.view = d->input.view, .list = d->build.header_address, .extra = d->block};
+    struct gpu_compute_params pipeline = {.shader = &shader_backface_blocks_comp};
+    gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
+    struct graph_pass *pass = graph_dispatch(
+        graph,
+        &(struct graph_dispatch){.name = "backface blocks",
+                                 .queue = d->input.queue,
+                                 .pipeline = pipeline,
+                                 .groups = {DIVIDE_UP(block_count, 64u)},
+                                 GRAPH_PUSH(push),
+                                 GRAPH_ROWS(graph_samples(&push.depth, d->gbuffer.depth), graph_writes(NULL, blocks))});
+    gbuffer_use_normal(pass, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);
+    push.depth = 0;
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "backface axes",
+                                                   .queue = d->input.queue,
+                                                   .pipeline = {.shader = &shader_backface_axes_comp},
+                                                   .groups = {DIVIDE_UP(tile_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(NULL, blocks), graph_writes(NULL, axes))});
+    return axes;
 }
 
 struct light_list backface_add(struct graph *graph, gpu_device *device, const struct light_input *input,
@@ -136,18 +118,27 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
     data.build.what = "backface";
     const uint32_t tile_count = data.build.bounds_groups_x * data.build.bounds_groups_y;
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof(struct gpu_backface));
-    data.block = slice.data;
-    data.block_address = slice.address;
-    if (data.block)
-        *data.block = (struct gpu_backface){.axis = (uint32_t)params->axis,
-                                            .least = params->least,
-                                            .every_tile = params->every_tile || params->tally,
-                                            .marking = params->tally};
+    struct gpu_backface *block = slice.data;
+    data.block = slice.address;
+    if (block)
+        *block = (struct gpu_backface){.axis = (uint32_t)params->axis,
+                                       .least = params->least,
+                                       .every_tile = params->every_tile || params->tally,
+                                       .marking = params->tally};
     data.cones = graph_create_buffer(graph, "backface cones", tile_count * sizeof(struct gpu_cone));
     data.picks = graph_create_buffer(graph, "backface picks", (tile_count + 4ull) * 4);
     if (params->tally) {
         data.marks = graph_create_buffer(graph, "backface marks", MAX(input->local_count, 1u) * 4ull);
         data.tally = graph_create_buffer(graph, "backface tally", 4);
+    }
+    if (block) {
+        gbuffer_put_normal(graph, &block->gbuffer, gbuffer);
+        graph_put_address(graph, &block->cones, data.cones);
+        graph_put_address(graph, &block->picks, data.picks);
+        if (params->tally) {
+            graph_put_address(graph, &block->marks, data.marks);
+            graph_put_address(graph, &block->tally, data.tally);
+        }
     }
     struct graph_pass *pass = graph_add_pass(graph, "backface clear", input->queue, execute_clear, &data, sizeof data);
     graph_use_buffer(pass, data.picks, GRAPH_COPY_TO);
@@ -155,35 +146,27 @@ struct light_list backface_add(struct graph *graph, gpu_device *device, const st
         graph_use_buffer(pass, data.marks, GRAPH_COPY_TO);
         graph_use_buffer(pass, data.tally, GRAPH_COPY_TO);
     }
-    if (params->axis == BACKFACE_PYRAMID) {
-        data.blocks = graph_create_buffer(
-            graph, "backface blocks", (uint64_t)DIVIDE_UP(input->width, 4u) * DIVIDE_UP(input->height, 4u) * sizeof(vec3));
-        data.axes = graph_create_buffer(graph, "backface axes", tile_count * sizeof(vec3));
-        data.step = STEP_BLOCKS;
-        pass = graph_add_pass(graph, "backface blocks", input->queue, execute_pyramid, &data, sizeof data);
-        gbuffer_use_normal(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);
-        graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
-        data.step = STEP_AXES;
-        pass = graph_add_pass(graph, "backface axes", input->queue, execute_pyramid, &data, sizeof data);
-        graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, data.axes, GRAPH_WRITE_COMPUTE);
-    }
+    if (params->axis == BACKFACE_PYRAMID) data.axes = add_pyramid(graph, &data, block, tile_count);
     struct cells_build build = data.build;
     build.refine = (struct cells_refine){.add = add_refine,
                                          .user = &data,
                                          .fill_shader = &shader_backface_fill_comp,
-                                         .address = data.block_address,
+                                         .address = data.block,
                                          .cones = data.cones,
                                          .marks = data.marks};
     struct light_list list = cells_add(graph, input, in_view, &build);
     list.kind = GPU_LIST_TILES;
     list.cones = data.cones;
     if (!params->tally) return list;
-    data.step = STEP_TALLY;
-    pass = graph_add_pass(graph, "backface tally", input->queue, execute_step, &data, sizeof data);
-    graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.marks, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.tally, GRAPH_READ_WRITE_COMPUTE);
+    struct gpu_cells_push push = push_of(&data);
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){.name = "backface tally",
+                                            .queue = input->queue,
+                                            .pipeline = {.shader = &shader_backface_tally_comp},
+                                            .groups = {DIVIDE_UP(MAX(input->local_count, 1u), 64u)},
+                                            GRAPH_PUSH(push),
+                                            GRAPH_ROWS(graph_reads(&push.visible_sums, in_view->sums),
+                                                       graph_reads(NULL, data.marks), graph_changes(NULL, data.tally))});
     list.culled = data.tally;
     return list;
 }

@@ -8,40 +8,6 @@
 
 /* ---- the tree ---- */
 
-struct tree_data {
-    struct light_input input;
-    struct lights_in_view in_view;
-    struct bvh tree;
-    VkDeviceAddress header;
-    const struct gpu_shader *shader;
-    uint32_t threads, level; /* of bvh_level */
-};
-
-static void execute_tree(const struct graph_context *context, const void *data) {
-    const struct tree_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    bool has_pairs = d->shader != &shader_bvh_level_comp, has_boxes = d->shader != &shader_bvh_keys_comp;
-    struct gpu_bvh_tree_push push = {.view = d->input.view, .list = d->header};
-    if (has_pairs) {
-        push.count = graph_address(context, d->in_view.sums) + d->input.local_count * 4ull;
-        push.bounds = graph_address(context, d->in_view.bounds);
-        push.pairs = graph_address(context, d->tree.pairs);
-    }
-    if (has_boxes) {
-        push.boxes = graph_address(context, d->tree.boxes);
-        push.first_out = d->tree.firsts[d->level];
-        push.capacity_out = d->tree.counts[d->level];
-    }
-    if (has_boxes && has_pairs) push.spheres = graph_address(context, d->tree.spheres);
-    if (!has_pairs) {
-        push.first_in = d->tree.firsts[d->level - 1];
-        push.capacity_in = d->tree.counts[d->level - 1];
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->threads, 64u));
-}
-
 /* Leaves, nodes, nodes 2 … */
 static const char *level_name(struct graph *graph, const char *leaves, const char *nodes, uint32_t level) {
     return level ? graph_numbered_name(graph, nodes, level > 1 ? level : 0) : leaves;
@@ -50,52 +16,67 @@ static const char *level_name(struct graph *graph, const char *leaves, const cha
 struct bvh bvh_tree_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                         VkDeviceAddress header) {
     uint32_t count = MAX(input->local_count, 1u), box_count = 0;
-    struct tree_data data = {.input = *input, .in_view = *in_view, .header = header, .threads = count};
-    struct bvh *tree = &data.tree;
+    const uint64_t count_offset = input->local_count * 4ull; /* of the number in view, after the sums */
+    struct bvh tree = {0};
     for (uint32_t nodes = DIVIDE_UP(count, BVH_WIDTH);; nodes = DIVIDE_UP(nodes, BVH_WIDTH)) {
-        tree->firsts[tree->level_count] = box_count;
-        tree->counts[tree->level_count++] = nodes;
+        tree.firsts[tree.level_count] = box_count;
+        tree.counts[tree.level_count++] = nodes;
         box_count += nodes;
         if (nodes <= BVH_WIDTH) break;
     }
     graph_buffer pairs = graph_create_buffer(graph, "bvh keys", count * 8ull);
-    tree->pairs = pairs;
-    data.shader = &shader_bvh_keys_comp;
-    struct graph_pass *pass = graph_add_pass(graph, "bvh keys", input->queue, execute_tree, &data, sizeof data);
-    graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, pairs, GRAPH_WRITE_COMPUTE);
+    const struct gpu_bvh_tree_push common = {.view = input->view, .list = header};
+    struct gpu_bvh_tree_push push = common;
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "bvh keys",
+                              .queue = input->queue,
+                              .pipeline = {.shader = &shader_bvh_keys_comp},
+                              .groups = {DIVIDE_UP(count, 64u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_row_at(count_offset, graph_reads(&push.count, in_view->sums)),
+                                         graph_reads(&push.bounds, in_view->bounds), graph_writes(&push.pairs, pairs))});
 
-    tree->pairs = radix_sort_add(graph, &(struct radix_sort_params){.what = "bvh",
-                                                                    .queue = input->queue,
-                                                                    .pairs = pairs,
-                                                                    .capacity = count,
-                                                                    .bits = BVH_KEY_BITS,
-                                                                    .count = in_view->sums,
-                                                                    .count_offset = input->local_count * 4ull});
-    tree->spheres = graph_create_buffer(graph, "bvh spheres", count * sizeof(struct gpu_bound));
-    tree->boxes = graph_create_buffer(graph, "bvh boxes", box_count * sizeof(struct gpu_bvh_box));
-    for (data.level = 0; data.level < tree->level_count; data.level++) {
-        data.shader = data.level == 0 ? &shader_bvh_leaves_comp : &shader_bvh_level_comp;
-        data.threads = tree->counts[data.level];
-        pass = graph_add_pass(graph, level_name(graph, "bvh leaves", "bvh nodes", data.level), input->queue, execute_tree, &data,
-                              sizeof data);
-        if (data.level == 0) {
-            graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
-            graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
-            graph_use_buffer(pass, tree->pairs, GRAPH_READ_COMPUTE);
-            graph_use_buffer(pass, tree->spheres, GRAPH_WRITE_COMPUTE);
-        }
-        graph_use_buffer(pass, tree->boxes, data.level == 0 ? GRAPH_WRITE_COMPUTE : GRAPH_READ_WRITE_COMPUTE);
+    tree.pairs = radix_sort_add(graph, &(struct radix_sort_params){.what = "bvh",
+                                                                   .queue = input->queue,
+                                                                   .pairs = pairs,
+                                                                   .capacity = count,
+                                                                   .bits = BVH_KEY_BITS,
+                                                                   .count = in_view->sums,
+                                                                   .count_offset = count_offset});
+    tree.spheres = graph_create_buffer(graph, "bvh spheres", count * sizeof(struct gpu_bound));
+    tree.boxes = graph_create_buffer(graph, "bvh boxes", box_count * sizeof(struct gpu_bvh_box));
+    push = common;
+    push.first_out = tree.firsts[0];
+    push.capacity_out = tree.counts[0];
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "bvh leaves",
+                              .queue = input->queue,
+                              .pipeline = {.shader = &shader_bvh_leaves_comp},
+                              .groups = {DIVIDE_UP(tree.counts[0], 64u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_row_at(count_offset, graph_reads(&push.count, in_view->sums)),
+                                         graph_reads(&push.bounds, in_view->bounds), graph_reads(&push.pairs, tree.pairs),
+                                         graph_writes(&push.spheres, tree.spheres), graph_writes(&push.boxes, tree.boxes))});
+    for (uint32_t level = 1; level < tree.level_count; level++) {
+        push = common;
+        push.first_in = tree.firsts[level - 1];
+        push.capacity_in = tree.counts[level - 1];
+        push.first_out = tree.firsts[level];
+        push.capacity_out = tree.counts[level];
+        graph_dispatch(graph, &(struct graph_dispatch){.name = level_name(graph, "bvh leaves", "bvh nodes", level),
+                                                       .queue = input->queue,
+                                                       .pipeline = {.shader = &shader_bvh_level_comp},
+                                                       .groups = {DIVIDE_UP(tree.counts[level], 64u)},
+                                                       GRAPH_PUSH(push),
+                                                       GRAPH_ROWS(graph_changes(&push.boxes, tree.boxes))});
     }
-    return *tree;
+    return tree;
 }
 
 /* ---- queries ---- */
 
 /* Masks of groups take at most this many words, and sums this many numbers, unless there are more cells than that. */
 enum { MASKS_LIMIT = 1 << 23, SUMS_LIMIT = 1 << 20, SPARSE_SUMS_LIMIT = 1 << 18, SORT_GROUPS = 1 << 12 };
-enum query_step { QUERY_GROUPS, QUERY_MASKS, QUERY_COUNT, QUERY_FILL, QUERY_SORT };
 
 struct query_data {
     struct light_input input;
@@ -107,106 +88,19 @@ struct query_data {
     graph_buffer groups, masks, sums, cells, ids, unsorted, overflow;
     uint32_t group_count, chunk_count, sort_steps;
     uint32_t words[BVH_LEVELS], first_masks[BVH_LEVELS];
-    uint32_t level;
-    enum query_step step;
 };
 
-static VkDeviceAddress counter_address(const struct graph_context *context, const struct query_data *d) {
-    if (!d->query.cell_counter.id) return 0;
-    return graph_address(context, d->query.cell_counter) + d->query.cell_counter_offset;
+/* The number of cells, and that of lights in view. */
+static struct graph_row counter_row(const uint64_t *member, const struct query_data *d) {
+    return graph_row_if(d->query.cell_counter.id,
+                        graph_row_at(d->query.cell_counter_offset, graph_reads(member, d->query.cell_counter)));
 }
 
-static VkDeviceAddress count_address(const struct graph_context *context, const struct query_data *d) {
-    return graph_address(context, d->in_view.sums) + d->input.local_count * 4ull;
-}
-
-static void execute_masks(const struct graph_context *context, const void *data) {
-    const struct query_data *d = data;
-    bool groups = d->step == QUERY_GROUPS;
-    struct gpu_compute_params params = {.shader = groups ? &shader_bvh_groups_comp : &shader_bvh_mask_comp};
-    struct gpu_bvh_mask_push push = {.list = d->query.header_address,
-                                     .cell_counter = counter_address(context, d),
-                                     .groups = graph_address(context, d->groups),
-                                     .cell_count = d->query.cell_count,
-                                     .rule = d->rule,
-                                     .group_count = d->group_count};
-    if (groups) {
-        push.cells = graph_address(context, d->query.bounds);
-    } else {
-        bool top = d->level + 1 == d->tree.level_count;
-        push.count = count_address(context, d);
-        push.boxes = graph_address(context, d->tree.boxes);
-        push.masks = graph_address(context, d->masks);
-        push.first_node = d->tree.firsts[d->level];
-        push.node_lights = BVH_WIDTH << (5 * d->level);
-        push.first_mask = d->first_masks[d->level];
-        push.words = d->words[d->level];
-        push.first_parent = top ? 0 : d->first_masks[d->level + 1];
-        push.parent_words = top ? 0 : d->words[d->level + 1];
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(groups ? d->group_count : d->group_count * push.words, 64u));
+static struct graph_row count_row(const uint64_t *member, const struct query_data *d) {
+    return graph_row_at(d->input.local_count * 4ull, graph_reads(member, d->in_view.sums));
 }
 
 static bool uses_reaches(const struct bvh_query *query) { return query->cone_tests || query->facings.id; }
-
-static void execute_query(const struct graph_context *context, const void *data) {
-    const struct query_data *d = data;
-    uint32_t fills = d->step == QUERY_FILL;
-    struct gpu_compute_params params = {
-        .shader = &shader_bvh_query_comp, .constant_count = 2, .constants = {GPU_LIST_ALL, fills}};
-    struct gpu_bvh_query_push push = {.query = d->block,
-                                      .list = d->query.header_address,
-                                      .count = count_address(context, d),
-                                      .cell_counter = counter_address(context, d),
-                                      .cells = graph_address(context, d->query.bounds),
-                                      .boxes = graph_address(context, d->tree.boxes),
-                                      .masks = graph_address(context, d->masks) + d->first_masks[0] * 4ull,
-                                      .spheres = graph_address(context, d->tree.spheres),
-                                      .pairs = graph_address(context, d->tree.pairs),
-                                      .visible_ids = graph_address(context, d->in_view.ids),
-                                      .sums = graph_address(context, d->sums),
-                                      .overflow = graph_address(context, d->overflow)};
-    if (uses_reaches(&d->query)) push.reaches = graph_address(context, d->in_view.reaches);
-    if (d->query.facings.id) push.facings = graph_address(context, d->query.facings);
-    if (fills) {
-        push.ids = graph_address(context, d->sort_steps % 2 ? d->unsorted : d->ids);
-        if (d->query.header) {
-            d->query.header->cells = graph_address(context, d->cells);
-            d->query.header->ids = graph_address(context, d->ids);
-            if (d->query.occupied && d->input.scattered) d->query.header->bounds = graph_address(context, d->query.bounds);
-        }
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP((d->query.cell_count + 1) * d->chunk_count, 64u));
-}
-
-static void execute_sort(const struct graph_context *context, const void *data) {
-    const struct query_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_bvh_sort_comp};
-    bool odd = d->sort_steps % 2;
-    VkDeviceAddress ids = graph_address(context, d->ids), unsorted = graph_address(context, d->unsorted);
-    struct gpu_bvh_sort_push push = {.list = d->query.header_address,
-                                     .cell_counter = counter_address(context, d),
-                                     .first = odd ? unsorted : ids,
-                                     .second = odd ? ids : unsorted,
-                                     .target = ids,
-                                     .cell_count = d->query.cell_count,
-                                     .counted = d->query.cell_counter.id != 0,
-                                     .steps = d->sort_steps};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, MIN(d->query.cell_count, (uint32_t)SORT_GROUPS));
-}
-
-static struct graph_pass *add_query_pass(struct graph *graph, const char *name, graph_execute *execute,
-                                         const struct query_data *data) {
-    struct graph_pass *pass = graph_add_pass(graph, name, data->input.queue, execute, data, sizeof *data);
-    if (data->query.cell_counter.id) graph_use_buffer(pass, data->query.cell_counter, GRAPH_READ_COMPUTE);
-    return pass;
-}
 
 /* Groups that are small, but not so many that their masks take too much. */
 static void choose_groups(struct query_data *d) {
@@ -234,31 +128,87 @@ static void add_masks(struct graph *graph, struct query_data *d) {
         d->first_masks[l] = mask_count;
         mask_count += d->group_count * d->words[l];
     }
-    d->groups = graph_create_buffer(graph, graph_name(graph, "%s group boxes", what), d->group_count * sizeof(struct gpu_bvh_box));
+    d->groups =
+        graph_create_buffer(graph, graph_name(graph, "%s group boxes", what), d->group_count * sizeof(struct gpu_bvh_box));
     d->masks = graph_create_buffer(graph, graph_name(graph, "%s masks", what), mask_count * 4ull);
-    d->step = QUERY_GROUPS;
-    struct graph_pass *pass = add_query_pass(graph, graph_name(graph, "%s groups", what), execute_masks, d);
-    graph_use_buffer(pass, d->query.bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->groups, GRAPH_WRITE_COMPUTE);
-    d->step = QUERY_MASKS;
+    const struct gpu_bvh_mask_push common = {
+        .list = d->query.header_address, .cell_count = d->query.cell_count, .rule = d->rule, .group_count = d->group_count};
+    struct gpu_bvh_mask_push push = common;
+    graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "%s groups", what),
+                                                   .queue = d->input.queue,
+                                                   .pipeline = {.shader = &shader_bvh_groups_comp},
+                                                   .groups = {DIVIDE_UP(d->group_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(counter_row(&push.cell_counter, d),
+                                                              graph_reads(&push.cells, d->query.bounds),
+                                                              graph_writes(&push.groups, d->groups))});
     const char *leaves = graph_name(graph, "%s leaves touched", what), *nodes = graph_name(graph, "%s nodes touched", what);
     for (uint32_t l = d->tree.level_count; l-- > 0;) {
-        d->level = l;
-        pass = add_query_pass(graph, level_name(graph, leaves, nodes, l), execute_masks, d);
-        graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, d->groups, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, d->tree.boxes, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, d->masks, l + 1 == d->tree.level_count ? GRAPH_WRITE_COMPUTE : GRAPH_READ_WRITE_COMPUTE);
+        bool top = l + 1 == d->tree.level_count;
+        push = common;
+        push.first_node = d->tree.firsts[l];
+        push.node_lights = BVH_WIDTH << (5 * l);
+        push.first_mask = d->first_masks[l];
+        push.words = d->words[l];
+        push.first_parent = top ? 0 : d->first_masks[l + 1];
+        push.parent_words = top ? 0 : d->words[l + 1];
+        graph_dispatch(graph, &(struct graph_dispatch){
+                                  .name = level_name(graph, leaves, nodes, l),
+                                  .queue = d->input.queue,
+                                  .pipeline = {.shader = &shader_bvh_mask_comp},
+                                  .groups = {DIVIDE_UP(d->group_count * push.words, 64u)},
+                                  GRAPH_PUSH(push),
+                                  GRAPH_ROWS(counter_row(&push.cell_counter, d), count_row(&push.count, d),
+                                             graph_reads(&push.groups, d->groups), graph_reads(&push.boxes, d->tree.boxes),
+                                             graph_buffer_row(&push.masks, d->masks,
+                                                              top ? GRAPH_WRITE_COMPUTE : GRAPH_READ_WRITE_COMPUTE))});
     }
 }
 
-static void use_tree(struct graph_pass *pass, const struct query_data *d) {
-    const graph_buffer buffers[] = {d->in_view.sums, d->in_view.ids,  d->tree.boxes, d->tree.spheres,
-                                    d->tree.pairs,   d->query.bounds, d->masks,      d->query.facings};
-    if (uses_reaches(&d->query)) graph_use_buffer(pass, d->in_view.reaches, GRAPH_READ_COMPUTE);
-    for (uint32_t i = 0; i < COUNT_OF(buffers); i++)
-        if (buffers[i].id) graph_use_buffer(pass, buffers[i], GRAPH_READ_COMPUTE);
-    if (d->query.facings.id) graph_use_buffer(pass, d->input.buffer, GRAPH_READ_COMPUTE);
+/* Counts the lights of cells, or, given a pool, writes their ids. */
+static struct graph_pass *add_query(struct graph *graph, const char *name, const struct query_data *d, graph_buffer pool) {
+    bool fills = pool.id, facings = d->query.facings.id;
+    struct gpu_bvh_query_push push = {.query = d->block, .list = d->query.header_address};
+    return graph_dispatch(
+        graph,
+        &(struct graph_dispatch){
+            .name = name,
+            .queue = d->input.queue,
+            .pipeline = {&shader_bvh_query_comp, 2, {GPU_LIST_ALL, fills}},
+            .groups = {DIVIDE_UP((d->query.cell_count + 1) * d->chunk_count, 64u)},
+            GRAPH_PUSH(push),
+            GRAPH_ROWS(
+                count_row(&push.count, d), counter_row(&push.cell_counter, d), graph_reads(&push.cells, d->query.bounds),
+                graph_row_if(facings, graph_reads(&push.facings, d->query.facings)),
+                graph_row_if(facings, graph_reads(NULL, d->input.buffer)), graph_reads(&push.boxes, d->tree.boxes),
+                graph_row_at(d->first_masks[0] * 4ull, graph_reads(&push.masks, d->masks)),
+                graph_reads(&push.spheres, d->tree.spheres), graph_reads(&push.pairs, d->tree.pairs),
+                graph_row_if(uses_reaches(&d->query), graph_reads(&push.reaches, d->in_view.reaches)),
+                graph_reads(&push.visible_ids, d->in_view.ids),
+                graph_buffer_row(&push.sums, d->sums, fills ? GRAPH_READ_COMPUTE : GRAPH_WRITE_COMPUTE),
+                graph_row_if(fills, graph_writes(&push.ids, pool)),
+                graph_buffer_row(&push.overflow, d->overflow, fills ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE))});
+}
+
+/* Puts the ids of each cell into order: step by step from one pool to the other, so that they end in d->ids. */
+static void add_sort(struct graph *graph, const char *name, const struct query_data *d) {
+    bool odd = d->sort_steps % 2;
+    graph_buffer first = odd ? d->unsorted : d->ids, second = odd ? d->ids : d->unsorted;
+    struct gpu_bvh_sort_push push = {.list = d->query.header_address,
+                                     .cell_count = d->query.cell_count,
+                                     .counted = d->query.cell_counter.id != 0,
+                                     .steps = d->sort_steps};
+    graph_dispatch(
+        graph,
+        &(struct graph_dispatch){
+            .name = name,
+            .queue = d->input.queue,
+            .pipeline = {.shader = &shader_bvh_sort_comp},
+            .groups = {MIN(d->query.cell_count, (uint32_t)SORT_GROUPS)},
+            GRAPH_PUSH(push),
+            GRAPH_ROWS(counter_row(&push.cell_counter, d), graph_reads(NULL, d->cells), graph_changes(&push.first, first),
+                       graph_buffer_row(&push.second, second, odd ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE),
+                       graph_changes(&push.target, d->ids))});
 }
 
 struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const struct light_input *input,
@@ -289,81 +239,60 @@ struct light_list bvh_query_add(struct graph *graph, gpu_device *device, const s
     data.sort_steps = DIVIDE_UP(bits, RADIX_BITS);
 
     data.sums = graph_create_buffer(graph, graph_name(graph, "%s sums", what), sum_count * 4ull);
-    data.cells = graph_create_buffer(graph, graph_name(graph, "%s cells", what), query->cell_count * sizeof(struct gpu_cell));
+    data.cells =
+        graph_create_buffer(graph, graph_name(graph, "%s cells", what), query->cell_count * sizeof(struct gpu_cell));
     data.ids = graph_create_buffer(graph, graph_name(graph, "%s ids", what), MAX(query->pool_capacity, 1u) * 4ull);
-    data.unsorted = graph_create_buffer(graph, graph_name(graph, "%s unsorted ids", what), MAX(query->pool_capacity, 1u) * 4ull);
+    data.unsorted =
+        graph_create_buffer(graph, graph_name(graph, "%s unsorted ids", what), MAX(query->pool_capacity, 1u) * 4ull);
     data.overflow = graph_create_buffer(graph, graph_name(graph, "%s overflow", what), 4);
 
-    data.step = QUERY_COUNT;
-    struct graph_pass *pass = add_query_pass(graph, graph_name(graph, "%s count", what), execute_query, &data);
-    use_tree(pass, &data);
-    graph_use_buffer(pass, data.sums, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.overflow, GRAPH_WRITE_COMPUTE);
-
+    add_query(graph, graph_name(graph, "%s count", what), &data, (graph_buffer){0});
     prefix_sum_add(graph, what, input->queue, data.sums, sum_count);
-
-    data.step = QUERY_FILL;
-    pass = add_query_pass(graph, graph_name(graph, "%s fill", what), execute_query, &data);
-    use_tree(pass, &data);
-    graph_use_buffer(pass, data.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.overflow, GRAPH_READ_WRITE_COMPUTE);
+    struct graph_pass *pass =
+        add_query(graph, graph_name(graph, "%s fill", what), &data, data.sort_steps % 2 ? data.unsorted : data.ids);
     graph_use_buffer(pass, data.cells, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.sort_steps % 2 ? data.unsorted : data.ids, GRAPH_WRITE_COMPUTE);
     graph_use_buffer(pass, data.ids, GRAPH_WRITE_COMPUTE);
-
-    data.step = QUERY_SORT;
-    pass = add_query_pass(graph, graph_name(graph, "%s sort", what), execute_sort, &data);
-    graph_use_buffer(pass, data.cells, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.ids, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.unsorted, data.sort_steps % 2 ? GRAPH_READ_WRITE_COMPUTE : GRAPH_WRITE_COMPUTE);
+    add_sort(graph, graph_name(graph, "%s sort", what), &data);
+    bool with_bounds = query->occupied && input->scattered;
+    if (query->header) {
+        graph_put_address(graph, &query->header->cells, data.cells);
+        graph_put_address(graph, &query->header->ids, data.ids);
+        if (with_bounds) graph_put_address(graph, &query->header->bounds, query->bounds);
+    }
 
     return (struct light_list){.lights = input->buffer,
                                .header = query->header_address,
                                .cells = data.cells,
                                .ids = data.ids,
-                               .spare = light_spare_add(graph, what, input, in_view,
-                                                        data.overflow, &query->header, &query->header_address, 1,
-                                                        input->scattered && query->occupied),
-                               .bounds = query->occupied && input->scattered ? query->bounds : (graph_buffer){0},
+                               .spare = light_spare_add(graph, what, input, in_view, data.overflow, &query->header,
+                                                        &query->header_address, 1, with_bounds),
+                               .bounds = with_bounds ? query->bounds : (graph_buffer){0},
                                .cell_count = query->cell_count,
                                .byte_count = query->cell_count * sizeof(struct gpu_cell) + query->pool_capacity * 4ull,
                                .fixed_bytes = query->cell_count * sizeof(struct gpu_cell),
                                .entry_bytes = 4,
-                               .totals = light_totals_add(graph, what, input,
-                                                          in_view, data.sums, sum_count, data.overflow)};
+                               .totals = light_totals_add(graph, what, input, in_view, data.sums, sum_count, data.overflow)};
 }
 
 /* ---- clusters ---- */
-
-struct bounds_data {
-    VkDeviceAddress view, header;
-    graph_buffer bounds;
-    uint32_t cell_count;
-};
-
-static void execute_bounds(const struct graph_context *context, const void *data) {
-    const struct bounds_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_clustered_bounds_comp};
-    struct gpu_cells_push push = {
-        .view = d->view, .list = d->header, .cells = graph_address(context, d->bounds), .cell_count = d->cell_count};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->cell_count, 64u));
-}
 
 struct light_list bvh_clusters_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                    const struct lights_in_view *in_view, const struct bvh *tree, const char *what,
                                    struct gpu_light_list *header, VkDeviceAddress header_address,
                                    const struct clustered_params *params) {
-    struct bounds_data data = {.view = input->view,
-                               .header = header_address,
-                               .cell_count = header ? header->tiles_x * header->tiles_y * header->slices : 1};
-    data.bounds = graph_create_buffer(graph, graph_name(graph, "%s cell bounds", what), data.cell_count * sizeof(struct gpu_cell_bounds));
-    struct graph_pass *pass = graph_add_pass(graph, graph_name(graph, "%s bounds", what), input->queue, execute_bounds, &data, sizeof data);
-    graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
+    const uint32_t cell_count = header ? header->tiles_x * header->tiles_y * header->slices : 1;
+    graph_buffer bounds =
+        graph_create_buffer(graph, graph_name(graph, "%s cell bounds", what), cell_count * sizeof(struct gpu_cell_bounds));
+    struct gpu_cells_push push = {.view = input->view, .list = header_address, .cell_count = cell_count};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "%s bounds", what),
+                                                   .queue = input->queue,
+                                                   .pipeline = {.shader = &shader_clustered_bounds_comp},
+                                                   .groups = {DIVIDE_UP(cell_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_writes(&push.cells, bounds))});
     struct bvh_query query = {.what = what,
-                              .bounds = data.bounds,
-                              .cell_count = data.cell_count,
+                              .bounds = bounds,
+                              .cell_count = cell_count,
                               .cone_tests = params->cone_tests,
                               .pool_capacity = params->pool_capacity,
                               .header = header,

@@ -36,7 +36,7 @@ struct bvh_query {
     bool cone_tests;
     bool occupied; /* cells serve the surfaces alone that they were made for: scattered points need bounds and the spare list */
     uint32_t pool_capacity;
-    struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
+    struct gpu_light_list *header; /* grid filled in */
     VkDeviceAddress header_address;
 };
 

@@ -37,7 +37,7 @@ struct cells_build {
     uint32_t flags;                            /* CELLS_… */
     uint32_t pool_capacity;
     uint64_t extra_bytes;          /* 0: nothing extra */
-    struct gpu_light_list *header; /* grid filled in; the addresses are filled in while recording */
+    struct gpu_light_list *header; /* grid filled in */
     VkDeviceAddress header_address;
     struct cells_refine refine;
 };

@@ -13,102 +13,11 @@ struct fine_params fine_params_default(void) {
         .tile_size = 16, .pruning = true, .mask_size = 1, .exact_positions = true, .pool_capacity = 1u << 20};
 }
 
-struct step_data {
-    struct light_input input;
-    struct lights_in_view in_view;
-    struct gpu_light_list *headers[FINE_LISTS];
-    VkDeviceAddress header;
+struct fine_data {
     graph_image depth, front;
     graph_buffer boxes, ranges, marks, found, sums, overflow, cells, ids, extra;
-    uint32_t list_count, lists, block, tile_size, samples, capacity;
-    const struct gpu_shader *shader;
-    uint32_t groups[3]; /* [1] 0: [0] groups in a row */
+    uint32_t list_count, lists, block, samples;
 };
-
-static VkDeviceAddress address_of(const struct graph_context *context, graph_buffer buffer) {
-    return buffer.id ? graph_address(context, buffer) : 0;
-}
-
-static void execute_step(const struct graph_context *context, const void *data) {
-    const struct step_data *d = data;
-    bool fills = d->shader == &shader_fine_fill_comp;
-    struct gpu_fine_push push = {.view = d->input.view,
-                                 .list = d->header,
-                                 .visible_sums = address_of(context, d->in_view.sums),
-                                 .visible_ids = address_of(context, d->in_view.ids),
-                                 .bounds = address_of(context, d->in_view.bounds),
-                                 .boxes = address_of(context, d->boxes),
-                                 .ranges = address_of(context, d->ranges),
-                                 .marks = address_of(context, d->marks),
-                                 .found = address_of(context, d->found),
-                                 .sums = address_of(context, d->sums),
-                                 .overflow = address_of(context, d->overflow),
-                                 .ids = address_of(context, d->ids),
-                                 .extra = address_of(context, d->extra),
-                                 .depth = d->depth.id ? graph_sampled(context, d->depth) : GPU_NO_DEPTH,
-                                 .front = d->front.id ? graph_sampled(context, d->front) : GPU_NO_DEPTH,
-                                 .capacity = d->capacity,
-                                 .block = d->block,
-                                 .lists = d->lists};
-    for (uint32_t i = 0; fills && i < d->list_count; i++) {
-        if (!d->headers[i]) continue;
-        d->headers[i]->cells = graph_address(context, d->cells);
-        d->headers[i]->ids = d->headers[i]->packed ? push.visible_ids : push.ids;
-        d->headers[i]->extra = push.extra;
-    }
-    struct gpu_compute_params params = {
-        .shader = d->shader, .constant_count = 3, .constants = {GPU_LIST_ALL, d->samples, d->tile_size}};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (d->groups[1])
-        gpu_dispatch(context->commands, d->groups[0], d->groups[1], d->groups[2]);
-    else
-        gpu_dispatch_linear(context->commands, d->groups[0]);
-}
-
-/* What a step reads and writes; the rest of the buffers is taken out of its data. */
-static void add_step(struct graph *graph, const char *name, const struct gpu_shader *shader, const struct step_data *all,
-                     uint32_t x, uint32_t y, uint32_t z) {
-    bool bounds = shader == &shader_fine_bounds_comp, depths = shader == &shader_fine_depths_comp,
-         marks = shader == &shader_fine_mark_comp, counts = shader == &shader_fine_count_comp,
-         fills = shader == &shader_fine_fill_comp, walks = counts || fills;
-    struct step_data data = *all;
-    graph_buffer none = {0};
-    data.shader = shader;
-    data.groups[0] = x;
-    data.groups[1] = y;
-    data.groups[2] = z;
-    if (depths) data.in_view = (struct lights_in_view){none, none, none, none};
-    if (!bounds) data.in_view.bounds = none;
-    if (marks) data.in_view.ids = none;
-    if (depths) data.boxes = none;
-    if (bounds) data.ranges = none;
-    if (!marks && !walks) data.marks = none;
-    if (!walks) data.found = data.sums = data.overflow = none;
-    if (!fills) data.ids = data.cells = none;
-    if (!fills && !depths) data.extra = none;
-    if (!depths && !walks) data.depth.id = data.front.id = 0;
-
-    struct graph_pass *pass = graph_add_pass(graph, name, all->input.queue, execute_step, &data, sizeof data);
-    if (data.depth.id) graph_use_image(pass, data.depth, GRAPH_SAMPLE_COMPUTE);
-    if (data.front.id) graph_use_image(pass, data.front, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, all->input.buffer, GRAPH_READ_COMPUTE);
-    const struct {
-        graph_buffer buffer;
-        bool writes, reads;
-    } uses[] = {{data.in_view.sums, false, true}, {data.in_view.ids, false, true}, {data.in_view.bounds, false, true},
-                {data.boxes, bounds, !bounds},    {data.ranges, depths, !depths},  {data.marks, marks, !marks},
-                {data.found, counts, fills},      {data.sums, counts, fills},      {data.overflow, true, fills},
-                {data.ids, true, false}, /* and it reads back what it wrote */
-                {data.cells, true, false},        {data.extra, true, false}};
-    for (uint32_t i = 0; i < COUNT_OF(uses); i++) {
-        if (!uses[i].buffer.id) continue;
-        graph_use_buffer(pass, uses[i].buffer,
-                         !uses[i].writes ? GRAPH_READ_COMPUTE
-                         : uses[i].reads ? GRAPH_READ_WRITE_COMPUTE
-                                         : GRAPH_WRITE_COMPUTE);
-    }
-}
 
 /* How large the squares are that share a mask. */
 static uint32_t mask_size_of(const struct fine_params *params, uint32_t cell_count) {
@@ -126,13 +35,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                            const struct lights_in_view *in_view, graph_image depth, const struct fine_params *params) {
     uint32_t tiles_x = DIVIDE_UP(input->width, params->tile_size), tiles_y = DIVIDE_UP(input->height, params->tile_size),
              tile_count = tiles_x * tiles_y, words = MAX(DIVIDE_UP(input->local_count, 32u), 1u);
-    struct step_data all = {.input = *input,
-                            .in_view = *in_view,
-                            .depth = depth,
+    struct fine_data all = {.depth = depth,
                             .block = MAX(BLOCK_PIXELS / params->tile_size, 1u),
-                            .tile_size = params->tile_size,
-                            .samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1,
-                            .capacity = params->pool_capacity};
+                            .samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
 
     /* The lists: of opaque surfaces; of blended ones, and of those that MSAA shades elsewhere; of probes. */
     bool prunes = depth.id && params->pruning, several = all.samples > 1;
@@ -164,8 +69,9 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
              position_words = compares ? (uint64_t)tile_count * params->tile_size * params->tile_size * 3 : 0;
 
     VkDeviceAddress addresses[FINE_LISTS] = {0};
+    struct gpu_light_list *headers[FINE_LISTS] = {0};
     for (uint32_t i = 0; i < all.list_count; i++) {
-        struct gpu_light_list *header = all.headers[i] = light_list_header(device, input, &addresses[i]);
+        struct gpu_light_list *header = headers[i] = light_list_header(device, input, &addresses[i]);
         if (!header) continue;
         header->tile_size = params->tile_size;
         header->tiles_x = tiles_x;
@@ -177,7 +83,6 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         header->eye_distance = params->eye_distance;
         header->packed = params->packed;
     }
-    all.header = addresses[0];
 
     uint64_t block_bytes;
     for (;; all.block *= 2) {
@@ -197,29 +102,70 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     if (!params->packed) all.ids = graph_create_buffer(graph, "fine ids", MAX(pool, 1u) * 4ull);
     all.extra = graph_create_buffer(graph, "fine masks", (mask_words + position_words) * 4);
 
-    add_step(graph, "fine bounds", &shader_fine_bounds_comp, &all, DIVIDE_UP(visible, 64u), 0, 0);
-    if (depth.id) add_step(graph, "fine depths", &shader_fine_depths_comp, &all, tiles_x, tiles_y, 1);
-    add_step(graph, "fine mark", &shader_fine_mark_comp, &all, DIVIDE_UP(words, 64u),
-             DIVIDE_UP(tiles_x, all.block) * DIVIDE_UP(tiles_y, all.block), all.list_count);
-    add_step(graph, "fine count", &shader_fine_count_comp, &all, tiles_x, tiles_y, all.list_count);
+    for (uint32_t i = 0; i < all.list_count; i++) {
+        if (!headers[i]) continue;
+        graph_put_address(graph, &headers[i]->cells, all.cells);
+        graph_put_address(graph, &headers[i]->ids, params->packed ? in_view->ids : all.ids);
+        graph_put_address(graph, &headers[i]->extra, all.extra);
+    }
+
+    const struct gpu_fine_push common = {.view = input->view,
+                                         .list = addresses[0],
+                                         .depth = GPU_NO_DEPTH,
+                                         .front = GPU_NO_DEPTH,
+                                         .capacity = params->pool_capacity,
+                                         .block = all.block,
+                                         .lists = all.lists};
+    struct gpu_fine_push push = common;
+    const uint32_t blocks = DIVIDE_UP(tiles_x, all.block) * DIVIDE_UP(tiles_y, all.block);
+#define STEP(name_, shader_, ...)                                                                                           \
+    .name = name_, .queue = input->queue, .pipeline = {&shader_, 3, {GPU_LIST_ALL, all.samples, params->tile_size}},        \
+    .groups = {__VA_ARGS__}
+#define ADD_STEP(step, ...)                                                                                                 \
+    push = common;                                                                                                          \
+    graph_dispatch(                                                                                                         \
+        graph, &(struct graph_dispatch){step, GRAPH_PUSH(push), GRAPH_ROWS(graph_reads(NULL, input->buffer), __VA_ARGS__)})
+#define DEPTHS                                                                                                              \
+    graph_row_if(depth.id, graph_samples(&push.depth, depth)),                                                              \
+        graph_row_if(all.front.id, graph_samples(&push.front, all.front))
+#define RANGES graph_row_if(all.ranges.id, graph_reads(&push.ranges, all.ranges))
+    ADD_STEP(STEP("fine bounds", shader_fine_bounds_comp, DIVIDE_UP(visible, 64u)),
+             graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
+             graph_reads(&push.bounds, in_view->bounds), graph_writes(&push.boxes, all.boxes));
+    if (depth.id) {
+        ADD_STEP(STEP("fine depths", shader_fine_depths_comp, tiles_x, tiles_y, 1), DEPTHS,
+                 graph_writes(&push.ranges, all.ranges), graph_writes(&push.extra, all.extra));
+    }
+    ADD_STEP(STEP("fine mark", shader_fine_mark_comp, DIVIDE_UP(words, 64u), blocks, all.list_count),
+             graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.boxes, all.boxes), RANGES,
+             graph_writes(&push.marks, all.marks));
+    ADD_STEP(STEP("fine count", shader_fine_count_comp, tiles_x, tiles_y, all.list_count), DEPTHS,
+             graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
+             graph_reads(&push.boxes, all.boxes), RANGES, graph_reads(&push.marks, all.marks),
+             graph_writes(&push.found, all.found), graph_writes(&push.sums, all.sums),
+             graph_writes(&push.overflow, all.overflow));
     prefix_sum_add(graph, "fine", input->queue, all.sums, cell_count + 1);
-    add_step(graph, "fine fill", &shader_fine_fill_comp, &all, tiles_x, tiles_y, all.list_count);
-    graph_buffer totals = light_totals_add(graph, "fine", &all.input, &all.in_view, all.sums,
-                                           cell_count + 1, all.overflow);
+    ADD_STEP(STEP("fine fill", shader_fine_fill_comp, tiles_x, tiles_y, all.list_count), DEPTHS,
+             graph_reads(&push.visible_sums, in_view->sums), graph_reads(&push.visible_ids, in_view->ids),
+             graph_reads(&push.boxes, all.boxes), RANGES, graph_reads(&push.marks, all.marks),
+             graph_reads(&push.found, all.found), graph_reads(&push.sums, all.sums),
+             graph_changes(&push.overflow, all.overflow), graph_writes(NULL, all.cells),
+             graph_row_if(all.ids.id, graph_writes(&push.ids, all.ids)), /* and it reads back what it wrote */
+             graph_writes(&push.extra, all.extra));
+    graph_buffer totals = light_totals_add(graph, "fine", input, in_view, all.sums, cell_count + 1, all.overflow);
 
     struct fine_lists lists = {.boxes = all.boxes};
-    lists.lights = (struct light_list){.kind = GPU_LIST_FINE,
-                                       .lights = input->buffer,
-                                       .header = addresses[0],
-                                       .cells = all.cells,
-                                       .ids = params->packed ? in_view->ids : all.ids,
-                                       .extra = all.extra,
-                                       .spare = light_spare_add(graph, "fine", &all.input,
-                                                                &all.in_view, all.overflow, all.headers, addresses,
-                                                                all.list_count, false),
-                                       .cell_count = cell_count,
-                                       .entry_bytes = params->packed ? 0 : 4 + side * side / 8,
-                                       .totals = totals};
+    lists.lights = (struct light_list){
+        .kind = GPU_LIST_FINE,
+        .lights = input->buffer,
+        .header = addresses[0],
+        .cells = all.cells,
+        .ids = params->packed ? in_view->ids : all.ids,
+        .extra = all.extra,
+        .spare = light_spare_add(graph, "fine", input, in_view, all.overflow, headers, addresses, all.list_count, false),
+        .cell_count = cell_count,
+        .entry_bytes = params->packed ? 0 : 4 + side * side / 8,
+        .totals = totals};
     lists.lights.fixed_bytes =
         (uint64_t)cell_count * cell_bytes + (uint64_t)cell_count * side * side * 4 + position_words * 4;
     lists.lights.byte_count =

@@ -157,7 +157,7 @@ struct zbin_params zbin_params_default(void);
 struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, const struct zbin_params *params);
 
-/** Writes the header of a list whose buffers the graph owns; for builders, inside a pass. */
+/** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
 
 #endif

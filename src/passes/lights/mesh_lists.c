@@ -11,22 +11,6 @@ struct mesh_lists_params mesh_lists_params_default(void) {
     return (struct mesh_lists_params){.grid = clustered_params_default(), .tree_lights = 4096};
 }
 
-struct bounds_data {
-    VkDeviceAddress view, header;
-    graph_buffer bounds;
-    uint32_t item_count;
-};
-
-static void execute_bounds(const struct graph_context *context, const void *data) {
-    const struct bounds_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_mesh_bounds_comp};
-    struct gpu_cells_push push = {
-        .view = d->view, .list = d->header, .cells = graph_address(context, d->bounds), .cell_count = d->item_count};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->item_count, 64u));
-}
-
 static struct light_list add_by_tree(struct graph *graph, gpu_device *device, const struct light_input *input,
                                      const struct lights_in_view *in_view, const struct geometry_scene *scene,
                                      const struct mesh_lists_params *params, struct gpu_light_list *header,
@@ -34,14 +18,18 @@ static struct light_list add_by_tree(struct graph *graph, gpu_device *device, co
     VkDeviceAddress curve;
     struct gpu_light_list *curve_header = light_list_header(device, input, &curve);
     if (curve_header) clustered_grid(curve_header, input->width, input->height, &params->grid);
-    struct bounds_data data = {.view = input->view, .header = header_address, .item_count = scene->item_count};
-    data.bounds = graph_create_buffer(graph, "mesh cell bounds", scene->item_count * sizeof(struct gpu_cell_bounds));
-    struct graph_pass *pass = graph_add_pass(graph, "mesh bounds", input->queue, execute_bounds, &data, sizeof data);
-    graph_use_buffer(pass, scene->vertices, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
+    graph_buffer bounds = graph_create_buffer(graph, "mesh cell bounds", scene->item_count * sizeof(struct gpu_cell_bounds));
+    struct gpu_cells_push push = {.view = input->view, .list = header_address, .cell_count = scene->item_count};
+    graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "mesh bounds",
+                                        .queue = input->queue,
+                                        .pipeline = {.shader = &shader_mesh_bounds_comp},
+                                        .groups = {DIVIDE_UP(scene->item_count, 64u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_reads(NULL, scene->vertices), graph_writes(&push.cells, bounds))});
     struct bvh tree = bvh_tree_add(graph, input, in_view, curve);
     struct bvh_query query = {.what = "mesh",
-                              .bounds = data.bounds,
+                              .bounds = bounds,
                               .cell_count = scene->item_count,
                               .occupied = true,
                               .pool_capacity = params->grid.pool_capacity,
@@ -65,9 +53,10 @@ struct light_list mesh_lists_add(struct graph *graph, gpu_device *device, const 
         build.header->tiles_x = scene->item_count;
         build.header->extra = scene->scene;
     }
-    struct light_list list = input->local_count < params->tree_lights
-                                 ? cells_add(graph, input, in_view, &build)
-                                 : add_by_tree(graph, device, input, in_view, scene, params, build.header, build.header_address);
+    struct light_list list =
+        input->local_count < params->tree_lights
+            ? cells_add(graph, input, in_view, &build)
+            : add_by_tree(graph, device, input, in_view, scene, params, build.header, build.header_address);
     list.kind = GPU_LIST_ITEMS;
     return list;
 }

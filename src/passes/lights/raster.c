@@ -45,7 +45,7 @@ struct raster_memory raster_memory(const struct raster_params *params, uint32_t 
 struct raster_data {
     struct light_input input;
     struct lights_in_view in_view;
-    struct gpu_raster *block; /* each pass fills in the addresses of what it is the first to use */
+    struct gpu_raster *block;
     VkDeviceAddress block_address;
     struct gpu_light_list *header;
     graph_buffer lights, slot_sums, slots, arguments, sums, cells, ids, overflow;
@@ -54,35 +54,20 @@ struct raster_data {
     bool centers;
 };
 
-static void bind(const struct graph_context *context, const struct raster_data *d, const struct gpu_shader *shader) {
-    struct gpu_compute_params params = {.shader = shader, .constant_count = 2, .constants = {GPU_LIST_CLUSTERS, d->nodes}};
-    struct gpu_raster_push push = {d->block_address};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-}
-
-static void execute_rects(const struct graph_context *context, const void *data) {
-    const struct raster_data *d = data;
-    d->block->visible_sums = graph_address(context, d->in_view.sums);
-    d->block->visible_ids = graph_address(context, d->in_view.ids);
-    d->block->bounds = graph_address(context, d->in_view.bounds);
-    d->block->lights = graph_address(context, d->lights);
-    d->block->slot_sums = graph_address(context, d->slot_sums);
-    d->block->arguments = graph_address(context, d->arguments);
-    bind(context, d, &shader_raster_rects_comp);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->input.local_count + 1, 64u));
-}
-
-static void execute_shell(const struct graph_context *context, const void *data) {
-    const struct raster_data *d = data;
-    d->block->slots = graph_address(context, d->slots);
-    bind(context, d, &shader_raster_shell_comp);
-    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->arguments), 0);
-}
+/* All resources are in the block: rows have no members. */
+#define ADD_STEP(name_, shader_, size_, ...)                                                                                \
+    graph_dispatch(graph, &(struct graph_dispatch){.name = name_,                                                           \
+                                                   .queue = d->input.queue,                                                 \
+                                                   .pipeline = {&shader_, 2, {GPU_LIST_CLUSTERS, d->nodes}},                \
+                                                   size_,                                                                   \
+                                                   GRAPH_PUSH(push),                                                        \
+                                                   GRAPH_ROWS(__VA_ARGS__)})
+#define READS(field) graph_reads(NULL, d->field)
+#define WRITES(field) graph_writes(NULL, d->field)
+#define SHELLS READS(in_view.bounds), READS(in_view.sums), READS(lights), READS(slot_sums), READS(slots)
 
 static void execute_draw(const struct graph_context *context, const void *data) {
     const struct raster_data *d = data;
-    d->block->slots = graph_address(context, d->slots);
     struct gpu_graphics_params params = {.vertex = &shader_raster_draw_vert,
                                          .fragment = &shader_raster_draw_frag,
                                          .constant_count = 1,
@@ -102,34 +87,22 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     gpu_end_rendering(context->commands);
 }
 
-static void execute_count(const struct graph_context *context, const void *data) {
-    const struct raster_data *d = data;
-    d->block->sums = graph_address(context, d->sums);
-    d->block->overflow = graph_address(context, d->overflow);
-    bind(context, d, &shader_raster_count_comp);
-    gpu_dispatch_linear(context->commands, d->tile_count * d->chunk_count);
-}
-
-static void execute_fill(const struct graph_context *context, const void *data) {
-    const struct raster_data *d = data;
-    d->block->cells = d->header->cells = graph_address(context, d->cells);
-    d->block->ids = d->header->ids = graph_address(context, d->ids);
-    bind(context, d, &shader_raster_fill_comp);
-    gpu_dispatch_linear(context->commands, d->tile_count * d->chunk_count);
-}
-
 /* ---- the list ---- */
 
-static void add_shell(struct graph *graph, const struct raster_data *d) {
-    struct graph_pass *pass = graph_add_pass(graph, "raster shell", d->input.queue, execute_shell, d, sizeof *d);
-    graph_use_buffer(pass, d->input.buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->in_view.ids, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->slot_sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->arguments, GRAPH_INDIRECT);
-    graph_use_buffer(pass, d->slots, GRAPH_WRITE_COMPUTE);
+static void put_addresses(struct graph *graph, const struct raster_data *d) {
+    graph_put_address(graph, &d->block->visible_sums, d->in_view.sums);
+    graph_put_address(graph, &d->block->visible_ids, d->in_view.ids);
+    graph_put_address(graph, &d->block->bounds, d->in_view.bounds);
+    graph_put_address(graph, &d->block->lights, d->lights);
+    graph_put_address(graph, &d->block->slot_sums, d->slot_sums);
+    graph_put_address(graph, &d->block->arguments, d->arguments);
+    graph_put_address(graph, &d->block->slots, d->slots);
+    graph_put_address(graph, &d->block->sums, d->sums);
+    graph_put_address(graph, &d->block->overflow, d->overflow);
+    graph_put_address(graph, &d->block->cells, d->cells);
+    graph_put_address(graph, &d->block->ids, d->ids);
+    graph_put_address(graph, &d->header->cells, d->cells);
+    graph_put_address(graph, &d->header->ids, d->ids);
 }
 
 static void add_draw(struct graph *graph, const struct raster_data *d) {
@@ -143,14 +116,6 @@ static void add_draw(struct graph *graph, const struct raster_data *d) {
     graph_use_buffer(pass, d->slot_sums, GRAPH_READ_GRAPHICS);
     graph_use_buffer(pass, d->arguments, GRAPH_INDIRECT);
     graph_use_buffer(pass, d->slots, GRAPH_READ_WRITE_FRAGMENT);
-}
-
-static void use_shells(struct graph_pass *pass, const struct raster_data *d) {
-    graph_use_buffer(pass, d->in_view.bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->in_view.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->lights, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->slot_sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d->slots, GRAPH_READ_COMPUTE);
 }
 
 static struct gpu_raster *make_block(gpu_device *device, const struct light_input *input, const struct raster_params *params,
@@ -181,6 +146,25 @@ static bool make_indices(gpu_device *device, struct raster_data *d) {
 bool raster_on_hardware(const gpu_device *device, const struct raster_params *params) {
     if (params->path == RASTER_PATH_SOFTWARE || params->meshes || params->gradient) return false;
     return params->centers || gpu_info(device)->conservative_raster;
+}
+
+static void add_steps(struct graph *graph, const struct raster_data *d, uint32_t sum_count, bool draws) {
+    const struct gpu_raster_push push = {d->block_address};
+    const uint32_t light_count = d->input.local_count, walks = d->tile_count * d->chunk_count;
+    ADD_STEP("raster rectangles", shader_raster_rects_comp, .groups = {DIVIDE_UP(light_count + 1, 64u)}, READS(input.buffer),
+             READS(in_view.sums), READS(in_view.ids), READS(in_view.bounds), WRITES(lights), WRITES(slot_sums),
+             WRITES(arguments));
+    prefix_sum_add(graph, "raster slots", d->input.queue, d->slot_sums, light_count + 1);
+    if (draws)
+        add_draw(graph, d);
+    else
+        ADD_STEP("raster shell", shader_raster_shell_comp, .indirect = d->arguments, READS(input.buffer),
+                 READS(in_view.sums), READS(in_view.ids), READS(in_view.bounds), READS(lights), READS(slot_sums),
+                 WRITES(slots));
+    ADD_STEP("raster count", shader_raster_count_comp, .groups = {walks}, SHELLS, WRITES(sums), WRITES(overflow));
+    prefix_sum_add(graph, "raster cells", d->input.queue, d->sums, sum_count);
+    ADD_STEP("raster fill", shader_raster_fill_comp, .groups = {walks}, SHELLS, READS(in_view.ids), READS(input.buffer),
+             READS(sums), graph_changes(NULL, d->overflow), WRITES(cells), WRITES(ids));
 }
 
 struct raster_list raster_add(struct graph *graph, gpu_device *device, const struct light_input *input,
@@ -221,35 +205,11 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     d.ids = graph_create_buffer(graph, "raster ids", (uint64_t)capacity * entry_bytes(d.nodes));
     d.overflow = graph_create_buffer(graph, "raster overflow", 4);
 
-    struct graph_pass *pass = graph_add_pass(graph, "raster rectangles", input->queue, execute_rects, &d, sizeof d);
-    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, in_view->bounds, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d.lights, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, d.slot_sums, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, d.arguments, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, "raster slots", input->queue, d.slot_sums, input->local_count + 1);
-    if (raster_on_hardware(device, params) && make_indices(device, &d)) {
-        d.centers = params->centers;
-        add_draw(graph, &d);
-    } else {
-        add_shell(graph, &d);
-    }
+    put_addresses(graph, &d);
 
-    pass = graph_add_pass(graph, "raster count", input->queue, execute_count, &d, sizeof d);
-    use_shells(pass, &d);
-    graph_use_buffer(pass, d.sums, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, d.overflow, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, "raster cells", input->queue, d.sums, sum_count);
-    pass = graph_add_pass(graph, "raster fill", input->queue, execute_fill, &d, sizeof d);
-    use_shells(pass, &d);
-    graph_use_buffer(pass, in_view->ids, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, d.overflow, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, d.cells, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, d.ids, GRAPH_WRITE_COMPUTE);
+    bool draws = raster_on_hardware(device, params) && make_indices(device, &d);
+    d.centers = params->centers;
+    add_steps(graph, &d, sum_count, draws);
 
     struct raster_memory memory = raster_memory(params, input->width, input->height, input->local_count);
     out.list.kind = d.nodes == GPU_NODES_ARRAY ? GPU_LIST_CLUSTERS : GPU_LIST_LINKS;
@@ -259,10 +219,8 @@ struct raster_list raster_add(struct graph *graph, gpu_device *device, const str
     out.list.byte_count = memory.offsets + memory.list;
     out.list.fixed_bytes = memory.offsets;
     out.list.entry_bytes = entry_bytes(d.nodes);
-    out.list.totals =
-        light_totals_add(graph, "raster", input, in_view, d.sums, sum_count, d.overflow);
-    out.list.spare = light_spare_add(graph, "raster", input, in_view, d.overflow, &d.header,
-                                     &out.list.header, 1, false);
+    out.list.totals = light_totals_add(graph, "raster", input, in_view, d.sums, sum_count, d.overflow);
+    out.list.spare = light_spare_add(graph, "raster", input, in_view, d.overflow, &d.header, &out.list.header, 1, false);
     out.slots = d.slots;
     out.slot_sums = d.slot_sums;
     out.rectangles = d.lights;

@@ -6,147 +6,121 @@
 #include "shaders.h"
 
 enum { BUCKETS = 54, CELLS_LEAST = 4096 };
-enum sparse_step {
-    STEP_MARK = SPARSE_MARK,
-    STEP_MEASURE = SPARSE_MEASURE,
-    STEP_FACE = SPARSE_FACE,
-    STEP_COMPACT,
-    STEP_BOUNDS
-};
-
 struct sparse_data {
-    VkDeviceAddress view, header_address;
-    struct gpu_light_list *header;
+    const struct light_input *input;
+    const struct gbuffer *gbuffer; /* NULL: none */
     graph_image depth;
-    struct gbuffer gbuffer; /* form and normal, where has_normals */
-    bool has_normals;
-    graph_buffer table, keys, extents, bounds, facings;
-    uint32_t width, height, samples, key_count, buckets, cell_limit;
-    enum sparse_step step;
+    graph_buffer table, keys, extents;
+    struct gpu_sparse_push push; /* without addresses */
+    uint32_t samples;
 };
 
-static VkDeviceAddress address_or_zero(const struct graph_context *context, graph_buffer buffer) {
-    return buffer.id ? graph_address(context, buffer) : 0;
-}
-
-static void execute_step(const struct graph_context *context, const void *data) {
-    const struct sparse_data *d = data;
-    bool by_pixel = d->step <= STEP_FACE;
-    struct gpu_compute_params params = {.shader = by_pixel                  ? &shader_sparse_mark_comp
-                                                  : d->step == STEP_COMPACT ? &shader_sparse_compact_comp
-                                                                            : &shader_sparse_bounds_comp,
-                                        .constant_count = by_pixel ? 3 : 2,
-                                        .constants = {GPU_LIST_ALL, d->samples, (uint32_t)d->step}};
-    struct gpu_sparse_push push = {.view = d->view,
-                                   .list = d->header_address,
-                                   .table = graph_address(context, d->table),
-                                   .keys = by_pixel ? 0 : graph_address(context, d->keys),
-                                   .extents = d->step == STEP_MARK ? 0 : graph_address(context, d->extents),
-                                   .key_count = d->key_count,
-                                   .buckets = d->buckets,
-                                   .cell_limit = d->cell_limit,
-                                   .gbuffer.depth = by_pixel ? graph_sampled(context, d->depth) : GPU_NO_DEPTH};
-    if (by_pixel && d->has_normals) {
-        push.gbuffer = gbuffer_normal_handles(context, &d->gbuffer);
-        gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
+/* Steps that look at each pixel: SPARSE_… */
+static void add_pixels(struct graph *graph, const char *name, const struct sparse_data *d, uint32_t step) {
+    struct gpu_sparse_push push = d->push;
+    struct gpu_compute_params pipeline = {
+        .shader = &shader_sparse_mark_comp, .constant_count = 3, .constants = {GPU_LIST_ALL, d->samples, step}};
+    if (d->gbuffer) {
+        push.gbuffer = gbuffer_block(d->gbuffer);
+        gbuffer_specialise(d->gbuffer, pipeline.constants, &pipeline.constant_count);
     }
-    if (d->step == STEP_BOUNDS) {
-        push.bounds = graph_address(context, d->bounds);
-        push.facings = address_or_zero(context, d->facings);
-        if (d->header) d->header->extra = push.table;
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (by_pixel)
-        gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-    else
-        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->step == STEP_COMPACT ? d->key_count : d->cell_limit, 64u));
-}
-
-static struct graph_pass *add_step(struct graph *graph, const char *name, enum graph_queue queue, struct sparse_data *data,
-                                   enum sparse_step step) {
-    data->step = step;
-    struct graph_pass *pass = graph_add_pass(graph, name, queue, execute_step, data, sizeof *data);
-    graph_use_buffer(pass, data->table, step == STEP_MARK ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
-    if (step <= STEP_FACE) {
-        graph_use_image(pass, data->depth, GRAPH_SAMPLE_COMPUTE);
-        if (data->has_normals) gbuffer_use_normal(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
-    }
-    return pass;
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = name,
+                   .queue = d->input->queue,
+                   .pipeline = pipeline,
+                   .groups = {DIVIDE_UP(d->input->width, 8u), DIVIDE_UP(d->input->height, 8u)},
+                   GRAPH_PUSH(push),
+                   GRAPH_ROWS(graph_samples(&push.gbuffer.depth, d->depth),
+                              graph_buffer_row(&push.table, d->table,
+                                               step == SPARSE_MARK ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE),
+                              graph_row_if(step != SPARSE_MARK, graph_changes(&push.extents, d->extents)))});
+    if (d->gbuffer) gbuffer_add_normal_rows(pass, &push.gbuffer, d->gbuffer, GRAPH_SAMPLE_COMPUTE);
 }
 
 struct sparse_lists sparse_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                                const struct lights_in_view *in_view, const struct sparse_params *params) {
     struct sparse_lists lists = {0};
-    struct sparse_data data = {.view = input->view,
+    struct sparse_data data = {.input = input,
+                               .gbuffer = params->gbuffer,
                                .depth = params->depth,
-                               .has_normals = params->gbuffer != NULL,
-                               .width = input->width,
-                               .height = input->height,
-                               .samples = MAX(graph_image_info(graph, params->depth).samples, 1u),
-                               .buckets = params->gbuffer ? BUCKETS : 1,
-                               .key_count = 1};
-    if (params->gbuffer) data.gbuffer = *params->gbuffer;
-    data.header = light_list_header(device, input, &data.header_address);
-    if (data.header) {
-        clustered_grid(data.header, input->width, input->height, &params->grid);
-        data.key_count = data.header->tiles_x * data.header->tiles_y * data.header->slices * data.buckets;
+                               .samples = MAX(graph_image_info(graph, params->depth).samples, 1u)};
+    const uint32_t buckets = params->gbuffer ? BUCKETS : 1;
+    uint32_t key_count = 1;
+    VkDeviceAddress header_address;
+    struct gpu_light_list *header = light_list_header(device, input, &header_address);
+    if (header) {
+        clustered_grid(header, input->width, input->height, &params->grid);
+        key_count = header->tiles_x * header->tiles_y * header->slices * buckets;
     }
     /* Hardly more cells than pixels: only those at borders have several. */
     uint64_t pixels = MAX((uint64_t)input->width * input->height * data.samples, (uint64_t)CELLS_LEAST);
-    data.cell_limit = (uint32_t)MIN((uint64_t)data.key_count, pixels);
-    if (data.header) {
-        data.header->buckets = data.buckets;
-        data.header->cell_limit = data.cell_limit;
+    const uint32_t cell_limit = (uint32_t)MIN((uint64_t)key_count, pixels);
+    data.table = graph_create_buffer(graph, "sparse table", (key_count + 1) * 4ull);
+    data.keys = graph_create_buffer(graph, "sparse keys", cell_limit * 4ull);
+    data.extents = graph_create_buffer(graph, "sparse extents", (uint64_t)cell_limit * SPARSE_EXTENTS(buckets) * 4);
+    graph_buffer bounds = graph_create_buffer(graph, "sparse bounds", cell_limit * sizeof(struct gpu_cell_bounds)),
+                 facings = {0};
+    if (params->gbuffer) facings = graph_create_buffer(graph, "sparse facings", cell_limit * sizeof(struct gpu_facing));
+    if (header) {
+        header->buckets = buckets;
+        header->cell_limit = cell_limit;
+        graph_put_address(graph, &header->extra, data.table);
     }
-    data.table = graph_create_buffer(graph, "sparse table", (data.key_count + 1) * 4ull);
-    data.keys = graph_create_buffer(graph, "sparse keys", data.cell_limit * 4ull);
-    data.extents =
-        graph_create_buffer(graph, "sparse extents", (uint64_t)data.cell_limit * SPARSE_EXTENTS(data.buckets) * 4);
-    data.bounds = graph_create_buffer(graph, "sparse bounds", data.cell_limit * sizeof(struct gpu_cell_bounds));
-    if (data.has_normals)
-        data.facings = graph_create_buffer(graph, "sparse facings", data.cell_limit * sizeof(struct gpu_facing));
+    data.push = (struct gpu_sparse_push){.view = input->view,
+                                         .list = header_address,
+                                         .key_count = key_count,
+                                         .buckets = buckets,
+                                         .cell_limit = cell_limit,
+                                         .gbuffer.depth = GPU_NO_DEPTH};
 
     graph_add_clear(graph, "sparse clear", input->queue, (struct graph_clear){.buffers = {data.table}});
-    add_step(graph, "sparse mark", input->queue, &data, STEP_MARK);
-    prefix_sum_add(graph, "sparse table", input->queue, data.table, data.key_count + 1);
-    struct graph_pass *pass = add_step(graph, "sparse compact", input->queue, &data, STEP_COMPACT);
-    graph_use_buffer(pass, data.keys, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.extents, GRAPH_WRITE_COMPUTE);
-    pass = add_step(graph, "sparse measure", input->queue, &data, STEP_MEASURE);
-    graph_use_buffer(pass, data.extents, GRAPH_READ_WRITE_COMPUTE);
-    if (data.facings.id) {
-        pass = add_step(graph, "sparse face", input->queue, &data, STEP_FACE);
-        graph_use_buffer(pass, data.extents, GRAPH_READ_WRITE_COMPUTE);
-    }
-    pass = add_step(graph, "sparse bounds", input->queue, &data, STEP_BOUNDS);
-    graph_use_buffer(pass, data.keys, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.extents, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.bounds, GRAPH_WRITE_COMPUTE);
-    if (data.facings.id) graph_use_buffer(pass, data.facings, GRAPH_WRITE_COMPUTE);
+    add_pixels(graph, "sparse mark", &data, SPARSE_MARK);
+    prefix_sum_add(graph, "sparse table", input->queue, data.table, key_count + 1);
+    struct gpu_sparse_push push = data.push;
+    graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "sparse compact",
+                                        .queue = input->queue,
+                                        .pipeline = {&shader_sparse_compact_comp, 2, {GPU_LIST_ALL, data.samples}},
+                                        .groups = {DIVIDE_UP(key_count, 64u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_reads(&push.table, data.table), graph_writes(&push.keys, data.keys),
+                                                   graph_writes(&push.extents, data.extents))});
+    add_pixels(graph, "sparse measure", &data, SPARSE_MEASURE);
+    if (facings.id) add_pixels(graph, "sparse face", &data, SPARSE_FACE);
+    push = data.push;
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "sparse bounds",
+                              .queue = input->queue,
+                              .pipeline = {&shader_sparse_bounds_comp, 2, {GPU_LIST_ALL, data.samples}},
+                              .groups = {DIVIDE_UP(cell_limit, 64u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_reads(&push.table, data.table), graph_reads(&push.keys, data.keys),
+                                         graph_reads(&push.extents, data.extents), graph_writes(&push.bounds, bounds),
+                                         graph_row_if(facings.id, graph_writes(&push.facings, facings)))});
 
-    struct bvh tree = bvh_tree_add(graph, input, in_view, data.header_address);
+    struct bvh tree = bvh_tree_add(graph, input, in_view, header_address);
     struct bvh_query query = {.what = "sparse",
-                              .bounds = data.bounds,
-                              .cell_count = data.cell_limit,
+                              .bounds = bounds,
+                              .cell_count = cell_limit,
                               .cell_counter = data.table,
-                              .cell_counter_offset = data.key_count * 4ull,
-                              .facings = data.facings,
+                              .cell_counter_offset = key_count * 4ull,
+                              .facings = facings,
                               .cone_tests = params->grid.cone_tests,
                               .occupied = true,
                               .pool_capacity = params->grid.pool_capacity,
-                              .header = data.header,
-                              .header_address = data.header_address};
+                              .header = header,
+                              .header_address = header_address};
     lists.lights = bvh_query_add(graph, device, input, in_view, &tree, &query);
     lists.lights.kind = GPU_LIST_SPARSE;
     lists.lights.extra = data.table;
-    lists.lights.byte_count += (data.key_count + 1) * 4ull;
-    lists.lights.fixed_bytes += (data.key_count + 1) * 4ull;
+    lists.lights.byte_count += (key_count + 1) * 4ull;
+    lists.lights.fixed_bytes += (key_count + 1) * 4ull;
     if (params->blend) {
-        VkDeviceAddress address;
-        struct gpu_light_list *header = light_list_header(device, input, &address);
+        header = light_list_header(device, input, &header_address);
         if (header) clustered_grid(header, input->width, input->height, &params->grid);
-        lists.blend = bvh_clusters_add(graph, device, input, in_view, &tree, "sparse blend", header, address, &params->grid);
+        lists.blend =
+            bvh_clusters_add(graph, device, input, in_view, &tree, "sparse blend", header, header_address, &params->grid);
     }
     return lists;
 }

@@ -26,23 +26,17 @@ static struct gpu_sprites_push push_of(const struct light_input *input, float lo
                                      .lod = lod};
 }
 
-static void execute_fade(const struct graph_context *context, const void *data) {
-    const struct sprites_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_sprites_fade_comp};
-    uint32_t count = d->push.directional_count + d->push.local_count;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &d->push, sizeof d->push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(count, 64u));
-}
-
 void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, float lod) {
-    struct sprites_data data = {.push = push_of(input, lod)};
-    if (input->directional_count + input->local_count == 0) return;
-    data.push.faded = copy->address;
+    const uint32_t count = input->directional_count + input->local_count;
+    if (count == 0) return;
     graph_buffer faded = graph_import_buffer(graph, "faded lights", copy);
-    struct graph_pass *pass = graph_add_pass(graph, "fade lights", GRAPH_QUEUE_GRAPHICS, execute_fade, &data, sizeof data);
-    graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, faded, GRAPH_WRITE_COMPUTE);
+    struct gpu_sprites_push push = push_of(input, lod);
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){.name = "fade lights",
+                                            .pipeline = {.shader = &shader_sprites_fade_comp},
+                                            .groups = {DIVIDE_UP(count, 64u)},
+                                            GRAPH_PUSH(push),
+                                            GRAPH_ROWS(graph_reads(NULL, input->buffer), graph_writes(&push.faded, faded))});
     input->buffer = faded;
     input->lights = copy->address;
 }

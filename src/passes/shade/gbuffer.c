@@ -121,11 +121,36 @@ void gbuffer_use_normal(struct graph_pass *pass, const struct gbuffer *gbuffer, 
     graph_use_image(pass, gbuffer->normal, use);
 }
 
+struct gpu_gbuffer gbuffer_block(const struct gbuffer *gbuffer) {
+    return (struct gpu_gbuffer){.view = gbuffer->view, .entries = gbuffer->entries, .form = gbuffer->form};
+}
+
+void gbuffer_add_rows(struct graph_pass *pass, const struct gpu_gbuffer *member, const struct gbuffer *gbuffer,
+                      enum graph_use use) {
+    graph_add_row(pass, graph_image_row(&member->depth, gbuffer->depth, use));
+    for (uint32_t i = 0; i < gbuffer->target_count; i++)
+        graph_add_row(pass, graph_image_row(&member->targets[i], gbuffer->targets[i], use));
+    graph_add_row(pass, graph_row_if(gbuffer->mask.id, graph_image_row(&member->mask, gbuffer->mask, use)));
+}
+
+void gbuffer_add_normal_rows(struct graph_pass *pass, const struct gpu_gbuffer *member, const struct gbuffer *gbuffer,
+                             enum graph_use use) {
+    graph_add_row(pass, graph_image_row(&member->depth, gbuffer->depth, use));
+    for (uint32_t i = 0; i < gbuffer->target_count; i++)
+        if (gbuffer->targets[i].id == gbuffer->normal.id)
+            graph_add_row(pass, graph_image_row(&member->targets[i], gbuffer->normal, use));
+}
+
+void gbuffer_put_normal(struct graph *graph, struct gpu_gbuffer *place, const struct gbuffer *gbuffer) {
+    *place = gbuffer_block(gbuffer);
+    graph_put_sampled(graph, &place->depth, gbuffer->depth);
+    for (uint32_t i = 0; i < gbuffer->target_count; i++)
+        if (gbuffer->targets[i].id == gbuffer->normal.id) graph_put_sampled(graph, &place->targets[i], gbuffer->normal);
+}
+
 struct gpu_gbuffer gbuffer_normal_handles(const struct graph_context *context, const struct gbuffer *gbuffer) {
-    struct gpu_gbuffer handles = {.view = gbuffer->view,
-                                  .entries = gbuffer->entries,
-                                  .depth = graph_sampled(context, gbuffer->depth),
-                                  .form = gbuffer->form};
+    struct gpu_gbuffer handles = gbuffer_block(gbuffer);
+    handles.depth = graph_sampled(context, gbuffer->depth);
     for (uint32_t i = 0; i < gbuffer->target_count; i++)
         if (gbuffer->targets[i].id == gbuffer->normal.id) handles.targets[i] = graph_sampled(context, gbuffer->normal);
     return handles;

@@ -44,6 +44,14 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
 void gbuffer_use(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use);
 /** Declares that a pass samples what gbuffer_normal() reads. */
 void gbuffer_use_normal(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use);
+/** The same as rows: members of a struct gpu_gbuffer that gbuffer_block() made. */
+void gbuffer_add_rows(struct graph_pass *pass, const struct gpu_gbuffer *member, const struct gbuffer *gbuffer, enum graph_use use);
+void gbuffer_add_normal_rows(struct graph_pass *pass, const struct gpu_gbuffer *member, const struct gbuffer *gbuffer,
+                             enum graph_use use);
+/** What of it is known before images have their places. */
+struct gpu_gbuffer gbuffer_block(const struct gbuffer *gbuffer);
+/** Fills in one that stands in memory of the frame, for passes that declare gbuffer_use_normal(). */
+void gbuffer_put_normal(struct graph *graph, struct gpu_gbuffer *place, const struct gbuffer *gbuffer);
 /** Inside such passes: what their shaders need. */
 struct gpu_gbuffer gbuffer_handles(const struct graph_context *context, const struct gbuffer *gbuffer);
 struct gpu_gbuffer gbuffer_normal_handles(const struct graph_context *context, const struct gbuffer *gbuffer);
