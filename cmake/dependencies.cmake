@@ -1,15 +1,29 @@
 # SPDX-License-Identifier: MIT
-# Every library that Fanal links, found in one place; also read by the package configuration of a static libfanal.a.
-# FANAL_PACKAGES are pkg-config's names: each becomes the target PkgConfig::NAME. Of Vulkan only
-# the headers are used; the loader is opened at run time.
-include(CMakeFindDependencyMacro)
-find_dependency(Threads)
-find_dependency(OpenEXR CONFIG)
-find_dependency(meshoptimizer CONFIG)
-find_dependency(PkgConfig)
+# Every library that Fanal links, found in one place; also read by the package configuration of a static libfanal.a. FANAL_PACKAGES are
+# pkg-config's names: each becomes the target PkgConfig::NAME. Of Vulkan only the headers are used; the loader is opened at run time.
+# FANAL_MISSING lists what was not found, with the package of Debian and Ubuntu that has it; whoever includes this file says so.
+set(FANAL_MISSING "")
+macro(fanal_need found name package)
+  if(NOT ${found})
+    list(APPEND FANAL_MISSING "${name} (Debian and Ubuntu: ${package})")
+  endif()
+endmacro()
+
+find_package(Threads QUIET)
+fanal_need(Threads_FOUND "POSIX threads" libc6-dev)
+find_package(OpenEXR CONFIG QUIET)
+fanal_need(OpenEXR_FOUND OpenEXR libopenexr-dev)
+find_package(meshoptimizer CONFIG QUIET)
+fanal_need(meshoptimizer_FOUND meshoptimizer libmeshoptimizer-dev)
+find_package(PkgConfig QUIET)
+fanal_need(PkgConfig_FOUND pkg-config pkg-config)
 set(FANAL_PACKAGES jansson spng libjpeg libwebp libzstd)
-foreach(package ${FANAL_PACKAGES})
+set(fanal_debian_packages libjansson-dev libspng-dev libjpeg-dev libwebp-dev libzstd-dev)
+foreach(package debian IN ZIP_LISTS FANAL_PACKAGES fanal_debian_packages)
+  if(PkgConfig_FOUND AND NOT TARGET PkgConfig::${package})
+    pkg_check_modules(${package} QUIET IMPORTED_TARGET ${package})
+  endif()
   if(NOT TARGET PkgConfig::${package})
-    pkg_check_modules(${package} REQUIRED QUIET IMPORTED_TARGET ${package})
+    list(APPEND FANAL_MISSING "${package} (Debian and Ubuntu: ${debian})")
   endif()
 endforeach()

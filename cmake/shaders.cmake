@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: MIT
 # GLSL to SPIR-V that is embedded in the library, and the check of the structs that C and GLSL share.
 
-find_program(FANAL_GLSLANG NAMES glslang glslangValidator REQUIRED)
-find_program(FANAL_SPIRV_OPT spirv-opt REQUIRED)
-find_program(FANAL_SPIRV_VAL spirv-val REQUIRED)
-
 # Where shaders.h lies, which declares every embedded shader.
 set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
 target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED})
@@ -16,6 +12,7 @@ add_executable(fanal_layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
 
 set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
+set_property(GLOBAL PROPERTY fanal_shader_targets "")
 
 # fanal_shaders(fanal_passes_lights tiled_bounds.comp.glsl …) compiles each file (STEM.vert.glsl, .geom.glsl, .mesh.glsl, .frag.glsl or
 # .comp.glsl) and embeds it in the target as `shader_STEM_STAGE`. Stems are unique in the whole project. Call it in the
@@ -62,6 +59,7 @@ function(fanal_shader_variant target stem)
     COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
   target_sources(${target} PRIVATE ${embedded})
   set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
+  set_property(GLOBAL APPEND PROPERTY fanal_shader_targets ${target})
 endfunction()
 
 # Called once, when every shader is known: writes shaders.h, and compiles the assertions that the structs of all
@@ -85,4 +83,7 @@ function(fanal_finish_shaders)
     COMMAND fanal_layout_check ${assertions} ${headers} -- ${modules})
   add_library(fanal_layouts OBJECT ${assertions})
   target_link_libraries(fanal_layouts PRIVATE fanal_options)
+  get_property(targets GLOBAL PROPERTY fanal_shader_targets)
+  list(REMOVE_DUPLICATES targets)
+  add_dependencies(fanal_layouts ${targets}) # make knows how to build files of its own directory only
 endfunction()

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+# What building takes besides a C compiler. All that is missing is named at once.
+include(cmake/dependencies.cmake)
+find_path(FANAL_VULKAN_HEADERS vulkan/vulkan_core.h)
+fanal_need(FANAL_VULKAN_HEADERS "the headers of Vulkan" libvulkan-dev)
+find_program(FANAL_GLSLANG NAMES glslang glslangValidator)
+fanal_need(FANAL_GLSLANG glslang glslang-tools)
+find_program(FANAL_SPIRV_OPT spirv-opt)
+fanal_need(FANAL_SPIRV_OPT spirv-opt spirv-tools)
+find_program(FANAL_SPIRV_VAL spirv-val)
+fanal_need(FANAL_SPIRV_VAL spirv-val spirv-tools)
+if(FANAL_TESTS)
+  if(PkgConfig_FOUND)
+    pkg_check_modules(cmocka QUIET IMPORTED_TARGET cmocka)
+  endif()
+  fanal_need(cmocka_FOUND "cmocka, or -DFANAL_TESTS=OFF" libcmocka-dev)
+  find_program(FANAL_CXX NAMES g++ clang++) # headers are compiled as C++ too
+  fanal_need(FANAL_CXX "a C++ compiler, or -DFANAL_TESTS=OFF" g++)
+endif()
+if(FANAL_PROGRAMS OR FANAL_TESTS)
+  find_package(Vulkan QUIET) # an example and a test are Vulkan programs themselves
+  fanal_need(Vulkan_FOUND "the loader of Vulkan" libvulkan-dev)
+endif()
+if(FANAL_MISSING)
+  list(JOIN FANAL_MISSING "\n  " text)
+  message(FATAL_ERROR "These are missing:\n  ${text}\nOn Debian and Ubuntu './build.sh setup' installs them.")
+endif()
