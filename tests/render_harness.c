@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 #include <time.h>
 #include <unistd.h>

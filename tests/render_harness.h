@@ -12,7 +12,7 @@
  *     shot_free(&a);
  *     stage_close(&s);
  *
- * Everything here fails the running test when something goes wrong. render/render_test.h has what scenes made by hand need.
+ * Everything here fails the running test when something goes wrong. tests/render_test.h has what scenes made by hand need.
  */
 #ifndef FNL_TESTS_RENDER_HARNESS_H
 #define FNL_TESTS_RENDER_HARNESS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pipelines that are asked for before a frame needs them. */
-#include "gpu/gpu_test.h"
+#include "tests/gpu_test.h"
 
 #include <time.h>
 

@@ -3,7 +3,7 @@
  * Pipelines that several threads make, and the file that they are kept in, with a driver whose cache the test can look into: it holds the
  * factors of the test's shader, and its data are the header that Vulkan prescribes with the factors behind. The pipelines are real.
  */
-#include "gpu/gpu_test.h"
+#include "tests/gpu_test.h"
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/file.h"
 #include "fanal/vulkan.h"
-#include "gpu/gpu_test.h"
+#include "tests/gpu_test.h"
 
 #include <dirent.h>
 #include <time.h>

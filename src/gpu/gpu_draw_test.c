@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "gpu/gpu_test.h"
+#include "tests/gpu_test.h"
 #include "base/maths.h"
 #include "shaders.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "gpu/gpu_test.h"
+#include "tests/gpu_test.h"
 #include "shaders.h"
 
 enum { SIDE = 9 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** What rows declare, on the null back end; graph_device_test.c has what they write. */
-#include "graph/graph_cases.h"
+#include "tests/graph_cases.h"
 
 static const struct gpu_shader shader = {.name = "no shader"}; /* nothing is executed */
 

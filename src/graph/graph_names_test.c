@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Names in scopes and names made from parts, on the null back end. */
-#include "graph/graph_cases.h"
+#include "tests/graph_cases.h"
 
 /* A pass that writes an image and a buffer, and one that reads them and writes a history. */
 static struct graph_history declare_view(struct graph *graph) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Plans as text, misuse, and the cost of compiling, on the null back end. */
-#include "graph/graph_cases.h"
+#include "tests/graph_cases.h"
 
 static void expect_plan(struct graph *graph, const char *expected) {
     static char text[16384], again[16384];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* auto: the rules of choosing against made-up times, then on a device. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 #include <dirent.h>
 #include <time.h>

@@ -3,7 +3,7 @@
  * A loaded scene is looked through and changed while a renderer shows it. After each change its picture has the bits of a scene that was
  * loaded from a file which says so.
  */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 #include "tests/render_harness.h"
 
 /* What the file says. */

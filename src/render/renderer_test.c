@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** What the renderer promises apart from the picture: cost, memory, edits, misuse, failures, several renderers. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 /* A small scene with everything: opaque, cutout and blended surfaces, points of all list kinds, two moving spheres. */
 struct stage_set {

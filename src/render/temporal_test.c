@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Motion vectors and temporal antialiasing: against projection on the CPU, against supersampling, in motion, over cuts. */
 #include "passes/aa/taa.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "render/view.h"
 
 enum { WIDTH = 97, HEIGHT = 65 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Decals of a scene without a device: the calls and what they refuse, the glTF extension, the scatter. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Every accessor type, component type, normalisation, stride and kind of sparseness against a slow reference. */
 #include "scene/gltf.h"
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
 

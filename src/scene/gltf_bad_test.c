@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Broken files: a clear message each, no crash, no leak, no memory out of proportion. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
 #include <unistd.h>

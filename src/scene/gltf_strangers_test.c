@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Files from strangers: what they may require, which other files they may read, how much memory they may take; and resolvers. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 #include "tests/test_meter.h"
 
 #include <meshoptimizer.h>

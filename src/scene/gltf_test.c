@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the importer makes of files: primitive modes, materials, nodes, skins, morphs, animations, sample models. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <meshoptimizer.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Shapes of lights on the CPU: the planes of hulls against their points, what is refused, and axes. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <setjmp.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The public calls of fanal/scene.h, their misuse, and what a renderer follows. */
-#include "scene/gltf_test_file.h"
+#include "tests/gltf_test_file.h"
 
 #include <float.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 /** Morphological antialiasing and SMAA: small pictures of known shapes, a slow reference, and how near they come to true coverage. */
 #include "passes/aa/morphological.h"
 #include "passes/aa/morphological_shared.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 enum method { MLAA, SMAA };
 

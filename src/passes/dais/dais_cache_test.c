@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred attribute interpolation: the cache of stored triangles. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
-#include "passes/dais/dais_cases.h"
+#include "tests/dais_cases.h"
 
 static void test_cache(void **state) {
     UNUSED(state);

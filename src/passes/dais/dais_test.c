@@ -2,10 +2,10 @@
 /** Deferred attribute interpolation: references, derivatives, pools, lists and shared samples. The cache: dais_cache_test.c; whole scenes:
  * dais_scenes_test.c. */
 #include "passes/dais/dais_shared.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "tests/vulkan_spy.h"
 
-#include "passes/dais/dais_cases.h"
+#include "tests/dais_cases.h"
 
 /* ---- DI-1 ---- */
 

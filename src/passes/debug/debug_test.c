@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Debug views at probed pixels. */
-#include "passes/shade/reference.h"
-#include "render/render_test.h"
+#include "tests/shade_reference.h"
+#include "tests/render_test.h"
 
 enum { WIDTH = 200, HEIGHT = 100, LEGEND_HEIGHT = 14, BOX = 16 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The view `overshading` against squares of 2x2 pixels counted on the CPU, over meshes of ever smaller triangles. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 enum { SIZE = 128, AREA = 96, STEPS = 256, MESHES = 3, LIGHTS = 3, LEGEND_TOP = SIZE - 14, NOBODY = -1, UNSURE = -2 };
 

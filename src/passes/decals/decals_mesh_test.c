@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Decals that belong to meshes: on what moves and deforms, as triangles drawn again, baked into textures. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
-#include "passes/decals/decals_cases.h"
+#include "tests/decals_cases.h"
 
 /* A strip of two quads on two joints. Its decal is at its middle before it deforms. */
 static fnl_scene *strip_scene(uint32_t *out_node, uint32_t joints[2]) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Decals of all kinds against what the CPU makes of the positions that the GPU shows, and both ways of applying them. */
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
-#include "passes/decals/decals_cases.h"
+#include "tests/decals_cases.h"
 
 /* A wall and a floor, boxes at all angles, seen from many sides, one of them inside of a box: a pixel shows a decal in either way where
    the CPU says. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Culling by clusters and by triangles: pictures against drawing whole items, counts against the CPU. */
-#include "passes/geometry/view_cases.h"
+#include "tests/view_cases.h"
 #include "render/device/clusters.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "render/shading.h"
 
 static uint32_t add_shape(fnl_scene *scene, struct scene_primitive primitive) {

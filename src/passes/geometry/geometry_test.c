@@ -3,7 +3,7 @@
 #include "passes/debug/debug.h"
 #include "passes/geometry/prefix_sum.h"
 #include "passes/shade/gbuffer.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 /* ---- frames made by hand ---- */
 

@@ -3,10 +3,10 @@
  * Drawing clusters by mesh shaders: pictures and counts against those of vertex shaders. Sizes are powers of two where pictures are compared to the
  * bit: Mesa's CPU driver scales to pixels with one rounding after vertex shaders and with two after mesh shaders, which is the same there alone.
  */
-#include "passes/geometry/view_cases.h"
+#include "tests/view_cases.h"
 #include "passes/geometry/clusters_shared.h"
 #include "render/device/clusters.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "render/shading.h"
 #include "tests/vulkan_spy.h"
 

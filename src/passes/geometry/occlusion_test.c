@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What occlusion culling does to come to its result: the last frame's depth chooses occluders, and levels suit what is looked up. */
 #include "passes/geometry/cull.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "shaders.h"
 #include "tests/vulkan_spy.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Morphing and skinning against vertices that the CPU moves in double precision. */
 #include "passes/geometry/skin_shared.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 
 struct moved {
     double position[3], normal[3];

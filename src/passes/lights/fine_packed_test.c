@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Fine-pruned tiles in 32 bytes each, and lists beside the first. */
-#include "passes/lights/fine_bench.h"
+#include "tests/fine_bench.h"
 
 #include "passes/lights/light_proxy.h"
 #include "tests/light_reference.h"

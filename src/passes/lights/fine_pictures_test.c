@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Whole frames by fine-pruned tiles. */
-#include "passes/lights/fine_bench.h"
+#include "tests/fine_bench.h"
 
 /* ---- pictures ---- */
 

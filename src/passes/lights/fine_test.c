@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Fine-pruned tiles, entry by entry and bit by bit, against the lights' volumes in double precision at the pixels' positions. */
-#include "passes/lights/fine_bench.h"
+#include "tests/fine_bench.h"
 
 #include "passes/lights/fine_shared.h"
 #include "passes/lights/light_proxy.h"

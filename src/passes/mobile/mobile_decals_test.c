@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Decals in a step of the scope of the order mobile. */
-#include "passes/mobile/mobile_cases.h"
+#include "tests/mobile_cases.h"
 
 /* ---- decals ---- */
 

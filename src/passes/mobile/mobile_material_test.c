@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What the layouts of the order mobile make of materials: workflows, furnace, lobe, halos, gamma. */
-#include "passes/mobile/mobile_cases.h"
-#include "passes/shade/reference.h"
+#include "tests/mobile_cases.h"
+#include "tests/shade_reference.h"
 
 /* ---- materials ---- */
 

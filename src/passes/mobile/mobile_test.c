@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The order mobile: merged or not the same pixels, what it stores, its layouts, glass and tone mapping inside the scope. */
 #include "passes/mobile/mobile.h"
-#include "passes/mobile/mobile_cases.h"
+#include "tests/mobile_cases.h"
 
 /* ---- the same picture in all modes ---- */
 

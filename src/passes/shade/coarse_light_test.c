@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Coarse shading: what the pixels of blocks get, and how often that is found. */
-#include "passes/shade/coarse_cases.h"
+#include "tests/coarse_cases.h"
 
 static void test_lists_give_one_picture_CP_8(void **state) {
     UNUSED(state);

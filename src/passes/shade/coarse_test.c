@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Coarse shading: which blocks are lit once, by each criterion, and what is counted. */
-#include "passes/shade/coarse_cases.h"
+#include "tests/coarse_cases.h"
 
 /* ---- the G-buffer and the criterion z ---- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred shading with several samples a pixel: the methods against one another, against forward shading, and counts against geometry. */
-#include "passes/shade/msaa_cases.h"
+#include "tests/msaa_cases.h"
 
 static fnl_frame msaa_frame(const struct stage *stage, uint32_t samples) {
     fnl_frame frame = stage->frame;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Inferred lighting: how close it is to deferred shading, its lists, its glass. */
-#include "passes/shade/msaa_cases.h"
-#include "passes/shade/order_cases.h"
+#include "tests/msaa_cases.h"
+#include "tests/order_cases.h"
 
 /* Every list gives the bits of `all`, also for what is stippled; nothing breaks, whatever the size. */
 static void check_own_reference(struct stage *stage, const char *what) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Orders that write lights into pixels, light-indexed and zioma, against forward shading. */
-#include "passes/shade/order_cases.h"
+#include "tests/order_cases.h"
 
 /* Every packing gives the very bits of forward shading: the same loop over lights, ascending, without those that reach nothing. */
 static void check_indexed(struct stage *stage, const char *what) {

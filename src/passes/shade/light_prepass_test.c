@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Light apart from materials, at full and at lower resolution, against deferred shading. */
-#include "passes/shade/msaa_cases.h"
-#include "passes/shade/order_cases.h"
+#include "tests/msaa_cases.h"
+#include "tests/order_cases.h"
 #include "scene/scene.h"
 
 /* ---- full resolution ---- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What glTF 2.0 says about materials, on pixels: a unit square fills the picture, a point of it is known in closed form. */
-#include "passes/shade/reference.h"
-#include "render/render_test.h"
+#include "tests/shade_reference.h"
+#include "tests/render_test.h"
 
 #define EXACT 2e-6
 

@@ -3,7 +3,7 @@
  * The shading orders with four samples a pixel, each against forward-prepass with as many: pixels that show one surface to 2/255, pictures by
  * decibels, surfaces whose light hardly changes within a pixel at their silhouettes too, where light that bleeds would show.
  */
-#include "passes/shade/msaa_cases.h"
+#include "tests/msaa_cases.h"
 #include "render/shading.h"
 
 struct order_case {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The shading orders against one another: forward, prepass, deferred, glass after deferred, multisampling. */
-#include "passes/shade/reference.h"
-#include "render/render_test.h"
+#include "tests/shade_reference.h"
+#include "tests/render_test.h"
 
 static void scatter(fnl_scene *scene, uint32_t count, uint64_t seed) {
     struct random_state random = {seed};

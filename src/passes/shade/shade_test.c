@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** Shading on the GPU against the double-precision reference. */
 #include "passes/post/post_shared.h"
-#include "passes/shade/reference.h"
-#include "render/render_test.h"
+#include "tests/shade_reference.h"
+#include "tests/render_test.h"
 
 #define TOLERANCE 1e-3 /* relative; of a thousandth of the brightest channel at least */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred shading by light volumes against deferred shading by one loop, and the solids themselves. */
-#include "passes/shade/order_cases.h"
+#include "tests/order_cases.h"
 #include "passes/shade/volumes.h"
 #include "passes/shade/volumes_shared.h"
 #include "render/view.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Deferred texturing with bindless textures: what its targets hold, and surfaces of every kind. Whole scenes: texturing_scenes_test.c. */
 #include "passes/texturing/texturing.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "shaders.h"
 
 /* ---- pictures ---- */

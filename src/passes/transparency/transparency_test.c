@@ -3,8 +3,8 @@
  * Blended surfaces against what each pixel shows by geometry: flat squares of plain colours, seen straight on from +Z, blended on the CPU
  * in the order of their depths at every sample.
  */
-#include "passes/shade/reference.h"
-#include "render/render_test.h"
+#include "tests/shade_reference.h"
+#include "tests/render_test.h"
 #include "render/shading.h"
 
 enum { SIZE = 64, SQUARES_MAX = 256 };

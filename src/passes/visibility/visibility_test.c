@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The visibility buffer: ids of all widths, and attributes and gradients as the rasteriser makes them. Whole scenes: render/lists_test.c. */
 #include "passes/visibility/visibility.h"
-#include "render/render_test.h"
+#include "tests/triangle_soup.h"
 
 static void test_bits(void **state) {
     UNUSED(state);
@@ -24,62 +24,11 @@ static void test_bits(void **state) {
     }
 }
 
-/* Colours run over triangles that reach behind the viewer, lie on edge, cross each other and are small; over lines and points too. */
-static fnl_scene *colorful(void) {
-    fnl_scene *scene = test_scene();
-    struct random_state random = {3};
-    struct scene_material white = test_unlit(1, 1, 1);
-    white.double_sided = true;
-    uint32_t material = scene_add_material(scene, &white);
-    for (uint32_t i = 0; i < 60; i++) {
-        enum { COUNT = 6 };
-        vec3 *positions = ARENA_ARRAY(&scene->arena, vec3, COUNT);
-        vec4 *colors = ARENA_ARRAY(&scene->arena, vec4, COUNT);
-        uint32_t *indices = ARENA_ARRAY(&scene->arena, uint32_t, COUNT);
-        float size = i < 6 ? 30 : i < 30 ? 2 : 0.1f; /* metres */
-        for (uint32_t v = 0; v < COUNT; v++) {
-            positions[v] = (vec3){random_range(&random, -size, size), random_range(&random, -size, size),
-                                  random_range(&random, -size, size)};
-            colors[v] = (vec4){random_float(&random), random_float(&random), random_float(&random), 1};
-            indices[v] = COUNT - 1 - v;
-        }
-        struct scene_primitive primitive = {.material = material,
-                                            .topology = i % 10 == 8   ? SCENE_TOPOLOGY_LINES
-                                                        : i % 10 == 9 ? SCENE_TOPOLOGY_POINTS
-                                                                      : SCENE_TOPOLOGY_TRIANGLES,
-                                            .vertex_count = COUNT,
-                                            .index_count = COUNT,
-                                            .indices = indices,
-                                            .positions = positions,
-                                            .colors = colors};
-        assert_int_equal(mesh_complete(&scene->arena, &primitive), FNL_OK);
-        uint32_t mesh = scene_add_mesh(scene, "", &primitive, 1);
-        vec3 mirror = {i % 3 == 0 ? -1.0f : 1.0f, 1, 1};
-        test_place(scene, mesh,
-                   (vec3){random_range(&random, -3, 3), random_range(&random, -2, 2), random_range(&random, -3, 2)}, mirror);
-    }
-    return scene;
-}
-
-static fnl_frame wide_frame(int view) {
-    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR);
-    frame.width = 131;
-    frame.height = 77;
-    frame.camera = fnl_camera_default();
-    frame.camera.position = (vec3){0.3f, 0.4f, 5};
-    frame.camera.target = (vec3){0, 0, 0};
-    if (view == 1) frame.camera.shift = (vec2){0.4f, -0.3f};
-    if (view == 2) {
-        frame.camera.orthographic = true;
-        frame.camera.vertical_extent = 6;
-        frame.camera.far_distance = 60;
-    }
-    return frame;
-}
+static fnl_frame wide_frame(int view) { return soup_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_COLOR, view); }
 
 static void test_interpolation(void **state) {
     UNUSED(state);
-    fnl_scene *scene = colorful();
+    fnl_scene *scene = soup_scene(&colorful);
     fnl_renderer *renderer = test_renderer(scene);
     for (int view = 0; view < 3; view++) {
         fnl_frame frame = wide_frame(view);
@@ -201,7 +150,7 @@ static void check_stored(fnl_scene *scene, fnl_frame frame, double allowed, uint
 
 static void test_stored_weights(void **state) {
     UNUSED(state);
-    fnl_scene *scene = colorful();
+    fnl_scene *scene = soup_scene(&colorful);
     for (int view = 0; view < 3; view++) check_stored(scene, wide_frame(view), 1e-4, 200);
     fnl_scene_destroy(&scene);
     scene = textured_floor(1);
@@ -222,7 +171,7 @@ static void test_stored_weights(void **state) {
 
 static void test_wide_ids(void **state) {
     UNUSED(state);
-    fnl_scene *scene = colorful();
+    fnl_scene *scene = soup_scene(&colorful);
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = wide_frame(0);
     frame.shading = FNL_SHADING_VISIBILITY;

@@ -4,7 +4,7 @@
 
 #include "passes/geometry/radix_shared.h"
 #include "passes/visibility/visible_shared.h"
-#include "render/render_test.h"
+#include "tests/render_test.h"
 #include "scene_shared.h"
 #include "shaders.h"
 #include "tests/vulkan_spy.h"

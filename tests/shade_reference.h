@@ -3,8 +3,8 @@
  * Shading in double precision on the CPU, written from the specifications and not from the shaders; for tests. BRDF: glTF
  * 2.0 appendix B with KHR_materials_ior and KHR_materials_specular. Lights: KHR_lights_punctual.
  */
-#ifndef FNL_PASSES_SHADE_REFERENCE_H
-#define FNL_PASSES_SHADE_REFERENCE_H
+#ifndef FNL_TESTS_SHADE_REFERENCE_H
+#define FNL_TESTS_SHADE_REFERENCE_H
 
 #include "fanal/renderer.h"
 

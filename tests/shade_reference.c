@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "passes/shade/reference.h"
+#include "tests/shade_reference.h"
 
 #include "tests/light_reference.h"
 

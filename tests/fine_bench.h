@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What the tests of fine-pruned tiles share: lists built on the device and read back, and the lights' volumes in double precision. */
-#ifndef FNL_PASSES_LIGHTS_FINE_BENCH_H
-#define FNL_PASSES_LIGHTS_FINE_BENCH_H
+#ifndef FNL_TESTS_FINE_BENCH_H
+#define FNL_TESTS_FINE_BENCH_H
 
 #include "passes/lights/fine.h"
 #include "tests/list_bench.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "passes/mobile/mobile_cases.h"
+#include "tests/mobile_cases.h"
 
 fnl_frame mobile_frame(const struct stage *stage) {
     fnl_frame frame = stage->frame;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** The scenes and cameras that every shading order is tried on, for tests. */
-#ifndef FNL_PASSES_SHADE_ORDER_CASES_H
-#define FNL_PASSES_SHADE_ORDER_CASES_H
+#ifndef FNL_TESTS_ORDER_CASES_H
+#define FNL_TESTS_ORDER_CASES_H
 
 #include "tests/render_harness.h"
 

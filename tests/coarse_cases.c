@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "passes/shade/coarse_cases.h"
+#include "tests/coarse_cases.h"
 
 /* ---- scenes ---- */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** For tests: glTF files put together in memory, and a host that keeps what is logged. */
-#ifndef FNL_SCENE_GLTF_TEST_FILE_H
-#define FNL_SCENE_GLTF_TEST_FILE_H
+#ifndef FNL_TESTS_GLTF_TEST_FILE_H
+#define FNL_TESTS_GLTF_TEST_FILE_H
 
 #include "scene/scene.h"
 

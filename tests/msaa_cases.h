@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What tests of several samples a pixel share: squares whose edges are known, and how near pictures are. */
-#ifndef FNL_PASSES_SHADE_MSAA_CASES_H
-#define FNL_PASSES_SHADE_MSAA_CASES_H
+#ifndef FNL_TESTS_MSAA_CASES_H
+#define FNL_TESTS_MSAA_CASES_H
 
 #include "tests/render_harness.h"
 

@@ -3,8 +3,8 @@
  * The second half of render_harness.h, for tests that make their scenes by hand and look at single pixels: memory that counts
  * and can be made to fail, small scenes, pictures. Both use the one device of the program.
  */
-#ifndef FNL_RENDER_TEST_H
-#define FNL_RENDER_TEST_H
+#ifndef FNL_TESTS_RENDER_TEST_H
+#define FNL_TESTS_RENDER_TEST_H
 
 #include "fanal/renderer.h"
 #include "scene/scene.h"

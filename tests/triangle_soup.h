@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/** Scenes, frames and comparisons that the tests of deferred attribute interpolation share. Comes after render/render_test.h. */
-#ifndef FNL_PASSES_DAIS_DAIS_CASES_H
-#define FNL_PASSES_DAIS_DAIS_CASES_H
+/** Meshes of random triangles, and a frame that looks at them. */
+#ifndef FNL_TESTS_TRIANGLE_SOUP_H
+#define FNL_TESTS_TRIANGLE_SOUP_H
 
-/* ---- scenes ---- */
+#include "tests/render_test.h"
 
 struct soup {
     uint32_t meshes, triangles; /* of a mesh */
@@ -54,14 +54,13 @@ static inline fnl_scene *soup_scene(const struct soup *soup) {
     return scene;
 }
 
-static const struct soup colorful = {60, 2, 30, .lines = true}, crossing = {60, 2, 30, .lines = false}, confetti = {60, 60, 0.5f, .flat = true},
-                         paper = {60, 60, 0.5f, .plain = true};
+static const struct soup colorful = {60, 2, 30, .lines = true};
 
-static inline fnl_frame wide_frame(int view) {
-    fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+/** View 0 is in perspective, 1 off its axis, 2 orthographic. */
+static inline fnl_frame soup_frame(uint32_t outputs, int view) {
+    fnl_frame frame = test_frame(outputs);
     frame.width = 131;
     frame.height = 77;
-    frame.shading = FNL_SHADING_DAIS;
     frame.camera = fnl_camera_default();
     frame.camera.position = (vec3){0.3f, 0.4f, 5};
     frame.camera.target = (vec3){0, 0, 0};
@@ -72,48 +71,6 @@ static inline fnl_frame wide_frame(int view) {
         frame.camera.far_distance = 60;
     }
     return frame;
-}
-
-struct closeness {
-    uint32_t beyond, shown;
-    double worst;
-};
-
-/* Pixels of `a` that show something and differ in `b` by more than `allowed`. */
-static inline struct closeness compare(const fnl_image *a, const fnl_image *b, double allowed) {
-    struct closeness c = {0};
-    for (uint32_t y = 0; y < a->height; y++)
-        for (uint32_t x = 0; x < a->width; x++) {
-            const float *p = test_pixel(a, x, y), *q = test_pixel(b, x, y);
-            double error = 0;
-            for (int k = 0; k < 3; k++) error = fmax(error, fabs((double)p[k] - (double)q[k]));
-            c.shown += p[0] > 0 || p[1] > 0 || p[2] > 0;
-            c.beyond += !(error <= allowed);
-            c.worst = fmax(c.worst, error);
-        }
-    return c;
-}
-
-static inline fnl_image shoot(fnl_renderer *renderer, const fnl_frame *frame) {
-    test_render_frame(renderer, frame);
-    return test_read(renderer, FNL_OUTPUT_RADIANCE);
-}
-
-static inline fnl_frame_stats stats_of(fnl_renderer *renderer) {
-    fnl_frame_stats stats;
-    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-    return stats;
-}
-
-static inline uint32_t sample_counts(uint32_t i) {
-    static const uint32_t counts[] = {1, 4, 8, 2};
-    return counts[i];
-}
-
-static inline bool has_samples(uint32_t samples) {
-    fnl_device_info info;
-    assert_int_equal(fnl_device_query_info(test_device, &info), FNL_OK);
-    return info.msaa_counts & samples;
 }
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/** What the tests of decals share: a grey wall, decals and pictures for it, frames and cameras. Comes after render/render_test.h. */
-#ifndef FNL_PASSES_DECALS_DECALS_CASES_H
-#define FNL_PASSES_DECALS_DECALS_CASES_H
+/** What the tests of decals share: a grey wall, decals and pictures for it, frames and cameras. Comes after tests/render_test.h. */
+#ifndef FNL_TESTS_DECALS_CASES_H
+#define FNL_TESTS_DECALS_CASES_H
 
 enum { SIDE = 64 };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What the tests of the order mobile share. */
-#ifndef FNL_PASSES_MOBILE_CASES_H
-#define FNL_PASSES_MOBILE_CASES_H
+#ifndef FNL_TESTS_MOBILE_CASES_H
+#define FNL_TESTS_MOBILE_CASES_H
 
 #include "tests/render_harness.h"
 

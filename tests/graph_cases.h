@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What tests of plans on the null back end share. */
-#ifndef FNL_GRAPH_CASES_H
-#define FNL_GRAPH_CASES_H
+#ifndef FNL_TESTS_GRAPH_CASES_H
+#define FNL_TESTS_GRAPH_CASES_H
 
 #include "graph/graph.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Scenes, frames and counts that the tests of coarse shading share. */
-#ifndef FNL_PASSES_COARSE_CASES_H
-#define FNL_PASSES_COARSE_CASES_H
+#ifndef FNL_TESTS_COARSE_CASES_H
+#define FNL_TESTS_COARSE_CASES_H
 
 #include "tests/render_harness.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** Cameras on what the tests of culling scatter around the origin. */
-#ifndef FNL_PASSES_VIEW_CASES_H
-#define FNL_PASSES_VIEW_CASES_H
+#ifndef FNL_TESTS_VIEW_CASES_H
+#define FNL_TESTS_VIEW_CASES_H
 
 #include "fanal/renderer.h"
 

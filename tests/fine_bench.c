@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "passes/lights/fine_bench.h"
+#include "tests/fine_bench.h"
 
 #include "passes/lights/light_proxy.h"
 #include "tests/light_reference.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** What the tests of this folder share. */
-#ifndef FNL_GPU_TEST_H
-#define FNL_GPU_TEST_H
+#ifndef FNL_TESTS_GPU_TEST_H
+#define FNL_TESTS_GPU_TEST_H
 
 #include "gpu/gpu_internal.h"
 #include "tests/test_memory.h"
