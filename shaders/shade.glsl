@@ -15,7 +15,7 @@ layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
 layout(constant_id = 2) const uint HAS_LIGHTS = 1u;
 
 vec3 ambient_radiance(view_block v, vec3 direction) {
-    return mix(v.view.ambient_ground, v.view.ambient_sky, direction.y * 0.5 + 0.5);
+    return mix(v.view.frame.frame.ambient_ground, v.view.frame.frame.ambient_sky, direction.y * 0.5 + 0.5);
 }
 
 // What a surface gets from all around, but for its mirror direction. Shaders that know it already say so before they include this.
@@ -43,8 +43,8 @@ vec3 shade_rest(surface s, view_block v, vec3 to_view, vec3 sum) {
 // left. `seed` is any number.
 float shade_cost(view_block v, float seed) {
     float burn = clamp(seed, -1.0, 1.0);
-    for (uint i = 0u; i < v.view.shade_cost; i++) burn = sin(burn * 1.7 + 0.3);
-    return burn * v.view.nothing;
+    for (uint i = 0u; i < v.view.frame.frame.shade_cost; i++) burn = sin(burn * 1.7 + 0.3);
+    return burn * v.view.frame.frame.nothing;
 }
 
 // Outgoing radiance in cd/m^2. `counters` holds two uints per pixel; it is touched only where COUNT_LIGHTS is 1. `item` is the draw item,
@@ -76,7 +76,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         if (cursor.unserved) atomicAdd(counters.at[v.view.size.x * v.view.size.y * 2u], 1u);
     }
 
-    if (v.view.shade_cost > 0u) sum += shade_cost(v, s.roughness);
+    if (v.view.frame.frame.shade_cost > 0u) sum += shade_cost(v, s.roughness);
     return shade_rest(s, v, to_view, sum);
 }
 

@@ -3,8 +3,11 @@
 #define VIEW_GLSL
 
 #include "common.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block;
 #include "view_shared.h"
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block { gpu_frame frame; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer view_block { gpu_view view; };
 
 // Positive distance along the view axis of a stored depth; huge for the empty sky of a perspective view.

@@ -1,11 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/** One camera in one frame. */
+/** One camera of a frame, and what all cameras of a frame share. */
 #ifndef FNL_SHADERS_VIEW_SHARED_H
 #define FNL_SHADERS_VIEW_SHARED_H
 
 #include "shared.h"
 
+/* What does not depend on the camera: one for each frame. */
+struct gpu_frame {
+    vec3 ambient_sky;    /* cd/m^2 */
+    float hdr_max;       /* largest value that the radiance target holds */
+    vec3 ambient_ground;
+    uint shade_cost;     /* extra loop iterations per light evaluation */
+    float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
+    float light_max;     /* and the most that it holds */
+    float nothing;       /* 0, which shaders do not know */
+};
+
 /*
+ * The camera: one for each view. Those of the views of a frame stand one after the other, in the order of the views.
+ *
  * View space is right-handed and looks down -Z; "view depth" is the positive distance along the axis, -z. Reversed depth:
  * 1 at the near plane; 0 at infinity (perspective) or at the far plane (orthographic).
  */
@@ -24,15 +37,9 @@ struct gpu_view {
     vec4 depth_decode;   /* view depth = (x + y * d) / (z + w * d) */
     uvec2 size;          /* pixels */
     vec2 inverse_size;
-    vec3 ambient_sky;    /* cd/m^2 */
     uint samples;        /* of a pixel */
-    vec3 ambient_ground;
-    float hdr_max;       /* largest value that the radiance target holds */
-    uvec2 decals;        /* address of a struct gpu_decal_set; read only where a shader's features say that there is one */
-    float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
-    float light_max;     /* and the most that it holds */
-    uint shade_cost;     /* turns of a loop that only takes time */
-    float nothing;       /* 0, which shaders do not know */
+    ADDRESS(frame_block) frame;
+    uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
 };
 
 #endif

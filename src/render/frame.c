@@ -6,6 +6,7 @@
 #include "render/frame_steps.h"
 #include "render/shading.h"
 
+static fnl_result add_shared(struct frame_state *f);
 static fnl_result add_view(struct frame_state *f);
 static fnl_result fade_lights(struct frame_state *f);
 static void add_counters(struct frame_state *f);
@@ -15,6 +16,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
         .r = r, .frame = frame, .graph = r->graph, .scene = &r->scene_frame, .drawn_lists = frame->lists, .target = target};
     graph_begin(r->graph);
     TRY(device_scene_add(&r->device_scene, r->graph, f.scene));
+    TRY(add_shared(&f));
     TRY(add_view(&f));
     TRY(decals_add_list(&f));
     TRY(fade_lights(&f));
@@ -38,6 +40,24 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
 
 /* ---- the steps that are short ---- */
 
+/* Memory of the frame with a copy of what is given. */
+static fnl_result send(struct frame_state *f, const void *data, uint64_t size, VkDeviceAddress *out_address) {
+    struct gpu_slice slice = gpu_frame_allocate(f->r->device, size);
+    if (!slice.data) return gpu_status(f->r->device);
+    memcpy(slice.data, data, size);
+    *out_address = slice.address;
+    return FNL_OK;
+}
+
+static fnl_result add_shared(struct frame_state *f) {
+    f->shared = (struct gpu_frame){.ambient_sky = f->r->scene->ambient_sky,
+                                   .ambient_ground = f->r->scene->ambient_ground,
+                                   .shade_cost = f->frame->shade_cost,
+                                   .hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f};
+    shading_begin(f);
+    return send(f, &f->shared, sizeof f->shared, &f->shared_address);
+}
+
 static fnl_result add_view(struct frame_state *f) {
     fnl_camera camera = f->frame->camera;
     temporal_begin(f);
@@ -45,17 +65,10 @@ static fnl_result add_view(struct frame_state *f) {
     camera.shift.y += 2 * f->temporal.jitter.y / (float)f->frame->height;
     f->view = view_from_camera(&camera, f->frame->width, f->frame->height);
     f->view.samples = f->frame->msaa;
-    f->view.ambient_sky = f->r->scene->ambient_sky;
-    f->view.ambient_ground = f->r->scene->ambient_ground;
-    shading_begin(f);
-    f->view.shade_cost = f->frame->shade_cost;
-    f->view.hdr_max = shading_format(f) == VK_FORMAT_R32G32B32A32_SFLOAT ? FLT_MAX : 65504.0f;
+    f->view.frame = f->shared_address;
     TRY(decals_begin(f));
-    struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof f->view);
-    if (!slice.data) return gpu_status(f->r->device);
-    memcpy(slice.data, &f->view, sizeof f->view);
-    f->view_address = slice.address;
-    f->scene->lights.view = slice.address;
+    TRY(send(f, &f->view, sizeof f->view, &f->view_address));
+    f->scene->lights.view = f->view_address;
     f->scene->lights.width = f->frame->width;
     f->scene->lights.height = f->frame->height;
     return FNL_OK;

@@ -37,8 +37,9 @@ struct frame_state {
     const fnl_frame *frame;
     struct graph *graph;
     struct device_scene_frame *scene; /* the renderer's: passes look at it while they are recorded */
+    struct gpu_frame shared; /* by all views */
     struct gpu_view view;
-    VkDeviceAddress view_address;
+    VkDeviceAddress shared_address, view_address;
     struct geometry_draws draws;
     graph_image radiance, depth;
     uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */

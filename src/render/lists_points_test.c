@@ -73,8 +73,10 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     struct device_scene_frame scene;
     assert_int_equal(device_scene_add(&r->device_scene, graph, &scene), FNL_OK);
     struct gpu_view view = view_from_camera(&frame->camera, t.width, t.height);
-    view.hdr_max = FLT_MAX;
-    struct gpu_slice slice = gpu_frame_allocate(device, sizeof view);
+    struct gpu_frame shared = {.hdr_max = FLT_MAX};
+    struct gpu_slice shared_slice = gpu_frame_allocate(device, sizeof shared), slice = gpu_frame_allocate(device, sizeof view);
+    memcpy(shared_slice.data, &shared, sizeof shared);
+    view.frame = shared_slice.address;
     memcpy(slice.data, &view, sizeof view);
     struct light_input *input = &scene.lights;
     input->view = slice.address;

@@ -75,10 +75,12 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
     *at = vec3_add(*at, vec3_scale(eye->step, 1 + (float)number));
     eye->view = view_from_camera(&here.camera, WIDTH, HEIGHT);
     eye->view.samples = 1;
-    eye->view.hdr_max = FLT_MAX;
-    eye->view.light_scale = 1;
-    struct gpu_slice slice = gpu_frame_allocate(device, sizeof eye->view);
+    struct gpu_frame shared = {.hdr_max = FLT_MAX, .light_scale = 1};
+    struct gpu_slice shared_slice = gpu_frame_allocate(device, sizeof shared), slice = gpu_frame_allocate(device, sizeof eye->view);
+    assert_non_null(shared_slice.data);
     assert_non_null(slice.data);
+    memcpy(shared_slice.data, &shared, sizeof shared);
+    eye->view.frame = shared_slice.address;
     memcpy(slice.data, &eye->view, sizeof eye->view);
     struct light_input input = scene->lights;
     input.view = slice.address;

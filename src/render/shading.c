@@ -53,7 +53,7 @@ fnl_result shading_prepare(fnl_renderer *r, const fnl_frame *frame) {
 
 void shading_begin(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
-    f->view.light_scale = f->view.light_max = 1;
+    f->shared.light_scale = f->shared.light_max = 1;
     if (order->begin) order->begin(f);
 }
 

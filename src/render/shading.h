@@ -41,7 +41,7 @@ VkFormat shading_format(const struct frame_state *f);
 fnl_result shading_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
 /** Before a frame begins: what the order keeps from frame to frame. */
 fnl_result shading_prepare(fnl_renderer *r, const fnl_frame *frame);
-/** Fills in what of f->view depends on the order, before it is sent. */
+/** Fills in what of f->shared depends on the order, before it is sent. */
 void shading_begin(struct frame_state *f);
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);

@@ -7,7 +7,7 @@
 #include "fanal/scene.h"
 #include "view_shared.h"
 
-/** Fills in everything of the camera; ambient light and the rest stay zero. The camera was checked with camera_check. */
+/** Fills in everything that follows from the camera; samples, frame and decals stay zero. The camera was checked with camera_check. */
 struct gpu_view view_from_camera(const fnl_camera *camera, uint32_t width, uint32_t height);
 
 /** View depth of the farthest corner of a box in world space, 1 at least, metres. */

@@ -24,6 +24,6 @@ void main() {
     vec3 view_position = (push.geometry.view.view.world_to_view * vec4(s.position, 1.0)).xyz;
     uvec2 pixel = SAMPLES > 1u ? pixel_of(push.geometry.view, view_position) : uvec2(gl_FragCoord.xy);
     vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, pixel, -view_position.z, in_ids.y);
-    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.hdr_max)), 1.0);
+    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.frame.frame.hdr_max)), 1.0);
     gl_SampleMask[0] = int(mask);
 }

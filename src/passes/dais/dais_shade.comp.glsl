@@ -45,7 +45,7 @@ vec3 shade(ivec2 pixel, uint mask, uint reference, uint shading) {
     if (ambient_known) ambient_light = log_luv_decode(push.samples.at[2u * shading]);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
     if (PROBE != DAIS_SHOW_RADIANCE) return probe(view_depth, pixel);
-    return min(radiance, vec3(push.view.view.hdr_max));
+    return min(radiance, vec3(push.view.view.frame.frame.hdr_max));
 }
 
 void main() {

@@ -89,7 +89,7 @@ void main() {
     }
     gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(v, p.position), id, entry, vec3(0.0), pixel);
     if (EMITS == 1u) {
-        out_0 = vec4(min(s.emissive, vec3(v.view.hdr_max)), 1.0);
+        out_0 = vec4(min(s.emissive, vec3(v.view.frame.frame.hdr_max)), 1.0);
         out_1 = g.targets[0];
         out_2 = g.targets[1];
         out_3 = g.targets[2];

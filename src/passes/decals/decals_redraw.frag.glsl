@@ -50,5 +50,5 @@ void main() {
     vec3 view_position = (push.view.view.world_to_view * vec4(in_position, 1.0)).xyz;
     uvec2 pixel = push.view.view.samples > 1u ? pixel_of(push.view, view_position) : uvec2(gl_FragCoord.xy);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, -view_position.z, LIGHT_NO_ITEM);
-    out_radiance = vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
+    out_radiance = vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

@@ -13,5 +13,5 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
     vec2 share = max(1.0 - abs(floor(gl_FragCoord.xy) + 0.5 - in_pixel), vec2(0.0));
-    out_radiance = vec4(min(in_color * (share.x * share.y), vec3(push.view.view.hdr_max)), 0.0);
+    out_radiance = vec4(min(in_color * (share.x * share.y), vec3(push.view.view.frame.frame.hdr_max)), 0.0);
 }

@@ -7,7 +7,7 @@
 //   metallic 256   x | y | z | light RG | light B, normal X | normal YZ | roughness, metalness | colour RGB
 //   specular 256   x | y | z | light RG | light B, roughness | normal XYZ | diffuse RGB | F0 RGB
 //
-// Light is radiance times view.light_scale, at most view.light_max. Metallic layouts take every dielectric for one of F0 0.04; black that
+// Light is radiance times the frame's light_scale, at most its light_max. Metallic layouts take every dielectric for one of F0 0.04; black that
 // is all metal stands for a surface that reflects nothing.
 #ifndef MOBILE_GLSL
 #define MOBILE_GLSL
@@ -50,7 +50,7 @@ vec3 mobile_decode(vec3 color) {
 }
 
 // Of radiance what the accumulator takes.
-vec3 mobile_scaled(view_block v, vec3 radiance) { return min(radiance * v.view.light_scale, vec3(v.view.light_max)); }
+vec3 mobile_scaled(view_block v, vec3 radiance) { return min(radiance * v.view.frame.frame.light_scale, vec3(v.view.frame.frame.light_max)); }
 
 vec3 mobile_light(mobile_texel g) {
 #ifdef MOBILE_WIDE

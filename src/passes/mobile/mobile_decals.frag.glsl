@@ -58,7 +58,7 @@ void main() {
         bool was_black = before.dielectric_f90 == 0.0; // for which metalness stands in
         if (bent || rough || tinted || metal || s.emissive != before.emissive) {
             vec3 more = shade_rest(s, push.view, to_view, vec3(0.0)) - shade_rest(before, push.view, to_view, vec3(0.0));
-            light = clamp(light + more * push.view.view.light_scale, vec3(0.0), vec3(push.view.view.light_max));
+            light = clamp(light + more * push.view.view.frame.frame.light_scale, vec3(0.0), vec3(push.view.view.frame.frame.light_max));
         }
         mobile_texel n = mobile_pack(s, g.t[1].x, light);
         // What is read and written again may lose its last bit: normals are made unit vectors in between.

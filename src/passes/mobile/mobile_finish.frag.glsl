@@ -20,12 +20,12 @@ layout(location = 0) out vec4 out_color;
 void main() {
     mobile_texel g;
     MOBILE_LOAD_LIGHT(g)
-    vec3 color = mobile_light(g) / push.view.view.light_scale;
+    vec3 color = mobile_light(g) / push.view.view.frame.frame.light_scale;
     if (push.encode == 1u) {
         color = min(color * push.factor, vec3(1e15)); // as the pass of its own does
         color = srgb_encode(clamp(tone_map(push.tonemap, color), 0.0, 1.0));
     } else {
-        color = min(color * push.factor, vec3(push.encode == 0u ? push.view.view.hdr_max : 1e15));
+        color = min(color * push.factor, vec3(push.encode == 0u ? push.view.view.frame.frame.hdr_max : 1e15));
     }
     out_color = vec4(push.swap == 1u ? color.bgr : color, 1.0);
 }

@@ -16,7 +16,7 @@ void main() {
     float view_depth;
     vec4 color = forward_shade(push, view_depth);
     // By its share of the limit, within which the light stays so.
-    color.rgb = min(color.rgb * push.view.view.light_scale, vec3(push.view.view.light_max * color.a));
+    color.rgb = min(color.rgb * push.view.view.frame.frame.light_scale, vec3(push.view.view.frame.frame.light_max * color.a));
 #ifdef MOBILE_WIDE
     out_0 = vec4(color.rg, 0.0, color.a);
     out_1 = vec4(color.b, 0.0, 0.0, color.a); // what shares the target is needed no more

@@ -23,7 +23,7 @@ void main() {
         float view_depth;
         surface s = mobile_surface(g, push.view, pixel, view_depth);
         vec3 sum = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
-        light = min(light + mobile_scaled(push.view, sum), vec3(push.view.view.light_max));
+        light = min(light + mobile_scaled(push.view, sum), vec3(push.view.view.frame.frame.light_max));
     }
 #ifdef MOBILE_WIDE
     out_0 = vec4(light.rg, 0.0, 0.0);

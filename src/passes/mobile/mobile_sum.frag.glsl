@@ -32,7 +32,7 @@ void main() {
 #else
     vec3 sum = texelFetch(textures[push.images[MOBILE_SUM]], ivec2(gl_FragCoord.xy), 0).rgb;
 #endif
-    vec3 light = min(mobile_light(g) + sum, vec3(push.view.view.light_max));
+    vec3 light = min(mobile_light(g) + sum, vec3(push.view.view.frame.frame.light_max));
 #ifdef MOBILE_WIDE
     out_0 = vec4(light.rg, 0.0, 0.0);
     out_1 = vec4(light.b, g.t[4].y, 0.0, 0.0);

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Lights as volumes: what one light adds to one pixel, times view.light_scale, into a sum that is added to the light later.
+// Lights as volumes: what one light adds to one pixel, times light_scale of the frame, into a sum that is added to the light later.
 #include "common.glsl"
 #include "shade.glsl"
 #include "passes/shade/volumes.glsl"

@@ -27,7 +27,7 @@ void main() {
     if (!(sum.a > 0.0)) discard;
     float coverage = 1.0 - exp(-WEIGHTED_LOAD(density, 1).r);
     vec3 color = min(sum.rgb, vec3(1e36)) * (coverage / sum.a);
-    color = min(color * push.view.view.light_scale, vec3(push.view.view.light_max * coverage)); // as a single surface
+    color = min(color * push.view.view.frame.frame.light_scale, vec3(push.view.view.frame.frame.light_max * coverage)); // as a single surface
 #ifdef MOBILE_WIDE
     out_0 = vec4(color.rg, 0.0, coverage);
     out_1 = vec4(color.b, 0.0, 0.0, coverage); // what shares the target is needed no more

@@ -13,5 +13,5 @@ void main() {
     if (!is_shown(materials)) discard;
     vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, uvec2(gl_FragCoord.xy),
                                   view_depth_at(s.position), in_ids.y);
-    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.hdr_max)) * s.alpha, s.alpha);
+    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

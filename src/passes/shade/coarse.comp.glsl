@@ -106,7 +106,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
         atomicAdd(push.counters.at[(pixel.y * v.view.size.x + pixel.x) * 2u + 1u], useful);
     }
     if (!is_slow) return sum;
-    if (v.view.shade_cost > 0u) sum.rest += shade_cost(v, s.roughness);
+    if (v.view.frame.frame.shade_cost > 0u) sum.rest += shade_cost(v, s.roughness);
     coarse_light ambient = ambient_parts(s, to_view);
     if (SPLIT == COARSE_SPLIT_ALBEDO)
         sum.by_color += ambient.by_color;
@@ -124,7 +124,7 @@ vec3 put_together(coarse_light light, vec3 base_color) {
 
 void store(ivec2 pixel, vec3 light) {
     vec3 emissive = imageLoad(images[push.target], pixel).rgb;
-    imageStore(images[push.target], pixel, vec4(min(light + emissive, vec3(push.gbuffer.view.view.hdr_max)), 1.0));
+    imageStore(images[push.target], pixel, vec4(min(light + emissive, vec3(push.gbuffer.view.view.frame.frame.hdr_max)), 1.0));
 }
 
 // Writes what a block shares to its pixels, with what each has of its own.

@@ -37,5 +37,5 @@ void main() {
     vec3 emissive = imageLoad(images[push.radiance], pixel).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.view, pixel, view_depth), emissive);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
-    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
+    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
 }

@@ -18,5 +18,5 @@ void main() {
     vec3 emissive = texelFetch(textures[push.emission], pixel, 0).rgb;
     surface s = gbuffer_surface(push.gbuffer, pixel, gbuffer_position(push.gbuffer.view, pixel, view_depth), emissive);
     vec3 radiance = shade_surface(s, push.gbuffer.view, push.lights, push.counters, uvec2(pixel), view_depth, LIGHT_NO_ITEM);
-    out_radiance = vec4(min(radiance, vec3(push.gbuffer.view.view.hdr_max)), 1.0);
+    out_radiance = vec4(min(radiance, vec3(push.gbuffer.view.view.frame.frame.hdr_max)), 1.0);
 }

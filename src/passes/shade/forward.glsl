@@ -25,5 +25,5 @@ vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     view_depth = -view_position.z;
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, pixel, view_depth, in_ids.y);
     // Premultiplied; a blended surface keeps its glow and its highlights by alpha as glTF asks (coverage, not transmission).
-    return vec4(min(radiance, vec3(push.view.view.hdr_max)) * s.alpha, s.alpha);
+    return vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

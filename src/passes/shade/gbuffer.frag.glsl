@@ -38,7 +38,7 @@ void main() {
     vec3 position = gbuffer_position(push.geometry.view, pixel, view_depth_of(push.geometry.view, gl_FragCoord.z));
     gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(push.geometry.view, position), id, entry, vec3(0.0), pixel);
     vec4 mask = vec4(is_forward ? gbuffer_mask_of(in_ids.y) : 0.0);
-    out_radiance = vec4(min(s.emissive, vec3(push.geometry.view.view.hdr_max)), 1.0);
+    out_radiance = vec4(min(s.emissive, vec3(push.geometry.view.view.frame.frame.hdr_max)), 1.0);
     out_0 = g.targets[0];
     out_1 = g.targets[1];
     out_2 = count == 2u ? mask : g.targets[2];

@@ -49,5 +49,5 @@ void main() {
         s.normal = gbuffer_normal(push.gbuffer, pixel);
     }
     vec3 radiance = shade_surface(s, push.geometry.view, push.geometry.lights, push.geometry.counters, cell, view_depth, LIGHT_NO_ITEM);
-    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.hdr_max)), 1.0);
+    out_radiance = vec4(min(radiance, vec3(push.geometry.view.view.frame.frame.hdr_max)), 1.0);
 }

@@ -75,5 +75,5 @@ void main() {
         for (uint k = 0u; k < TARGETS; k++) sums.at[k] /= suits;
     }
     vec3 radiance = shade_rest(s, v, to_viewer(v, s.position), light_sums_reflect(s, sums));
-    out_radiance = vec4(min(radiance, vec3(v.view.hdr_max)) * s.alpha, s.alpha);
+    out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
 }

@@ -22,7 +22,7 @@ void main() {
         light_surface s = light_samples_surface(push.view, push.surfaces, texel, samples, view_depth);
         light_sums sums = light_sums_of(s, push.view, push.lights, push.counters, uvec2(texel), view_depth);
         for (uint i = 0u; i < count; i++)
-            imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.hdr_max)));
+            imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.frame.frame.hdr_max)));
         return;
     }
     if (push.scale > 1u) {
@@ -38,5 +38,5 @@ void main() {
         sums = light_sums_of(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth);
     }
     for (uint i = 0u; i < count; i++)
-        imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.hdr_max)));
+        imageStore(images[push.targets[i]], texel, min(sums.at[i], vec4(push.view.view.frame.frame.hdr_max)));
 }

@@ -19,7 +19,7 @@ void main() {
     if (STEP == MULTIPASS_REST) {
         vec3 sum = texelFetch(textures[push.sum], ivec2(gl_FragCoord.xy), 0).rgb;
         vec3 radiance = shade_rest(s, v, to_view, sum);
-        out_radiance = vec4(min(radiance, vec3(v.view.hdr_max)) * s.alpha, s.alpha);
+        out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)) * s.alpha, s.alpha);
         return;
     }
     brdf_view b = brdf_prepare(s, to_view);

@@ -56,5 +56,5 @@ void main() {
         atomicAdd(push.geometry.counters.at[at + 1u], useful);
     }
     vec3 radiance = shade_rest(s, v, to_view, sum);
-    out_radiance = vec4(min(radiance, vec3(v.view.hdr_max)), 1.0);
+    out_radiance = vec4(min(radiance, vec3(v.view.frame.frame.hdr_max)), 1.0);
 }

@@ -105,7 +105,7 @@ vec3 shade(ivec2 pixel, int at, vec2 point, float depth) {
 #ifdef MATERIAL_TEXEL
     if (SHOWS_LEVELS == 1u) radiance = vec3(atlas_level + float(VIRTUAL_STEP * atlas_tier), atlas_level, float(atlas_tier));
 #endif
-    return min(radiance, vec3(push.view.view.hdr_max));
+    return min(radiance, vec3(push.view.view.frame.frame.hdr_max));
 }
 
 #ifdef SHADES_SAMPLES
@@ -142,7 +142,7 @@ void main() {
     is_shaded = is_shaded && target(TARGET_UV, pixel, 0).x != VIRTUAL_NOWHERE; // a forward pass lights those
 #endif
     if (is_shaded) radiance = shade(pixel, 0, vec2(pixel) + 0.5, depth);
-    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
+    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
 }
 
 #endif

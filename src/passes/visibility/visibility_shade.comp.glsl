@@ -101,7 +101,7 @@ void shade_samples(ivec2 pixel, uint surface_index) {
     vec2 point = vec2(pixel) + sum / float(bitCount(samples));
     vec3 radiance = shade(pixel, point, visible_id(push.ids, push.ids_high, pixel, findLSB(samples)));
     store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), size)] + surface_index,
-                 min(radiance, vec3(push.view.view.hdr_max)));
+                 min(radiance, vec3(push.view.view.frame.frame.hdr_max)));
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }
 
@@ -131,5 +131,5 @@ void main() {
     vec3 radiance = push.background;
     if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u)
         radiance = shade(pixel, GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5, id);
-    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.hdr_max)), 1.0));
+    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
 }

@@ -35,8 +35,8 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 static void begin(struct frame_state *f) {
     struct mobile_params params;
     if (!resolve(f->r->device, f->frame, &params)) return; /* checked before */
-    f->view.light_scale = params.scale.scale;
-    f->view.light_max = params.scale.most;
+    f->shared.light_scale = params.scale.scale;
+    f->shared.light_max = params.scale.most;
 }
 
 static void note_once(fnl_renderer *r, uint32_t bit, const char *text) {

@@ -17,7 +17,7 @@ struct order {
     fnl_result (*check)(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
     /* Before the frame begins: what lasts longer than it. */
     fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
-    /* Fills in its part of f->view, before that is sent. */
+    /* Fills in its part of f->shared, before that is sent. */
     void (*begin)(struct frame_state *f);
     /* Declares lists and opaque surfaces and fills f->radiance; f->depth is complete with `prepass`. `input` is a copy that it may change. */
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
