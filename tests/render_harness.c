@@ -325,7 +325,7 @@ struct stage stage_open(const char *source, uint32_t scattered) {
 void harness_set_pool(struct stage *stage, uint32_t entries) {
     stage->renderer->pool_capacity = entries;
     stage->renderer->fixed_pools = true;
-    memset(stage->renderer->slot_frames, 0, sizeof stage->renderer->slot_frames);
+    memset(stage->renderer->slot_views, 0, sizeof stage->renderer->slot_views);
 }
 
 void stage_close(struct stage *stage) {

@@ -118,11 +118,23 @@ typedef enum fnl_output {
     FNL_OUTPUT_MOTION = 32
 } fnl_output;
 
+/** Views that a frame may have. */
+enum { FNL_VIEWS_MAX = 64 };
+
 typedef struct fnl_frame {
     /** Size of the picture in pixels, 1 .. 16384. Default 1280 x 720. */
     uint32_t width, height;
     /** Default fnl_camera_default(). */
     fnl_camera camera;
+    /**
+     * Cameras of a frame with several views, `view_count` of them, 0 .. FNL_VIEWS_MAX. Each gives a picture of the frame's size, equal to the bit to that
+     * of a frame with this camera alone; what does not depend on the camera is done once for all of them. `camera` is ignored then. The array is the
+     * caller's and read during the call alone. Default NULL and 0: one view, of `camera`.
+     * For forward-prepass, deferred and visibility shading with the lists all, tiled and clustered, and without light_lod; everything else fails with
+     * FNL_ERROR_UNSUPPORTED. Auto stands for deferred and clustered, and measures nothing. docs/techniques/views.md tells more.
+     */
+    const fnl_camera *views;
+    uint32_t view_count;
     /** Default FNL_SHADING_DEFERRED. */
     fnl_shading shading;
     /** Default FNL_LISTS_AUTO. */

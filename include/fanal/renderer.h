@@ -30,7 +30,10 @@ FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *
  */
 FNL_API fnl_result fnl_renderer_warm(fnl_renderer *renderer, const fnl_frame *frame, const struct fnl_vulkan_target *target,
                                      bool wait, uint32_t *out_pending);
-/** Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. */
+/**
+ * Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. The pictures of a frame with several views
+ * stand one below the other, the first view at the top: the image is fnl_frame.view_count times as high as the frame.
+ */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
 /** Waits for the last frame and describes it. */

@@ -148,6 +148,10 @@ typedef struct fnl_frame_stats {
     /** The passes in order. Owned by the renderer, valid until the next call on it. */
     uint32_t pass_count;
     const fnl_pass_time *passes;
+    /** The numbers of each view of a frame with several: those of lights, geometry and shading paths, and ev, are the view's own, the rest is the frame's.
+        Here outside are those of the first view. 0 and NULL for a frame with one. Owned by the renderer, valid until the next call on it. */
+    uint32_t view_count;
+    const struct fnl_frame_stats *views;
 } fnl_frame_stats;
 
 #ifdef __cplusplus

@@ -58,7 +58,7 @@ FNL_API fnl_result fnl_device_import(const fnl_device_params *params, const fnl_
 
 /** Where a frame goes and how it is ordered against the caller's own work. */
 typedef struct fnl_vulkan_target {
-    VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame */
+    VkImage image; /**< 2D, one sample, one mip, usage TRANSFER_DST; of the size of the frame; with a layer for each of its views, in their order */
     VkFormat
         format; /**< an 8-bit RGBA or BGRA format, UNORM or SRGB: the picture is sRGB-encoded either way; or RGBA16_SFLOAT / RGBA32_SFLOAT for linear radiance times exposure */
     VkImageLayout initial_layout; /**< layout on entry; UNDEFINED discards the contents, which is what most want */

@@ -173,10 +173,10 @@ void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buf
     commands->device->vk.CmdFillBuffer(commands->handle, buffer->handle, offset, size, value);
 }
 
-static VkImageSubresourceLayers first_mip(const struct gpu_image *image, uint32_t layers) {
+static VkImageSubresourceLayers first_mip(const struct gpu_image *image) {
     VkImageAspectFlags aspect = gpu_format_aspect(image->params.format);
     if (aspect & VK_IMAGE_ASPECT_DEPTH_BIT) aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
-    return (VkImageSubresourceLayers){aspect, 0, 0, layers};
+    return (VkImageSubresourceLayers){aspect, 0, 0, 1};
 }
 
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
@@ -184,21 +184,21 @@ void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_im
     if (!commands->handle) return;
     VkBufferImageCopy region = {
         .bufferOffset = offset,
-        .imageSubresource = first_mip(from, 1),
+        .imageSubresource = first_mip(from),
         .imageExtent = {from->params.width, from->params.height, 1},
     };
     commands->device->vk.CmdCopyImageToBuffer(commands->handle, from->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                               to->handle, 1, &region);
 }
 
-void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to) {
+void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer) {
     if (!commands->handle) return;
-    uint32_t layers = MIN(from->params.layers, to->params.layers);
     VkImageCopy region = {
-        .srcSubresource = first_mip(from, layers),
-        .dstSubresource = first_mip(to, layers),
+        .srcSubresource = first_mip(from),
+        .dstSubresource = first_mip(to),
         .extent = {from->params.width, from->params.height, 1},
     };
+    region.dstSubresource.baseArrayLayer = layer;
     commands->device->vk.CmdCopyImage(commands->handle, from->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to->handle,
                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }

@@ -289,8 +289,8 @@ void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buf
 /** Mip 0, layer 0, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
                               uint64_t offset);
-/** Same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
-void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to);
+/** Layer 0 to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
+void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer);
 
 struct gpu_attachment {
     const struct gpu_image *image;

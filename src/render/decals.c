@@ -30,10 +30,14 @@ static void tell_of_lists(struct frame_state *f) {
                     fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
-fnl_result decals_begin(struct frame_state *f) {
+fnl_result decals_send(struct frame_state *f) {
     if (!is_on(f)) return FNL_OK;
     tell_of_lists(f);
-    TRY(device_decals_add(&f->r->device_scene, f->graph, &f->decals.buffers));
+    return device_decals_add(&f->r->device_scene, f->graph, &f->decals.buffers);
+}
+
+fnl_result decals_begin(struct frame_state *f) {
+    if (!is_on(f)) return FNL_OK;
     struct gpu_slice slice = gpu_frame_allocate(f->r->device, sizeof(struct gpu_decal_set));
     if (!slice.data) return gpu_status(f->r->device);
     f->decals.set = slice.data;

@@ -5,7 +5,9 @@
 
 #include "render/frame_state.h"
 
-/** Sends changed decals and makes the place of their set known to the view; before the view is sent. */
+/** Sends changed decals, once for all views. */
+fnl_result decals_send(struct frame_state *f);
+/** Makes the place of the decals' set known to the view; before the view is sent. */
 fnl_result decals_begin(struct frame_state *f);
 /** The list over their boxes, and what the shaders of the scene do for them. After the view was sent, before anything is drawn. */
 fnl_result decals_add_list(struct frame_state *f);

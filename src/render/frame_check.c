@@ -55,9 +55,30 @@ static fnl_result check_geometry(const struct call *call, const fnl_renderer *r,
     return FNL_OK;
 }
 
+static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
+    TRY(check_count(call, "view_count", frame->view_count, 0, FNL_VIEWS_MAX));
+    if (frame->view_count == 0) return camera_check(call, "camera.", &frame->camera);
+    if (!frame->views) return misuse(call, "views is NULL, but view_count is %u", frame->view_count);
+    for (uint32_t i = 0; i < frame->view_count; i++) {
+        char prefix[32];
+        snprintf(prefix, sizeof prefix, "views[%u].", i);
+        TRY(camera_check(call, prefix, &frame->views[i]));
+    }
+    if (!shading_is(frame->shading, SHADING_VIEWS))
+        return unsupported(call, "%s shading takes one view in a frame, not %u; use forward-prepass, deferred or visibility",
+                           fnl_value_name(FNL_ENUM_SHADING, frame->shading), frame->view_count);
+    if (frame->lists != FNL_LISTS_ALL && frame->lists != FNL_LISTS_TILED && frame->lists != FNL_LISTS_CLUSTERED)
+        return unsupported(call, "%s lists take one view in a frame, not %u; use all, tiled or clustered",
+                           fnl_value_name(FNL_ENUM_LISTS, frame->lists), frame->view_count);
+    if (frame->light_lod > 0)
+        return unsupported(call, "light_lod takes one view in a frame, not %u: small lights are faded for one camera",
+                           frame->view_count);
+    return FNL_OK;
+}
+
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame) {
     TRY(options_check(call, frame));
-    TRY(camera_check(call, "camera.", &frame->camera));
+    TRY(check_views(call, frame));
     TRY(lists_check(call, &frame->clusters));
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));

@@ -32,14 +32,18 @@ struct frame_temporal {
     graph_image motion;
 };
 
+/** Of one view of a frame; what all of them share was filled in before the first. */
 struct frame_state {
     fnl_renderer *r;
-    const fnl_frame *frame;
+    struct renderer_view *kept;       /* of the view, from frame to frame */
+    uint32_t view_index;
+    const fnl_frame *frame;           /* its camera is the view's */
     struct graph *graph;
-    struct device_scene_frame *scene; /* the renderer's: passes look at it while they are recorded */
+    struct device_scene_frame *scene; /* kept->scene */
     struct gpu_frame shared; /* by all views */
     struct gpu_view view;
     VkDeviceAddress shared_address, view_address;
+    uint64_t counts_offset;  /* of this view's struct frame_counts */
     struct geometry_draws draws;
     graph_image radiance, depth;
     uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */

@@ -188,7 +188,7 @@ static int tear_down(void **state) {
 
 struct picture {
     VkFormat format;
-    uint32_t pixel_size;
+    uint32_t pixel_size, layers;
     VkImage image;
     VkBuffer buffer;
     VkDeviceMemory memory, buffer_memory;
@@ -207,14 +207,14 @@ static VkDeviceMemory allocate(const VkMemoryRequirements *needs, VkMemoryProper
     return allocated;
 }
 
-static struct picture make_picture(VkFormat format, uint32_t pixel_size) {
-    struct picture p = {.format = format, .pixel_size = pixel_size};
+static struct picture make_layers(VkFormat format, uint32_t pixel_size, uint32_t layers) {
+    struct picture p = {.format = format, .pixel_size = pixel_size, .layers = layers};
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                               .imageType = VK_IMAGE_TYPE_2D,
                               .format = format,
                               .extent = {WIDTH, HEIGHT, 1},
                               .mipLevels = 1,
-                              .arrayLayers = 1,
+                              .arrayLayers = layers,
                               .samples = VK_SAMPLE_COUNT_1_BIT,
                               .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                        VK_IMAGE_USAGE_SAMPLED_BIT};
@@ -224,7 +224,7 @@ static struct picture make_picture(VkFormat format, uint32_t pixel_size) {
     p.memory = allocate(&needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     VK(vkBindImageMemory(w.device, p.image, p.memory, 0));
     VkBufferCreateInfo buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                 .size = (VkDeviceSize)PIXELS * pixel_size,
+                                 .size = (VkDeviceSize)PIXELS * pixel_size * layers,
                                  .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     VK(vkCreateBuffer(w.device, &buffer, NULL, &p.buffer));
     vkGetBufferMemoryRequirements(w.device, p.buffer, &needs);
@@ -233,6 +233,8 @@ static struct picture make_picture(VkFormat format, uint32_t pixel_size) {
     VK(vkMapMemory(w.device, p.buffer_memory, 0, VK_WHOLE_SIZE, 0, &p.pixels));
     return p;
 }
+
+static struct picture make_picture(VkFormat format, uint32_t pixel_size) { return make_layers(format, pixel_size, 1); }
 
 static void free_picture(struct picture *p) {
     VK(vkDeviceWaitIdle(w.device));
@@ -274,7 +276,7 @@ static VkImageMemoryBarrier2 layout_change(VkImage image, VkImageLayout from, Vk
                                    .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                    .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
                                    .image = image,
-                                   .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+                                   .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS}};
 }
 
 /* Once `wait` is signalled, copies the image, which is in `layout` before and after, into p->pixels. */
@@ -289,7 +291,7 @@ static void fetch(struct picture *p, VkImageLayout layout, VkSemaphore wait, uin
     VkDependencyInfo dependency = {
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &change};
     vkCmdPipelineBarrier2(commands, &dependency);
-    VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {WIDTH, HEIGHT, 1}};
+    VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, p->layers}, .imageExtent = {WIDTH, HEIGHT, 1}};
     vkCmdCopyImageToBuffer(commands, p->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, p->buffer, 1, &region);
     change = layout_change(p->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout);
     vkCmdPipelineBarrier2(commands, &dependency);
@@ -346,7 +348,7 @@ static void render_and_fetch(const fnl_frame *frame, struct picture *p, enum ord
         target.signal_value = ++w.ticks;
     }
     submit(VK_NULL_HANDLE, VK_NULL_HANDLE, 0, target.wait, target.wait_value);
-    memset(p->pixels, 0, (size_t)PIXELS * p->pixel_size);
+    memset(p->pixels, 0, (size_t)PIXELS * p->pixel_size * p->layers);
     FNL(fnl_renderer_render_to(w.renderer, frame, &target));
     fetch(p, to, target.signal, target.signal_value);
 }
@@ -378,6 +380,34 @@ static void test_8_bit_targets_get_the_picture(void **state) {
     }
     fnl_image_free(NULL, &image);
     fnl_image_free(NULL, &normals);
+    assert_int_equal(atomic_load(&w.messages), 0);
+}
+
+/* Each view goes to the layer of its place. */
+static void test_views_go_to_layers(void **state) {
+    UNUSED(state);
+    enum { VIEWS = 3 };
+    struct picture p = make_layers(VK_FORMAT_R8G8B8A8_UNORM, 4, VIEWS);
+    fnl_frame frame = small_frame(), single = frame;
+    fnl_camera cameras[VIEWS] = {w.camera, w.camera, w.camera};
+    cameras[1].shift.x = 0.2f;
+    cameras[2].vertical_fov *= 0.8f;
+    frame.lists = single.lists = FNL_LISTS_TILED;
+    frame.views = cameras;
+    frame.view_count = VIEWS;
+    for (int i = 0; i < 2; i++) { /* from nothing, then from what the last frame left */
+        render_and_fetch(&frame, &p, ORDER_TIMELINE, i ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_UNDEFINED,
+                         VK_IMAGE_LAYOUT_GENERAL);
+        for (int v = 0; v < VIEWS; v++) {
+            single.camera = cameras[v];
+            fnl_image image = expected(single, FNL_OUTPUT_COLOR);
+            struct picture own = p;
+            own.pixels = (char *)p.pixels + (size_t)v * PIXELS * p.pixel_size;
+            assert_bytes_equal(&own, &image);
+            fnl_image_free(NULL, &image);
+        }
+    }
+    free_picture(&p);
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
@@ -740,6 +770,7 @@ static void test_auto_makes_pipelines_in_the_background(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_8_bit_targets_get_the_picture),
+        cmocka_unit_test(test_views_go_to_layers),
         cmocka_unit_test(test_float_targets_get_exposed_radiance),
         cmocka_unit_test(test_semaphores_are_waited_for_and_signalled),
         cmocka_unit_test(test_misuse_is_refused_and_does_no_harm),

@@ -49,7 +49,7 @@ static void test_decals_and_samples(void **state) {
         for (uint32_t way = 0; way < COUNT_OF(shots); way++) {
             stage.renderer->decal_capacity = way == 2 ? 1 : capacity;
             stage.renderer->decal_tree = way == 1 ? 1 : tree;
-            memset(stage.renderer->slot_frames, 0, sizeof stage.renderer->slot_frames);
+            memset(stage.renderer->slot_views, 0, sizeof stage.renderer->slot_views);
             shots[way] = stage_shoot(&stage, &frame);
             assert_int_equal(shots[way].stats.decal_overflow > 0, way == 2);
             uint64_t differing = count_differing(&shots[0].radiance, &shots[way].radiance);

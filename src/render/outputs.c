@@ -10,11 +10,13 @@ static const char *const output_names[OUTPUT_COUNT] = {"read color",  "read radi
 struct read_image_data {
     graph_image image;
     graph_buffer buffer;
+    uint64_t offset;
 };
 
 static void execute_read_image(const struct graph_context *context, const void *data) {
     const struct read_image_data *d = data;
-    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->image), graph_get_buffer(context, d->buffer), 0);
+    gpu_copy_image_to_buffer(context->commands, graph_get_image(context, d->image), graph_get_buffer(context, d->buffer),
+                             d->offset);
 }
 
 static void execute_nothing(const struct graph_context *context, const void *data) {
@@ -33,7 +35,8 @@ void frame_add_outputs(struct frame_state *f) {
     graph_buffer buffers[OUTPUT_COUNT] = {0};
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) {
         if (!(f->frame->outputs & 1u << i)) continue;
-        struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i])};
+        struct read_image_data data = {images[i], graph_import_buffer(f->graph, output_names[i], &f->r->outputs[i]),
+                                       f->view_index * renderer_picture_size(f->frame, i)};
         struct graph_pass *pass =
             graph_add_pass(f->graph, output_names[i], GRAPH_QUEUE_GRAPHICS, execute_read_image, &data, sizeof data);
         graph_use_image(pass, data.image, GRAPH_COPY_FROM);
@@ -81,7 +84,7 @@ void frame_add_counts(struct frame_state *f) {
             f->blend_lights.totals, counts, 0, offsetof(struct frame_counts, blend_lights), sizeof(struct light_totals)};
     if (f->class_counts.id)
         data.copies[data.count++] = (struct count_copy){f->class_counts, counts, 0, offsetof(struct frame_counts, blocks),
-                                                        sizeof f->r->stats.shading_blocks};
+                                                        sizeof ((struct frame_counts *)0)->blocks};
     if (f->edge_counts.id)
         data.copies[data.count++] =
             (struct count_copy){f->edge_counts, counts, 0, offsetof(struct frame_counts, edges), EDGES_COUNTS * 4};
@@ -121,10 +124,12 @@ void frame_add_counts(struct frame_state *f) {
     if (f->exposure.id)
         data.copies[data.count++] = (struct count_copy){f->exposure, counts, 0, offsetof(struct frame_counts, exposure), 8};
     if (f->frame->count_lights) {
-        draws = graph_import_buffer(f->graph, "read draws", &f->r->draws);
+        draws = graph_import_buffer(f->graph, "read draws", &f->kept->draws);
         data.copies[data.count++] = (struct count_copy){f->draws.draws, draws, 0, 0,
                                                         MAX(f->scene->geometry.group_count, 1u) * sizeof(struct gpu_draw)};
     }
+    for (uint32_t i = 0; i < data.count; i++)
+        if (data.copies[i].to.id == counts.id) data.copies[i].to_offset += f->counts_offset;
     struct graph_pass *pass =
         graph_add_pass(f->graph, "read counts", GRAPH_QUEUE_GRAPHICS, execute_counts, &data, sizeof data);
     for (uint32_t i = 0; i < data.count; i++) graph_use_buffer(pass, data.copies[i].from, GRAPH_COPY_FROM);
@@ -141,7 +146,8 @@ void frame_add_counts(struct frame_state *f) {
 void frame_note_stats(struct frame_state *f) {
     fnl_renderer *r = f->r;
     const struct geometry_scene *scene = &f->scene->geometry;
-    fnl_frame_stats *s = &r->stats;
+    struct renderer_view *kept = f->kept;
+    fnl_frame_stats *s = &kept->stats;
     const struct light_input *lights = &f->scene->lights;
     *s = (fnl_frame_stats){.lights_total = lights->local_count - lights->unlit_count + lights->directional_count,
                            .items = scene->item_count,
@@ -153,7 +159,7 @@ void frame_note_stats(struct frame_state *f) {
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);
     s->cells = f->lights.cell_count + (second ? f->blend_lights.cell_count : 0);
     s->draws = shading_draw_count(f);
-    r->forward_layouts = f->forward_layouts;
+    kept->forward_layouts = f->forward_layouts;
     s->gbuffer_bytes = shading_gbuffer_bytes(f);
     if (f->page_commands.id) {
         s->atlas_bytes = r->atlas.bytes;
@@ -167,9 +173,9 @@ void frame_note_stats(struct frame_state *f) {
     if (f->frame->exposure == FNL_EXPOSURE_EV) s->ev = f->frame->ev;
     s->mobile_merged = f->mobile_merged;
     s->mobile_tonemapped = f->mobile_merged && f->mobile_tonemapped;
-    r->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
-    r->entry_bytes = f->lights.entry_bytes;
-    r->blend_entry_bytes = f->blend_lights.entry_bytes;
-    r->totals_known = f->lights.totals_known;
-    r->known_totals = f->lights.known;
+    kept->fixed_bytes = f->lights.fixed_bytes + (second ? f->blend_lights.fixed_bytes : 0);
+    kept->entry_bytes = f->lights.entry_bytes;
+    kept->blend_entry_bytes = f->blend_lights.entry_bytes;
+    kept->totals_known = f->lights.totals_known;
+    kept->known_totals = f->lights.known;
 }

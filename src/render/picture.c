@@ -85,16 +85,18 @@ void frame_add_picture(struct frame_state *f) {
 
 struct copy_image_data {
     graph_image from, to;
+    uint32_t layer;
 };
 
 static void execute_copy_image(const struct graph_context *context, const void *data) {
     const struct copy_image_data *d = data;
-    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to));
+    gpu_copy_image(context->commands, graph_get_image(context, d->from), graph_get_image(context, d->to), d->layer);
 }
 
 void frame_add_target(struct frame_state *f) {
     struct copy_image_data copy = {
-        f->color, graph_import_image(f->graph, f->target->image, f->target->initial_layout, f->target->final_layout)};
+        f->color, graph_import_image(f->graph, f->target->image, f->target->initial_layout, f->target->final_layout),
+        f->view_index};
     struct graph_pass *pass =
         graph_add_pass(f->graph, "copy to target", GRAPH_QUEUE_GRAPHICS, execute_copy_image, &copy, sizeof copy);
     graph_use_image(pass, copy.from, GRAPH_COPY_FROM);

@@ -97,6 +97,16 @@ fnl_vec2 fnl_jitter(uint32_t index) { return taa_jitter(index); }
 
 /* ---- life ---- */
 
+static fnl_result prepare_views(fnl_renderer *r, uint32_t count) {
+    if (!array_reserve(&r->host, &r->views, count)) return FNL_ERROR_MEMORY;
+    while (r->views.count < count) {
+        struct renderer_view *view = &r->views.data[r->views.count++];
+        *view = (struct renderer_view){0};
+        lists_init(&view->lists, &r->host);
+    }
+    return FNL_OK;
+}
+
 fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out) {
     TRY(check_handle(__func__, "device", device));
     const fnl_host *host = gpu_host(device);
@@ -112,9 +122,9 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
     device_scene_init(&r->device_scene, device, scene);
     r->atlas.version = UINT64_MAX;
-    lists_init(&r->lists, &r->host);
     load_choices(r);
-    fnl_result result = graph_create(&r->host, device, &r->graph);
+    fnl_result result = prepare_views(r, 1);
+    if (result == FNL_OK) result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
         result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
     if (result != FNL_OK) fnl_renderer_destroy(&r);
@@ -132,12 +142,17 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     graph_destroy(&r->graph);
     graph_destroy(&r->asking_graph);
     device_scene_finish(&r->device_scene);
-    lists_finish(&r->lists, r->device);
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        struct renderer_view *view = &r->views.data[i];
+        lists_finish(&view->lists, r->device);
+        gpu_buffer_destroy(r->device, &view->draws);
+        gpu_buffer_destroy(r->device, &view->counters);
+    }
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
-    gpu_buffer_destroy(r->device, &r->draws);
-    gpu_buffer_destroy(r->device, &r->counters);
+    array_free(&r->host, &r->views);
+    array_free(&r->host, &r->view_stats);
     array_free(&r->host, &r->pass_times);
     gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
     fnl_host host = r->host;
@@ -154,13 +169,29 @@ static fnl_result keep_buffer(fnl_renderer *r, struct gpu_buffer *buffer, const 
 }
 
 static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
-    uint64_t pixels = (uint64_t)frame->width * frame->height;
+    uint32_t views = frame_view_count(frame);
+    TRY(prepare_views(r, views));
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
-        if (frame->outputs & 1u << i) TRY(keep_buffer(r, &r->outputs[i], "output", pixels * renderer_pixel_size(i)));
-    if (!frame->count_lights) return FNL_OK;
-    /* Two counters per pixel, and one for all. */
-    TRY(keep_buffer(r, &r->counters, "light counters", pixels * 8 + 4));
-    return keep_buffer(r, &r->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw));
+        if (frame->outputs & 1u << i)
+            TRY(keep_buffer(r, &r->outputs[i], "output", views * renderer_picture_size(frame, i)));
+    for (uint32_t i = 0; i < views && frame->count_lights; i++) {
+        struct renderer_view *view = &r->views.data[i];
+        /* Two counters per pixel, and one for all. */
+        TRY(keep_buffer(r, &view->counters, "light counters", (uint64_t)frame->width * frame->height * 8 + 4));
+        TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)));
+    }
+    return FNL_OK;
+}
+
+/* Inside the frame: takes what the last one in this slot has counted, and clears the place for what this one will. */
+static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32_t slot) {
+    const struct frame_counts *last = r->counts[slot].mapped;
+    for (uint32_t i = 0; i < r->slot_views[slot]; i++) pools_grow(r, &last[i]);
+    r->slot_views[slot] = 0;
+    uint64_t size = frame_view_count(frame) * sizeof(struct frame_counts);
+    TRY(keep_buffer(r, &r->counts[slot], "frame counts", size));
+    memset(r->counts[slot].mapped, 0, size);
+    return FNL_OK;
 }
 
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
@@ -186,10 +217,9 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     double start = time_now();
     const uint64_t late = gpu_pipeline_stats(r->device).late;
     uint32_t slot = gpu_frame_slot(r->device);
-    if (r->slot_frames[slot]) pools_grow(r, r->counts[slot].mapped);
+    fnl_result result = prepare_counts(r, frame, slot);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
-    memset(r->counts[slot].mapped, 0, sizeof(struct frame_counts));
-    fnl_result result = prepare_candidate(r, frame, target);
+    if (result == FNL_OK) result = prepare_candidate(r, frame, target);
     if (result == FNL_OK) result = frame_declare(r, frame, target);
     if (result != FNL_OK) {
         gpu_frame_end(r->device, NULL, 0, NULL);
@@ -204,26 +234,41 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     TRY(graph_execute_frame(r->graph, &execute));
     shading_submitted(r, frame);
     r->frame = *frame;
+    r->frame.views = NULL;
     r->frame_number = gpu_frame_number(r->device);
     if (timed) chooser_note(&r->chooser, r->frame_number);
     feed_chooser(r);
     r->frame_slot = slot;
-    r->slot_frames[slot] = r->frame_number;
+    r->slot_views[slot] = frame_view_count(frame);
     r->pipelines_made = (uint32_t)(gpu_pipeline_stats(r->device).late - late);
+    for (uint32_t i = r->slot_views[slot]; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
     r->cpu_milliseconds = (time_now() - start) * 1e3;
     return FNL_OK;
 }
 
 void renderer_forget(fnl_renderer *r) {
-    r->temporal.valid = false;
+    for (uint32_t i = 0; i < r->views.count; i++) {
+        r->views.data[i].temporal.valid = false;
+        lists_forget(&r->views.data[i].lists);
+    }
     device_scene_forget(&r->device_scene);
-    lists_forget(&r->lists);
     r->atlas.version = UINT64_MAX;
+}
+
+void renderer_settle_views(fnl_frame *frame) {
+    if (frame->view_count == 1 && frame->views) {
+        frame->camera = frame->views[0];
+        frame->view_count = 0;
+    }
+    if (frame->view_count == 0) return;
+    if (frame->shading == FNL_SHADING_AUTO) frame->shading = FNL_SHADING_DEFERRED;
+    if (frame->lists == FNL_LISTS_AUTO) frame->lists = FNL_LISTS_CLUSTERED;
 }
 
 static fnl_result render(const struct call *call, fnl_renderer *r, const fnl_frame *given, const struct frame_target *target,
                          const struct gpu_external_semaphores *external) {
     fnl_frame frame = given ? *given : fnl_frame_default();
+    renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
     fnl_result result = make_frame(r, &frame, target, external);
     if (result != FNL_OK) {
@@ -259,11 +304,12 @@ fnl_result fnl_renderer_render_to(fnl_renderer *r, const fnl_frame *given, const
     frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR; /* the picture goes into the target */
     TRY(check_count(call, "frame.width", frame.width, 1, 16384)); /* the image has its size */
     TRY(check_count(call, "frame.height", frame.height, 1, 16384));
+    TRY(check_count(call, "frame.view_count", frame.view_count, 0, FNL_VIEWS_MAX));
     struct gpu_image_params params = {.name = "target",
                                       .format = target->format,
                                       .width = frame.width,
                                       .height = frame.height,
-                                      .layers = 1,
+                                      .layers = frame_view_count(&frame),
                                       .mips = 1,
                                       .samples = 1,
                                       .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT};

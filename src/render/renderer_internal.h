@@ -43,22 +43,37 @@ enum {
 enum { OUTPUT_COUNT = 6 };           /* bits of fnl_output */
 enum { BLEND_POOL_START = 1 << 16 }; /* fragments of linked transparency at least */
 
+/** What belongs to one view of a renderer's frames, by its place in fnl_frame.views. */
+struct renderer_view {
+    struct temporal_state temporal;
+    struct lists_state lists; /* what builders keep from frame to frame */
+
+    /* Of the last frame. */
+    struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
+    struct gpu_buffer draws, counters; /* read back with count_lights */
+    fnl_frame_stats stats;             /* the parts that the CPU knows */
+    struct light_totals known_totals;
+    bool totals_known;
+    uint32_t forward_layouts; /* frame_state.forward_layouts */
+    uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
+    uint32_t entry_bytes, blend_entry_bytes;
+};
+
 struct fnl_renderer {
     fnl_host host;
     gpu_device *device;
     fnl_scene *scene;
     struct graph *graph;
     struct device_scene device_scene;
-    struct device_scene_frame scene_frame; /* of the frame being made */
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
     bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
     bool measures;                         /* the frame being made has an auto that may measure */
     struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
-    struct temporal_state temporal;
+    ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
+    ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
     struct virtual_atlas atlas; /* of virtual texturing */
-    struct lists_state lists; /* what builders keep from frame to frame */
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
     bool fixed_pools;         /* tests: so many, whatever the lights of the frame are thought to need */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
@@ -88,25 +103,21 @@ struct fnl_renderer {
     bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
 
     /* The last frame, and where its results are. */
-    fnl_frame frame;
+    fnl_frame frame; /* without the addresses of its views */
     uint64_t frame_number; /* 0: none yet, or the last one failed */
     uint32_t frame_slot;   /* its slot: other renderers of the device take slots too */
-    struct gpu_buffer outputs[OUTPUT_COUNT];
-    struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];
-    struct gpu_buffer draws, counters;          /* read back with count_lights */
-    uint64_t slot_frames[GPU_FRAMES_IN_FLIGHT]; /* frame whose counts a slot holds */
-    fnl_frame_stats stats;                      /* the parts that the CPU knows */
-    struct light_totals known_totals;
-    bool totals_known;
-    uint32_t forward_layouts; /* frame_state.forward_layouts of the last frame */
-    uint64_t fixed_bytes; /* of the lists: what their pools do not hold */
-    uint32_t entry_bytes, blend_entry_bytes;
+    struct gpu_buffer outputs[OUTPUT_COUNT];         /* the pictures of all views, one after the other */
+    struct gpu_buffer counts[GPU_FRAMES_IN_FLIGHT];  /* struct frame_counts of each view */
+    uint32_t slot_views[GPU_FRAMES_IN_FLIGHT];       /* of the frame whose counts a slot holds; 0: none */
     ARRAY(fnl_pass_time) pass_times;
     double cpu_milliseconds;
     uint32_t pipelines_made; /* by the frame itself */
 };
 
-/** Where a frame goes besides the readback buffers. */
+/** Views of a frame: 1 where it has no array of them. */
+static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
+
+/** Where a frame goes besides the readback buffers: view i to layer i. */
 struct frame_target {
     const struct gpu_image *image;
     VkImageLayout initial_layout, final_layout;
@@ -123,6 +134,11 @@ fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame);
 void renderer_choose(fnl_renderer *r, fnl_frame *frame);
 /** Updates may never have reached the device: the next frame sends all of them again. */
 void renderer_forget(fnl_renderer *r);
+/**
+ * A frame of one view becomes as any other. With several, auto becomes what serves any scene: it learns from frames of one view. Before the frame
+ * is checked.
+ */
+void renderer_settle_views(fnl_frame *frame);
 /** FNL_ERROR_UNSUPPORTED, with a log line, unless frames can go into images of this format. */
 fnl_result renderer_check_target(const struct call *call, VkFormat format);
 /**
@@ -135,8 +151,8 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
 /** Fails, with a log line, unless the frame's options are in range, go together and suit the device (frame_check.c). */
 fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame *frame);
 
-/** Bytes of a pixel of an output, by its bit (results.c). */
-size_t renderer_pixel_size(uint32_t bit);
+/** Bytes of a picture of one view, by the bit of its output (results.c). */
+uint64_t renderer_picture_size(const fnl_frame *frame, uint32_t bit);
 
 /* ---- pools.c: capacities of pools ---- */
 

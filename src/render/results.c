@@ -3,7 +3,9 @@
 #include "base/check.h"
 #include "render/shading.h"
 
-size_t renderer_pixel_size(uint32_t bit) { return bit == 0 ? 4 : 16; }
+uint64_t renderer_picture_size(const fnl_frame *frame, uint32_t bit) {
+    return (uint64_t)frame->width * frame->height * (bit == 0 ? 4 : 16);
+}
 
 fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out) {
     TRY(check_handle(__func__, "renderer", r));
@@ -17,17 +19,18 @@ fnl_result fnl_renderer_read(fnl_renderer *r, fnl_output output, fnl_image *out)
     if (!(r->frame.outputs & (uint32_t)output))
         return misuse(call, "output is %d, but the last frame kept %u (fnl_frame.outputs)", (int)output, r->frame.outputs);
     TRY(gpu_frame_wait(r->device, r->frame_number));
-    size_t size = (size_t)r->frame.width * r->frame.height * renderer_pixel_size(bit);
+    uint32_t views = frame_view_count(&r->frame);
+    size_t size = (size_t)renderer_picture_size(&r->frame, bit) * views;
     void *pixels = host_allocate(&r->host, size);
     if (!pixels) return FNL_ERROR_MEMORY;
     memcpy(pixels, r->outputs[bit].mapped, size);
     *out =
-        (fnl_image){r->frame.width, r->frame.height, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
+        (fnl_image){r->frame.width, r->frame.height * views, bit == 0 ? FNL_PIXEL_FORMAT_RGBA8 : FNL_PIXEL_FORMAT_RGBA32F, pixels};
     return FNL_OK;
 }
 
-static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
-    const uint32_t *counters = r->counters.mapped;
+static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *view, fnl_frame_stats *s) {
+    const uint32_t *counters = view->counters.mapped;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
     for (uint64_t i = 0; i < pixels; i++) {
         s->evaluations += counters[2 * i];
@@ -37,10 +40,10 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     s->unserved_points = counters[2 * pixels];
     s->mean_per_pixel = (double)s->evaluations / (double)pixels;
     s->evaluations_counted = true;
-    const struct gpu_draw *draws = r->draws.mapped;
+    const struct gpu_draw *draws = view->draws.mapped;
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
-        bool forward = !bucket->blend && bucket->forward_layouts & r->forward_layouts;
+        bool forward = !bucket->blend && bucket->forward_layouts & view->forward_layouts;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)
             s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
@@ -51,24 +54,20 @@ static void sum_evaluations(const fnl_renderer *r, fnl_frame_stats *s) {
     }
 }
 
-fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
-    TRY(check_handle(__func__, "renderer", r));
-    TRY(check_pointer(CALL(&r->host), "out", out));
-    if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
-    TRY(gpu_frame_wait(r->device, r->frame_number));
-    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
-    pools_grow(r, counts);
-    *out = r->stats;
+/* The numbers of one view. */
+static void query_view(const fnl_renderer *r, const struct renderer_view *view, const struct frame_counts *counts,
+                       fnl_frame_stats *out) {
+    *out = view->stats;
     shading_query(r, counts, out);
     out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
     out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
     out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
-    struct light_totals lights = r->totals_known ? r->known_totals : counts->lights;
+    struct light_totals lights = view->totals_known ? view->known_totals : counts->lights;
     out->lights_in_view = lights.in_view + r->device_scene.sun_data.count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
     out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
-    out->list_used_bytes = r->fixed_bytes + lights.entries * (uint64_t)r->entry_bytes +
-                           counts->blend_lights.entries * (uint64_t)r->blend_entry_bytes;
+    out->list_used_bytes = view->fixed_bytes + lights.entries * (uint64_t)view->entry_bytes +
+                           counts->blend_lights.entries * (uint64_t)view->blend_entry_bytes;
     out->items_visible = counts->visible_items;
     const uint32_t *reasons = counts->clusters.reasons;
     uint64_t *const triangles[] = {[CLUSTERS_DRAWN] = &out->triangles_drawn,
@@ -110,8 +109,12 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->blend_longest = counts->blend.longest;
     out->blend_overflow = counts->blend.overflow_pixels;
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
-    if (r->frame.count_lights) sum_evaluations(r, out);
+    if (r->frame.count_lights) sum_evaluations(r, view, out);
     out->lights_behind = counts->lights_behind;
+}
+
+/* Those of the whole frame. */
+static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     struct graph_stats graph = graph_query_stats(r->graph);
     out->image_bytes_read = graph.image_bytes_read;
     out->image_bytes_written = graph.image_bytes_written;
@@ -144,6 +147,29 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     out->choice = is_auto ? r->chooser.reason : "";
     out->passes = r->pass_times.data;
     out->pass_count = r->pass_times.count;
+    return FNL_OK;
+}
+
+static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
+    query_view(r, &r->views.data[view], (const struct frame_counts *)r->counts[r->frame_slot].mapped + view, out);
+    return query_frame(r, out);
+}
+
+fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
+    TRY(check_handle(__func__, "renderer", r));
+    TRY(check_pointer(CALL(&r->host), "out", out));
+    if (r->frame_number == 0) return misuse(CALL(&r->host), "no frame has been rendered");
+    TRY(gpu_frame_wait(r->device, r->frame_number));
+    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
+    for (uint32_t i = 0; i < frame_view_count(&r->frame); i++) pools_grow(r, &counts[i]);
+    TRY(query_one(r, 0, out));
+    uint32_t views = r->frame.view_count;
+    if (views == 0) return FNL_OK;
+    if (!array_reserve(&r->host, &r->view_stats, views)) return FNL_ERROR_MEMORY;
+    r->view_stats.count = views;
+    for (uint32_t i = 0; i < views; i++) TRY(query_one(r, i, &r->view_stats.data[i]));
+    out->view_count = views;
+    out->views = r->view_stats.data;
     return FNL_OK;
 }
 

@@ -84,7 +84,7 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
                                   .input = &f->scene->lights,
-                                  .state = &f->r->lists,
+                                  .state = &f->kept->lists,
                                   .has_blend = order_has_blend(f),
                                   .estimates = f->graph != f->r->asking_graph,
                                   .pool_capacity = f->r->pool_capacity,

@@ -25,6 +25,7 @@ enum shading_trait {
     SHADING_LISTS_FIRST = 1 << 13, /* makes its lists before it draws: they see depth only after a prepass */
     SHADING_VERTICES = 1 << 14,    /* needs vertex shaders */
     SHADING_DECALS = 1 << 15,      /* with decals = gbuffer it applies boxes and volumes to what it stores */
+    SHADING_VIEWS = 1 << 17,       /* draws several views in one frame */
     SHADING_DECAL_STEP = 1 << 16   /* does so in a step that walks their list and does not know what a surface receives */
 };
 /** Whether an order has all of these traits, whatever the options of a frame; auto has none. */

@@ -11,14 +11,15 @@ bool temporal_needs_motion(const fnl_frame *frame) {
 
 /* Is the last frame one of the same camera at the same scene? */
 static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
-    const struct temporal_state *s = &f->r->temporal;
-    return s->valid && !f->frame->reset_history && s->uploads == f->r->device_scene.upload_count &&
+    const struct temporal_state *s = &f->kept->temporal;
+    return s->valid && !f->frame->reset_history && s->frame.view_count == f->frame->view_count &&
+           s->uploads == f->r->device_scene.upload_count &&
            s->view.size.x == view->size.x && s->view.size.y == view->size.y && s->view.orthographic == view->orthographic;
 }
 
 /* Would the last frame, but for its jitter, have been this one? */
 static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
-    const struct temporal_state *s = &f->r->temporal;
+    const struct temporal_state *s = &f->kept->temporal;
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
     return !f->scene->moved && s->light_version == f->r->scene->light_version &&
@@ -30,7 +31,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
 
 void temporal_begin(struct frame_state *f) {
     struct frame_temporal *t = &f->temporal;
-    const struct temporal_state *s = &f->r->temporal;
+    const struct temporal_state *s = &f->kept->temporal;
     t->view = view_from_camera(&f->frame->camera, f->frame->width, f->frame->height);
     t->keeps = keeps(f, &t->view);
     t->still = t->keeps && is_still(f, &t->view);
@@ -52,7 +53,7 @@ void temporal_add(struct frame_state *f) {
     const struct device_scene *d = &f->r->device_scene;
     struct motion_input input = {.view = f->view_address,
                                  .current = &f->view,
-                                 .previous = t->keeps ? &f->r->temporal.view : NULL,
+                                 .previous = t->keeps ? &f->kept->temporal.view : NULL,
                                  .jitter = t->jitter,
                                  .depth = depth,
                                  .objects = {.scene = &f->scene->geometry,
@@ -68,18 +69,18 @@ void temporal_add(struct frame_state *f) {
                                 .exposure = f->exposure,
                                 .factor = frame->exposure == FNL_EXPOSURE_EV ? 1 / (1.2f * exp2f(frame->ev)) : 1,
                                 .tonemap = (uint32_t)frame->tonemap,
-                                .keeps = t->keeps && f->r->temporal.frame.aa == FNL_ANTIALIASING_TAA,
+                                .keeps = t->keeps && f->kept->temporal.frame.aa == FNL_ANTIALIASING_TAA,
                                 .still = t->still};
     f->radiance = taa_add(f->graph, f->radiance, &params);
 }
 
 void temporal_end(struct frame_state *f) {
-    f->r->temporal = (struct temporal_state){.valid = true,
-                                             .view = f->temporal.view,
-                                             .uploads = f->r->device_scene.upload_count,
-                                             .light_version = f->r->scene->light_version,
-                                             .decal_version = f->r->scene->decal_version,
-                                             .background = f->r->scene->background,
-                                             .frame = *f->frame,
-                                             .index = f->temporal.index};
+    f->kept->temporal = (struct temporal_state){.valid = true,
+                                                .view = f->temporal.view,
+                                                .uploads = f->r->device_scene.upload_count,
+                                                .light_version = f->r->scene->light_version,
+                                                .decal_version = f->r->scene->decal_version,
+                                                .background = f->r->scene->background,
+                                                .frame = *f->frame,
+                                                .index = f->temporal.index};
 }

@@ -6,58 +6,37 @@
 
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
 struct last_frame {
-    struct lists_state lists;
-    struct temporal_state temporal;
+    struct renderer_view view; /* the first: all views of a frame have the same pipelines */
     struct device_scene_sent sent;
-    fnl_frame_stats stats;
-    struct light_totals known_totals;
-    uint64_t fixed_bytes;
-    uint32_t entry_bytes, blend_entry_bytes, blend_capacity;
-    bool totals_known, meshes;
-    struct gpu_buffer outputs[OUTPUT_COUNT], draws, counters;
+    uint32_t blend_capacity;
+    bool meshes;
+    struct gpu_buffer outputs[OUTPUT_COUNT];
 };
 
 static void put_aside(const fnl_renderer *r, struct last_frame *out) {
-    *out = (struct last_frame){.lists = r->lists,
-                               .temporal = r->temporal,
+    *out = (struct last_frame){.view = r->views.data[0],
                                .sent = device_scene_sent(&r->device_scene),
-                               .stats = r->stats,
-                               .known_totals = r->known_totals,
-                               .fixed_bytes = r->fixed_bytes,
-                               .entry_bytes = r->entry_bytes,
-                               .blend_entry_bytes = r->blend_entry_bytes,
                                .blend_capacity = r->blend_capacity,
-                               .totals_known = r->totals_known,
-                               .meshes = r->meshes,
-                               .draws = r->draws,
-                               .counters = r->counters};
+                               .meshes = r->meshes};
     memcpy(out->outputs, r->outputs, sizeof out->outputs);
 }
 
 static void put_back(fnl_renderer *r, const struct last_frame *last) {
     device_scene_unsend(&r->device_scene, &last->sent);
-    r->lists = last->lists;
-    r->temporal = last->temporal;
-    r->stats = last->stats;
-    r->known_totals = last->known_totals;
-    r->fixed_bytes = last->fixed_bytes;
-    r->entry_bytes = last->entry_bytes;
-    r->blend_entry_bytes = last->blend_entry_bytes;
+    r->views.data[0] = last->view;
     r->blend_capacity = last->blend_capacity;
-    r->totals_known = last->totals_known;
     r->meshes = last->meshes;
-    r->draws = last->draws;
-    r->counters = last->counters;
     memcpy(r->outputs, last->outputs, sizeof r->outputs);
 }
 
 /* Buffers with sizes alone: nothing is recorded, and what the last frame wrote stays where it is. */
 static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
-    uint64_t pixels = (uint64_t)frame->width * frame->height;
+    struct renderer_view *view = &r->views.data[0];
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
-        r->outputs[i] = (struct gpu_buffer){.size = pixels * renderer_pixel_size(i)};
-    r->counters = (struct gpu_buffer){.size = pixels * 8 + 4};
-    r->draws = (struct gpu_buffer){.size = MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)};
+        r->outputs[i] = (struct gpu_buffer){.size = renderer_picture_size(frame, i)};
+    view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
+    view->draws = (struct gpu_buffer){.size = MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)};
+    lists_init(&view->lists, &r->host);
 }
 
 fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
@@ -68,12 +47,11 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
     put_aside(r, &last);
     r->graph = r->asking_graph;
     r->meshes = frame_draws_meshes(r, frame);
-    lists_init(&r->lists, &r->host);
     stand_in(r, frame);
     pools_prepare(r, (uint64_t)frame->width * frame->height);
     fnl_result result = frame_declare(r, frame, target);
     if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
-    lists_finish(&r->lists, r->device);
+    lists_finish(&r->views.data[0].lists, r->device);
     put_back(r, &last);
     r->graph = graph;
     return result;
@@ -97,7 +75,10 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
         TRY(renderer_check_target(call, target->format));
         frame.outputs &= ~(uint32_t)FNL_OUTPUT_COLOR;
     }
+    renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
+    if (frame.view_count) frame.camera = frame.views[0];
+    frame.view_count = 0;
     frame.pin_choice = true; /* nothing is measured */
     const struct choice asked = r->asked;
     const bool measures = r->measures;

@@ -10,7 +10,7 @@
 #include "tests/vulkan_spy.h"
 
 static uint32_t visited(const fnl_renderer *renderer, uint32_t pixel) {
-    return ((const uint32_t *)renderer->counters.mapped)[2 * pixel];
+    return ((const uint32_t *)renderer->views.data[0].counters.mapped)[2 * pixel];
 }
 
 /* ---- sorting ---- */

@@ -115,5 +115,5 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
 }
 
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
-const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS, .check = check, .add = add};
+const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
 const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES, .add = add_with_volumes};

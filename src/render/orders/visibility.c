@@ -42,7 +42,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
 }
 
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES,
+const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES | SHADING_VIEWS,
                                        .adjust = adjust,
                                        .check = check,
                                        .add = add};
