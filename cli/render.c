@@ -8,6 +8,7 @@
 #include "loading.h"
 #include "options.h"
 #include "output.h"
+#include "views.h"
 
 #include <errno.h>
 #include <getopt.h>
@@ -57,6 +58,9 @@ static void print_help(void) {
          "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
          "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a file\n"
          "                             of lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
+         "  --views cube|all|LIST      several cameras in one frame: the six faces of a cube around the camera (give a square\n"
+         "                             --size), all cameras of the scene, or some of them by name or index, with commas;\n"
+         "                             each output has one %d, or as %02d, for the number of the view\n"
          "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
          "  --exposure EV|auto|none    EV100 (auto)\n"
          "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"
@@ -141,6 +145,7 @@ static bool add_output(struct render_options *o, const char *path) {
 enum {
     O_SIZE = 256,
     O_CAMERA,
+    O_VIEWS,
     O_EYE,
     O_LOOK_AT,
     O_FOV,
@@ -215,6 +220,9 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return argument_size("size", value, &o->frame.width, &o->frame.height);
     case O_CAMERA:
         o->camera = value;
+        return true;
+    case O_VIEWS:
+        o->views = value;
         return true;
     case O_EYE:
         o->has_eye = true;
@@ -331,6 +339,7 @@ static const struct option own_options[] = {
     {"help", no_argument, NULL, 'h'},
     {"size", required_argument, NULL, O_SIZE},
     {"camera", required_argument, NULL, O_CAMERA},
+    {"views", required_argument, NULL, O_VIEWS},
     {"eye", required_argument, NULL, O_EYE},
     {"look-at", required_argument, NULL, O_LOOK_AT},
     {"fov", required_argument, NULL, O_FOV},
@@ -412,6 +421,9 @@ static bool check_options(struct render_options *o) {
             problem = "a sequence goes to stdout as --format raw or y4m";
         if (sequence && !is_stdout && !render_is_sequence(o->outputs[i]))
             problem = "each output of a sequence has one %d, or as %04d, for the frame's number";
+        if (o->views && is_stdout) problem = "-o - takes the picture of one view, not those of --views";
+        if (o->views && !is_stdout && !render_is_sequence(o->outputs[i]))
+            problem = "each output of --views has one %d, or as %02d, for the view's number";
     }
     if (o->output_count == 0 && !o->stats && !o->plan && !o->traffic)
         problem = "no output was asked for: give -o FILE, --stats FILE, --plan or --traffic";
@@ -419,6 +431,12 @@ static bool check_options(struct render_options *o) {
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
     if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
     if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
+    if (o->views && sequence) problem = "--views and --camera-path exclude one another";
+    if (o->views && !views_are_cube(o->views) && (o->camera || o->has_eye || o->fov > 0))
+        problem = "--camera, --eye and --fov do not go with --views, but for the place of --views cube";
+    if (o->views && views_are_cube(o->views) && o->fov > 0) problem = "the faces of --views cube have 90 degrees: --fov does not go with them";
+    if (o->views && views_are_cube(o->views) && o->frame.width != o->frame.height)
+        problem = "the faces of --views cube are square: give, for example, --size 1024x1024";
     if (o->camera_path && o->has_eye) problem = "--camera-path and --eye exclude one another";
     if (o->camera_path && !o->has_frames && bench_path_is_circle(o->camera_path, &circle) && circle == 0)
         problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";

@@ -20,7 +20,7 @@ enum render_aov {
 enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 
 struct render_options {
-    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *camera_path, *animation, *device, *stats;
+    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *views, *camera_path, *animation, *device, *stats;
     int output_count;
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
@@ -55,8 +55,10 @@ enum render_format render_format_of(const struct render_options *options, const 
 const char *render_format_name(int format);
 /** By bit of render_options.aovs; NULL beyond. */
 const char *render_aov_name(int aov);
-/** Whether a path stands for the pictures of a sequence: one %d, with or without a width, and no other %. */
+/** Whether a path stands for the pictures of a sequence, or of views: one %d, with or without a width, and no other %. */
 bool render_is_sequence(const char *path);
+/** The path of picture or view `index` of such a pattern. */
+void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity);
 /** Whether the run is one: by names of outputs, by a camera's path, or as only sequences go to stdout in this format. */
 bool render_makes_sequence(const struct render_options *options);
 /** Loads, renders, writes; returns the exit status. */
@@ -94,8 +96,9 @@ struct supersample;
 bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
 /** Lists of blended fragments learn by the first frame how long they have to be: what is saved is exact if memory lasts. */
 bool render_settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
+/** Of the last frame; `view_count` 0: it has one view, and the paths of outputs are no patterns for the numbers of views. */
 bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
-                         const struct supersample *mean);
+                         const struct supersample *mean, uint32_t view_count);
 bool render_sequence(const struct render_options *options, const fnl_host *host, fnl_scene *scene, fnl_renderer *renderer,
                      const fnl_frame *frame, struct render_report *report);
 

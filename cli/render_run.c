@@ -6,6 +6,7 @@
 #include "progress.h"
 #include "stream.h"
 #include "supersample.h"
+#include "views.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -41,20 +42,13 @@ bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *o
 }
 
 static bool choose_camera(const struct render_options *o, const fnl_scene *scene, fnl_camera *out) {
-    uint32_t index = 0, count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
     if (o->has_eye) {
         *out = fnl_camera_default();
         out->position = o->eye;
         out->target = o->look_at;
     } else if (o->camera) {
-        char *end;
-        unsigned long number = strtoul(o->camera, &end, 10);
-        if (*o->camera && !*end && number < count)
-            index = (uint32_t)number;
-        else if (fnl_scene_find(scene, FNL_ENTITY_CAMERA, o->camera, &index) != FNL_OK)
-            return false;
-        if (fnl_scene_query_camera(scene, index, out) != FNL_OK) return false;
-    } else if (count > 0) {
+        if (!views_find_camera(scene, o->camera, out)) return false;
+    } else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0) {
         if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
     } else if (fnl_scene_query_framing_camera(scene, (float)o->frame.width / (float)o->frame.height, out) != FNL_OK) {
         return false;
@@ -189,8 +183,36 @@ static bool save_stdout(const struct render_options *o, const fnl_host *host, co
     return good;
 }
 
+/* File `index` of a run: those of the first view, then those of the next. */
+static const char *file_path(const struct render_options *o, uint32_t index, uint32_t view_count, char path[4096]) {
+    const char *pattern = o->outputs[index % (uint32_t)o->output_count];
+    if (view_count == 0) return pattern;
+    render_number_path(pattern, index / (uint32_t)o->output_count, path, 4096);
+    return path;
+}
+
+static void remove_files(const struct render_options *o, uint32_t count, uint32_t view_count) {
+    char path[4096];
+    for (uint32_t i = 0; i < count; i++) {
+        const char *file = file_path(o, i, view_count, path);
+        if (!render_is_stdout(file)) unlink(file);
+    }
+}
+
+/* The pictures of one view, which stay where they are. */
+static struct pictures pictures_of(const struct pictures *all, uint32_t height, uint32_t view) {
+    struct pictures own = *all;
+    for (int i = 0; i < 6; i++) {
+        fnl_image *image = &own.images[i];
+        if (!image->pixels) continue;
+        image->height = height;
+        image->pixels = (char *)image->pixels + view * (size_t)image->width * height * fnl_pixel_size(image->format);
+    }
+    return own;
+}
+
 bool render_save_outputs(const struct render_options *o, const fnl_host *host, fnl_renderer *renderer,
-                         const struct supersample *mean) {
+                         const struct supersample *mean, uint32_t view_count) {
     struct pictures p = {0};
     uint32_t outputs = wanted_outputs(o);
     bool good = true;
@@ -198,14 +220,14 @@ bool render_save_outputs(const struct render_options *o, const fnl_host *host, f
         if (outputs & 1u << i) good = fnl_renderer_read(renderer, (fnl_output)(1 << i), &p.images[i]) == FNL_OK;
     for (int i = 0; i < 2 && good && mean->count; i++)
         if (p.images[i].pixels) supersample_store(mean, &p.images[i]);
-    int written = 0;
-    for (; written < o->output_count && good; written++) {
-        const char *path = o->outputs[written];
-        good = render_is_stdout(path) ? save_stdout(o, host, &p) : save_file(o, host, path, &p);
+    uint32_t written = 0, total = (uint32_t)o->output_count * (view_count ? view_count : 1);
+    for (; written < total && good; written++) {
+        char numbered[4096];
+        const char *path = file_path(o, written, view_count, numbered);
+        struct pictures own = pictures_of(&p, o->frame.height, written / (uint32_t)o->output_count);
+        good = render_is_stdout(path) ? save_stdout(o, host, &own) : save_file(o, host, path, &own);
     }
-    if (!good) /* all or nothing: the last one counted was not written */
-        for (int i = 0; i + 1 < written; i++)
-            if (!render_is_stdout(o->outputs[i])) unlink(o->outputs[i]);
+    if (!good && written > 0) remove_files(o, written - 1, view_count); /* all or nothing: the last one counted was not written */
     for (int i = 0; i < 6; i++) fnl_image_free(host, &p.images[i]);
     return good;
 }
@@ -358,9 +380,14 @@ int render_run(const struct render_options *o) {
     progress_begin(o->quiet, PROGRESS_SECONDS);
     progress_show("loading the scene", 0, 0);
     bool sequence = render_makes_sequence(o);
-    bool good = load_scene(o, &host, &scene, &frame.camera) && fnl_device_create(&device_params, &device) == FNL_OK &&
+    fnl_camera cameras[FNL_VIEWS_MAX];
+    uint32_t view_count = 0;
+    bool good = load_scene(o, &host, &scene, &frame.camera) &&
+                (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+    frame.views = cameras;
+    frame.view_count = view_count;
     struct supersample mean = {0};
     if (good && sequence) good = render_sequence(o, &host, scene, renderer, &frame, &report);
     if (good && !sequence) good = run_frames(o, renderer, frame, &report);
@@ -381,11 +408,10 @@ int render_run(const struct render_options *o) {
     if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());
     if (table && o->frame_count > 0) report_print(&report);
     good = good && output_flush(); /* before anything is written: all or nothing */
-    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean);
+    if (good && o->output_count && !sequence) good = render_save_outputs(o, &host, renderer, &mean, view_count);
     supersample_free(&mean);
     if (good && o->stats && !sequence && !save_stats(o, &report)) {
-        for (int i = 0; i < o->output_count; i++)
-            if (!render_is_stdout(o->outputs[i])) unlink(o->outputs[i]); /* all or nothing */
+        remove_files(o, (uint32_t)o->output_count * (view_count ? view_count : 1), view_count); /* all or nothing */
         good = false;
     }
     free((void *)report.names);

@@ -20,12 +20,12 @@ bool render_is_sequence(const char *path) {
 
 bool render_makes_sequence(const struct render_options *o) {
     bool sequence = o->camera_path || (o->has_format && (o->format == RENDER_RAW || o->format == RENDER_Y4M));
-    for (int i = 0; i < o->output_count; i++) sequence = sequence || strchr(o->outputs[i], '%');
+    for (int i = 0; i < o->output_count && !o->views; i++) sequence = sequence || strchr(o->outputs[i], '%');
     return sequence;
 }
 
-/* The path of picture `index`: written by hand, as the format is the user's. */
-static void sequence_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
+/* Written by hand, as the format is the user's. */
+void render_number_path(const char *pattern, uint32_t index, char *out, size_t capacity) {
     const char *percent = strchr(pattern, '%');
     int width = atoi(percent + 1), prefix = (int)(percent - pattern);
     snprintf(out, capacity, "%.*s%0*u%s", prefix, pattern, width, index, strchr(percent, 'd') + 1);
@@ -76,10 +76,10 @@ static bool save(struct sequence *s, uint32_t index, const struct supersample *m
     struct render_options single = *s->o;
     for (int k = 0; k < single.output_count; k++) {
         if (render_is_stdout(single.outputs[k])) continue;
-        sequence_path(single.outputs[k], index, paths[k], sizeof paths[k]);
+        render_number_path(single.outputs[k], index, paths[k], sizeof paths[k]);
         single.outputs[k] = paths[k];
     }
-    return render_save_outputs(&single, s->host, s->renderer, mean);
+    return render_save_outputs(&single, s->host, s->renderer, mean, 0);
 }
 
 /* One line for each picture: as they come to stdout, all together at the end to a file. */

@@ -44,6 +44,7 @@ void report_print(const struct render_report *r) {
     printf("%ux%u, %s, %s lists, MSAA %u: %" PRIu64 " triangles, %" PRIu64 " instances, %u lights\n", r->frame.width,
            r->frame.height, fnl_value_name(FNL_ENUM_SHADING, s->shading), fnl_value_name(FNL_ENUM_LISTS, s->lists), r->frame.msaa,
            r->scene.triangle_count, r->scene.instance_count, s->lights_total);
+    if (s->view_count) printf("%u views; the numbers of lights and triangles below are those of the first, --stats has all\n", s->view_count);
     if (s->choice[0]) printf("auto: %s\n", s->choice);
     struct report_summary gpu = report_summarise(r->gpu_times, r->frame_count), cpu = report_summarise(r->cpu_times, r->frame_count);
     printf("\n  %-28s %10s %10s %10s\n", "pass, ms", "median", "min", "p95");

@@ -18,16 +18,19 @@ static json_t *counted(bool is_known, uint64_t value) { return is_known ? intege
 static json_t *measured(bool is_known, double value) { return is_known ? json_real(value) : json_null(); }
 static json_t *vector(fnl_vec3 v) { return json_pack("[f,f,f]", (double)v.x, (double)v.y, (double)v.z); }
 
-static json_t *make_view(const struct render_report *r) {
-    const fnl_frame_stats *s = &r->stats;
-    const fnl_camera *c = &r->frame.camera;
-    json_t *camera = json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", vector(c->position), "target", vector(c->target), "up",
+static json_t *make_camera(const fnl_camera *c) {
+    return json_pack("{s:o,s:o,s:o,s:b,s:f,s:f}", "position", vector(c->position), "target", vector(c->target), "up",
                                vector(c->up), "orthographic", c->orthographic, "vertical_fov",
                                (double)c->vertical_fov * 57.295779513082321, "vertical_extent", (double)c->vertical_extent);
+}
+
+static json_t *make_view(const struct render_report *r) {
+    const fnl_frame_stats *s = &r->stats;
     return json_pack("{s:i,s:i,s:s,s:s,s:i,s:o,s:o,s:f,s:o}", "width", (int)r->frame.width, "height", (int)r->frame.height,
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
                      (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "picture",
-                     counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera", camera);
+                     counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
+                     make_camera(r->stats.view_count ? &r->frame.views[0] : &r->frame.camera));
 }
 
 static json_t *make_passes(const struct render_report *r) {
@@ -170,6 +173,18 @@ static json_t *make_coarse(const struct render_report *r) {
                      counted(o->ao_radius > 0, s->coarse_ao_shaded));
 }
 
+/* The numbers of a frame's views, where it has several. */
+static json_t *make_views(const struct render_report *r) {
+    json_t *views = r->stats.view_count ? json_array() : json_null();
+    for (uint32_t i = 0; i < r->stats.view_count; i++) {
+        struct render_report view = *r;
+        view.stats = r->stats.views[i];
+        json_array_append_new(views, json_pack("{s:o,s:o,s:o,s:f}", "camera", make_camera(&r->frame.views[i]), "lights", make_lights(&view),
+                                               "culling", make_culling(&view), "ev", (double)view.stats.ev));
+    }
+    return views;
+}
+
 char *report_text(const struct render_report *r, bool line) {
     const fnl_frame_stats *s = &r->stats;
     const fnl_scene_info *scene = &r->scene;
@@ -186,6 +201,7 @@ char *report_text(const struct render_report *r, bool line) {
         report_summarise(r->cpu_times, r->frame_count).median, "lights", make_lights(r), "draws", (int)s->draws, "culling",
         make_culling(r));
     if (!json) return NULL;
+    json_object_set_new(json, "views", make_views(r));
     json_object_set_new(json, "ev", json_real((double)s->ev));
     json_object_set_new(json, "memory",
                         json_pack("{s:o,s:o}", "device_bytes", integer(s->device_bytes), "peak_bytes",

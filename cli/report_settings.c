@@ -21,8 +21,8 @@ static json_t *names(uint32_t bits, const char *(*name_of)(int)) {
 static json_t *make_picture(const struct render_options *o) {
     json_t *outputs = json_array();
     for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_string(o->outputs[i]));
-    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output", outputs, "format",
-                     text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->camera), "camera_path",
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output", outputs, "format",
+                     text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->camera), "views", text(o->views), "camera_path",
                      text(o->camera_path), "eye", vector(o->has_eye, o->eye), "look_at", vector(o->has_look_at, o->look_at), "fov",
                      number(o->fov > 0, (double)o->fov * 57.295779513082321), "background",
                      vector(o->has_background, o->background), "ambient", vector(o->has_ambient, o->ambient), "anisotropy",

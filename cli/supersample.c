@@ -23,9 +23,10 @@ static bool add(fnl_renderer *renderer, fnl_output output, double *sum) {
 }
 
 bool supersample_render(struct supersample *s, fnl_renderer *renderer, const fnl_frame *frame, uint32_t count) {
-    size_t values = (size_t)frame->width * frame->height * 4;
+    uint32_t height = frame->height * (frame->view_count ? frame->view_count : 1); /* of the pictures of all views together */
+    size_t values = (size_t)frame->width * height * 4;
     bool color = frame->outputs & FNL_OUTPUT_COLOR, radiance = frame->outputs & FNL_OUTPUT_RADIANCE;
-    *s = (struct supersample){.width = frame->width, .height = frame->height, .count = count};
+    *s = (struct supersample){.width = frame->width, .height = height, .count = count};
     if (color) s->color = calloc(values, sizeof *s->color);
     if (radiance) s->radiance = calloc(values, sizeof *s->radiance);
     bool good = (!color || s->color) && (!radiance || s->radiance);

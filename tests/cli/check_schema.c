@@ -2,13 +2,14 @@
 /*
  * check_schema SCHEMA FILE…: whether each JSON text of the files (a text, or one a line) is by the schema, and whether together they show every property that
  * the schema knows. Of JSON Schema it knows what docs/stats.schema.json uses: type, const, enum, minimum, properties, required, additionalProperties: false or a schema,
- * items, minItems, maxItems and description; any other keyword is an error, so that none is passed over.
+ * items, minItems, maxItems, $ref to a place in itself, and description; any other keyword is an error, so that none is passed over.
  */
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
+static json_t *root; /* the whole schema */
 static json_t *seen; /* places of properties that some text had */
 static int failures;
 
@@ -45,6 +46,19 @@ static bool is_among(const json_t *value, const json_t *list) {
 
 static void check(const json_t *value, json_t *schema, const char *place);
 
+/* What a schema stands for: itself, or the place that its $ref names, "#/properties/x". */
+static json_t *resolve(json_t *schema) {
+    const char *reference = json_string_value(json_object_get(schema, "$ref"));
+    char path[256];
+    if (!reference) return schema;
+    snprintf(path, sizeof path, "%s", reference);
+    json_t *at = root;
+    strtok(path, "/");
+    for (char *key; at && (key = strtok(NULL, "/"));) at = json_object_get(at, key);
+    if (!at) fail(reference, "is a place that the schema does not have");
+    return at ? at : schema;
+}
+
 /* `others` is the schema of properties that have none, or NULL. */
 static void check_object(const json_t *value, const json_t *properties, json_t *others, const char *place) {
     const char *key;
@@ -66,6 +80,7 @@ static void check_object(const json_t *value, const json_t *properties, json_t *
 }
 
 static void check(const json_t *value, json_t *schema, const char *place) {
+    schema = resolve(schema);
     const char *keyword;
     json_t *wanted, *properties = json_object_get(schema, "properties"), *others = json_object_get(schema, "additionalProperties");
     if (!type_fits(value, json_object_get(schema, "type"))) {
@@ -103,6 +118,7 @@ static void check(const json_t *value, json_t *schema, const char *place) {
 
 /* The other way round: what the schema tells of, some text must have had, and each object must demand all it tells of. */
 static void check_seen(json_t *schema, const char *place) {
+    schema = resolve(schema);
     const char *key;
     json_t *inner, *properties = json_object_get(schema, "properties"), *items = json_object_get(schema, "items");
     char name[512];
@@ -124,6 +140,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "check_schema: %s\n", argc > 2 ? error.text : "give a schema and files");
         return 2;
     }
+    root = schema;
     seen = json_object();
     int texts = 0;
     for (int i = 2; i < argc; i++) {

@@ -164,6 +164,38 @@ expect 0 '' render builtin:spheres $small --lists clustered --frames 3 --frame-t
 for i in 0 1 2; do [ -s "$work/walk-00$i.png" ] || fail "picture $i of a sequence is missing"; done
 absent "$work/walk-003.png"
 
+# Several views in one frame: one picture each, the very bytes of frames with one camera.
+cat >"$work/cameras.gltf" <<'END'
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+ "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 3]}, {"camera": 1, "translation": [0.5, 0.2, 6]}],
+ "cameras": [{"name": "near", "type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}},
+  {"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}],
+ "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"}]}
+END
+expect 0 '2 views' render "$work/cameras.gltf" $small --lists tiled --views near,1 -o "$work/view-%d.png" -o "$work/view-%02d.exr"
+for i in 0 1; do
+    expect 0 '' render "$work/cameras.gltf" $small --lists tiled --camera $i -q -o "$work/camera.png" -o "$work/camera.exr"
+    cmp -s "$work/view-$i.png" "$work/camera.png" && cmp -s "$work/view-0$i.exr" "$work/camera.exr" || fail "view $i is not what its camera sees"
+done
+cmp -s "$work/view-0.png" "$work/view-1.png" && fail 'two cameras see the same'
+expect 0 '' render "$work/cameras.gltf" $small --lists tiled --views all -q -o "$work/all-%d.png"
+cmp -s "$work/all-0.png" "$work/view-0.png" && cmp -s "$work/all-1.png" "$work/view-1.png" || fail '--views all is not the cameras of the scene'
+expect 0 '' render builtin:spheres --size 24x24 --lists tiled --exposure 4 --eye 0,1,0 --look-at 1,1,0 --views cube -q -o "$work/face%d.png"
+expect 0 '' render builtin:spheres --size 24x24 --lists tiled --exposure 4 --eye 0,1,0 --look-at 0,1,-1 --fov 90 -q -o "$work/front.png"
+cmp -s "$work/face5.png" "$work/front.png" || fail 'the last face of a cube is not its front'
+absent "$work/face6.png"
+expect 2 'faces of --views cube are square' render builtin:spheres $small --views cube -o "$work/f%d.png"
+expect 2 'each output of --views has one' render builtin:spheres $small --views all -o "$work/f.png"
+sed 's/"cameras"/"extras"/; s/"camera": [01], //g' "$work/cameras.gltf" >"$work/blind.gltf"
+expect 2 'the scene has no cameras' render "$work/blind.gltf" $small --views all -o "$work/f%d.png"
+expect 2 'zbin lists take one view' render "$work/cameras.gltf" $small --views all --lists zbin -o "$work/f%d.png"
+expect 2 'mobile shading takes one view' render "$work/cameras.gltf" $small --views all --shading mobile -o "$work/f%d.png"
+expect 2 'do not go with --views' render "$work/cameras.gltf" $small --views all --camera 0 -o "$work/f%d.png"
+absent "$work/f0.png" "$work/f%d.png"
+
 # The main job, twice: equal bytes; every output at once; numbers that are there.
 expect 0 'light evaluations' render builtin:spheres $small --lists clustered -o "$work/a.png" -o "$work/a.exr" --aov depth,normal,albedo,roughness,id,position --stats "$work/a.json" --frames 2
 expect 0 '' render builtin:spheres $small -o "$work/b.png" -o "$work/b.exr" --aov depth,normal,albedo,roughness,id,position --quiet

@@ -91,8 +91,9 @@ spheres="builtin:spheres --lists clustered"
     run 0 '' $spheres -q --shading virtual-texturing --stats atlas.json
     run 0 '' $spheres -q --shading mobile --stats mobile.json
     run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion --set deferred.class-blocks=0 --stats msaa.json
+    run 0 '' $spheres -q --views cube --size 16x16 --stats views.json -o face-%d.png
 }
-"$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json ||
+"$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json views.json ||
     fail 'the numbers are not by docs/stats.schema.json'
 [ "$(wc -l <walk.json)" = 4 ] || fail "the numbers of four pictures have $(wc -l <walk.json) lines"
 for i in 0 1 2 3; do sed -n $((i + 1))p walk.json | grep -q "\"picture\":$i," || fail "line $((i + 1)) is not of picture $i"; done
