@@ -9,23 +9,29 @@
 
 /* ---- life ---- */
 
+void lists_shared_init(struct lists_shared *shared, const fnl_host *host) {
+    world_grid_init(&shared->world, host);
+    world_grid_init(&shared->grid2d, host);
+}
+
+void lists_shared_forget(struct lists_shared *shared) { shared->world.version = shared->grid2d.version = UINT64_MAX; }
+
+void lists_shared_finish(struct lists_shared *shared, gpu_device *device) {
+    world_grid_finish(&shared->world, device);
+    world_grid_finish(&shared->grid2d, device);
+}
+
 void lists_init(struct lists_state *state, const fnl_host *host) {
     *state = (struct lists_state){0};
     clustered_cpu_init(&state->clustered_cpu, host);
     light_tree_init(&state->tree, host);
-    world_grid_init(&state->world, host);
-    world_grid_init(&state->grid2d, host);
 }
 
 void lists_finish(struct lists_state *state, gpu_device *device) {
     clustered_cpu_finish(&state->clustered_cpu);
     light_tree_finish(&state->tree);
-    world_grid_finish(&state->world, device);
-    world_grid_finish(&state->grid2d, device);
     raster_state_finish(&state->raster, device);
 }
-
-void lists_forget(struct lists_state *state) { state->world.version = state->grid2d.version = UINT64_MAX; }
 
 fnl_result lists_check(const struct call *call, const fnl_cluster_options *o) {
     if (isinf(o->near) || isinf(o->far)) return FNL_OK;
@@ -265,8 +271,8 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
                                &c->device_scene->bounds, &params);
 }
 
-static void add_world(struct lists_context *c) { add_world_grid(c, &c->state->world, false); }
-static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->state->grid2d, true); }
+static void add_world(struct lists_context *c) { add_world_grid(c, &c->shared->world, false); }
+static void add_grid2d(struct lists_context *c) { add_world_grid(c, &c->shared->grid2d, true); }
 
 static void add_mesh(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);

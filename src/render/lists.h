@@ -16,11 +16,20 @@
 #include "render/device/scene.h"
 #include "view_shared.h"
 
-/** What builders keep from frame to frame. */
+/** What builders keep from frame to frame for all views: lists of the world, which the first view of a frame brings up to date. */
+struct lists_shared {
+    struct world_grid world, grid2d;
+};
+void lists_shared_init(struct lists_shared *shared, const fnl_host *host);
+/** After a frame that failed: what was to be kept may never have reached the device. */
+void lists_shared_forget(struct lists_shared *shared);
+/** The device is idle. */
+void lists_shared_finish(struct lists_shared *shared, gpu_device *device);
+
+/** What they keep for one view. */
 struct lists_state {
     struct clustered_cpu clustered_cpu;
     struct light_tree tree;
-    struct world_grid world, grid2d;
     struct raster_state raster;
     /* The estimated pool of each kind of list, and what it was estimated for. It is kept until that changes, because estimating takes time. */
     struct lists_room {
@@ -29,8 +38,6 @@ struct lists_state {
     } rooms[FNL_LISTS_COUNT];
 };
 void lists_init(struct lists_state *state, const fnl_host *host);
-/** After a frame that failed: what was to be kept may never have reached the device. */
-void lists_forget(struct lists_state *state);
 /** The device is idle. */
 void lists_finish(struct lists_state *state, gpu_device *device);
 
@@ -46,6 +53,7 @@ struct lists_context {
     struct geometry_scene *scene;
     const struct geometry_draws *draws;
     struct light_input *input;
+    struct lists_shared *shared;
     struct lists_state *state;
     graph_image depth;             /* of everything opaque; id 0: not known before shading */
     const struct gbuffer *gbuffer; /* single-sampled, for its normals; NULL: none */

@@ -20,6 +20,7 @@ enum { WIDTH = 96, HEIGHT = 54, POOL = 1 << 16 };
 struct eye {
     const char *name;
     fnl_vec3 step; /* from where the scene's camera stands, and again with each frame */
+    struct lists_shared shared;
     struct lists_state lists;
     struct gpu_view view;
     bool drawn; /* in the last frame, with `view` */
@@ -119,6 +120,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                               .scene = &scene->geometry,
                               .draws = &draws,
                               .input = &input,
+                              .shared = &eye->shared,
                               .state = &eye->lists,
                               .depth = depth,
                               .gbuffer = by_items ? NULL : &gbuffer,
@@ -186,6 +188,7 @@ static void draw_eyes(const struct stage *stage, const fnl_frame *frame, struct 
     assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
     for (uint32_t i = 0; i < count; i++) {
         lists_init(&eyes[i].lists, gpu_host(device));
+        lists_shared_init(&eyes[i].shared, gpu_host(device));
         eyes[i].drawn = false;
         memset(eyes[i].picture.mapped, 0, eyes[i].picture.size);
     }
@@ -204,6 +207,7 @@ static void draw_eyes(const struct stage *stage, const fnl_frame *frame, struct 
     }
     assert_int_equal(gpu_wait_idle(device), FNL_OK);
     for (uint32_t i = 0; i < count; i++) lists_finish(&eyes[i].lists, device);
+    for (uint32_t i = 0; i < count; i++) lists_shared_finish(&eyes[i].shared, device);
     graph_destroy(&graph);
 }
 

@@ -122,6 +122,7 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
     device_scene_init(&r->device_scene, device, scene);
     r->atlas.version = UINT64_MAX;
+    lists_shared_init(&r->lists, &r->host);
     load_choices(r);
     fnl_result result = prepare_views(r, 1);
     if (result == FNL_OK) result = graph_create(&r->host, device, &r->graph);
@@ -148,6 +149,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
         gpu_buffer_destroy(r->device, &view->draws);
         gpu_buffer_destroy(r->device, &view->counters);
     }
+    lists_shared_finish(&r->lists, r->device);
     virtual_destroy(r->device, &r->atlas);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
@@ -247,10 +249,8 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
 }
 
 void renderer_forget(fnl_renderer *r) {
-    for (uint32_t i = 0; i < r->views.count; i++) {
-        r->views.data[i].temporal.valid = false;
-        lists_forget(&r->views.data[i].lists);
-    }
+    for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
+    lists_shared_forget(&r->lists);
     device_scene_forget(&r->device_scene);
     r->atlas.version = UINT64_MAX;
 }

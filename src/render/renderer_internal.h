@@ -72,6 +72,7 @@ struct fnl_renderer {
     bool measures;                         /* the frame being made has an auto that may measure */
     struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
+    struct lists_shared lists;
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
     struct virtual_atlas atlas; /* of virtual texturing */
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */

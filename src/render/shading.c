@@ -84,6 +84,7 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
                                   .input = &f->scene->lights,
+                                  .shared = &f->r->lists,
                                   .state = &f->kept->lists,
                                   .has_blend = order_has_blend(f),
                                   .estimates = f->graph != f->r->asking_graph,

@@ -7,6 +7,7 @@
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
 struct last_frame {
     struct renderer_view view; /* the first: all views of a frame have the same pipelines */
+    struct lists_shared lists;
     struct device_scene_sent sent;
     uint32_t blend_capacity;
     bool meshes;
@@ -15,6 +16,7 @@ struct last_frame {
 
 static void put_aside(const fnl_renderer *r, struct last_frame *out) {
     *out = (struct last_frame){.view = r->views.data[0],
+                               .lists = r->lists,
                                .sent = device_scene_sent(&r->device_scene),
                                .blend_capacity = r->blend_capacity,
                                .meshes = r->meshes};
@@ -24,6 +26,7 @@ static void put_aside(const fnl_renderer *r, struct last_frame *out) {
 static void put_back(fnl_renderer *r, const struct last_frame *last) {
     device_scene_unsend(&r->device_scene, &last->sent);
     r->views.data[0] = last->view;
+    r->lists = last->lists;
     r->blend_capacity = last->blend_capacity;
     r->meshes = last->meshes;
     memcpy(r->outputs, last->outputs, sizeof r->outputs);
@@ -37,6 +40,7 @@ static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
     view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
     view->draws = (struct gpu_buffer){.size = MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)};
     lists_init(&view->lists, &r->host);
+    lists_shared_init(&r->lists, &r->host);
 }
 
 fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target,
@@ -52,6 +56,7 @@ fnl_result renderer_ask_pipelines(fnl_renderer *r, const fnl_frame *frame, const
     fnl_result result = frame_declare(r, frame, target);
     if (result == FNL_OK) result = graph_ask_pipelines(r->graph, out_ticket);
     lists_finish(&r->views.data[0].lists, r->device);
+    lists_shared_finish(&r->lists, r->device);
     put_back(r, &last);
     r->graph = graph;
     return result;
