@@ -386,6 +386,7 @@ int render_run(const struct render_options *o) {
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;
+    if (view_count > 0) frame.camera = cameras[0];
     frame.views = cameras;
     frame.view_count = view_count;
     struct supersample mean = {0};

@@ -30,7 +30,7 @@ static json_t *make_view(const struct render_report *r) {
                      "shading", fnl_value_name(FNL_ENUM_SHADING, s->shading), "lists", fnl_value_name(FNL_ENUM_LISTS, s->lists), "msaa",
                      (int)r->frame.msaa, "choice", s->choice[0] ? json_string(s->choice) : json_null(), "picture",
                      counted(r->picture != UINT32_MAX, r->picture), "time", r->time, "camera",
-                     make_camera(r->stats.view_count ? &r->frame.views[0] : &r->frame.camera));
+                     make_camera(&r->frame.camera));
 }
 
 static json_t *make_passes(const struct render_report *r) {

@@ -364,7 +364,7 @@ void gpu_barrier(struct gpu_commands *commands, const struct gpu_image_barrier *
 void gpu_begin_label(struct gpu_commands *commands, const char *name);
 void gpu_end_label(struct gpu_commands *commands);
 /** Writes timestamp `index` of the frame, below GPU_MAX_TIMESTAMPS. */
-enum { GPU_MAX_TIMESTAMPS = 512 };
+enum { GPU_MAX_TIMESTAMPS = 2048 };
 void gpu_timestamp(struct gpu_commands *commands, uint32_t index);
 
 /*

@@ -181,7 +181,7 @@ for i in 0 1; do
     cmp -s "$work/view-$i.png" "$work/camera.png" && cmp -s "$work/view-0$i.exr" "$work/camera.exr" || fail "view $i is not what its camera sees"
 done
 cmp -s "$work/view-0.png" "$work/view-1.png" && fail 'two cameras see the same'
-expect 0 '' render "$work/cameras.gltf" $small --lists tiled --views all -q -o "$work/all-%d.png"
+expect 0 '' render "$work/cameras.gltf" $small --lists tiled --views all -q -o "$work/all-%d.png" -o "$work/all-%d.exr"
 cmp -s "$work/all-0.png" "$work/view-0.png" && cmp -s "$work/all-1.png" "$work/view-1.png" || fail '--views all is not the cameras of the scene'
 expect 0 '' render builtin:spheres --size 24x24 --lists tiled --exposure 4 --eye 0,1,0 --look-at 1,1,0 --views cube -q -o "$work/face%d.png"
 expect 0 '' render builtin:spheres --size 24x24 --lists tiled --exposure 4 --eye 0,1,0 --look-at 0,1,-1 --fov 90 -q -o "$work/front.png"
