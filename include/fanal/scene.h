@@ -128,7 +128,7 @@ FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_p
 /**
  * Changes a material, including one from a file (fnl_scene_query_material returns its current values). A texture whose image
  * stays the same keeps its coordinates and filters; specular textures, which are not in fnl_material_params, stay as they
- * are. Renderers upload the scene again, except for its images, so this is not a call for every frame.
+ * are. Renderers upload the material, and an image that none used before, but go through all instances to sort them again.
  */
 FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
 
@@ -169,8 +169,7 @@ FNL_API fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instan
 /**
  * Hides an instance with everything below it, including lights and decals, or shows it again if nothing above it is hidden.
  * Nodes of a file that are hidden (KHR_node_visibility) or in none of the scenes shown begin hidden. A skin is shown with the
- * node of its mesh, wherever its joints are. Renderers upload the scene again, except for its images, so this is not a call
- * for every frame.
+ * node of its mesh, wherever its joints are. Renderers upload a few bytes per instance, but go through all of them to sort them again.
  */
 FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance_id instance, bool visible);
 /**
@@ -341,7 +340,7 @@ FNL_API fnl_result fnl_scene_set_decal(fnl_scene *scene, fnl_decal_id decal, con
 FNL_API fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id decal);
 /**
  * Sets which decals an instance receives: those that share a bit with `receivers` (8 bits; initially 255). 0: none. Renderers
- * upload the scene again, so this is not a call for every frame.
+ * go through all instances to sort them again.
  */
 FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers);
 /**

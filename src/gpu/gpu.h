@@ -171,6 +171,8 @@ fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, c
  * `buffer` may have no handle; then it is created. On errors it stays what it was.
  */
 fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t size);
+/** Hands uploads to the device: frames that are submitted later see them. */
+fnl_result gpu_upload_submit(gpu_device *device);
 /** Waits until all uploads are done and visible to later submissions. */
 fnl_result gpu_upload_flush(gpu_device *device);
 /** Copies a device buffer back; waits. For tests and one-off reads outside frames. */

@@ -107,8 +107,18 @@ static fnl_result submit_segment(gpu_device *device) {
             .value = value,
             .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         };
+        /* The barriers order it behind the graphics queue; the other may still read what it changes. */
+        const struct gpu_queue_state *other = &device->queues[GPU_QUEUE_COMPUTE];
+        VkSemaphoreSubmitInfo wait = {
+            .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+            .semaphore = other->timeline,
+            .value = other->value,
+            .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        };
         VkSubmitInfo2 info = {
             .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+            .waitSemaphoreInfoCount = other->value ? 1 : 0,
+            .pWaitSemaphoreInfos = &wait,
             .commandBufferInfoCount = 1,
             .pCommandBufferInfos = &commands,
             .signalSemaphoreInfoCount = 1,
@@ -153,6 +163,13 @@ fnl_result gpu_uploads_wait(gpu_device *device, uint64_t value) {
         TRY(result);
     }
     return gpu_semaphore_wait(device, uploads->timeline, MIN(value, atomic_load(&uploads->submitted)));
+}
+
+fnl_result gpu_upload_submit(gpu_device *device) {
+    pthread_mutex_lock(&device->uploads.mutex);
+    fnl_result result = submit_segment(device);
+    pthread_mutex_unlock(&device->uploads.mutex);
+    return result;
 }
 
 fnl_result gpu_upload_flush(gpu_device *device) { return gpu_uploads_wait(device, atomic_load(&device->uploads.recorded)); }
@@ -211,7 +228,6 @@ fnl_result gpu_grow_buffer(gpu_device *device, const char *name, struct gpu_buff
         result = copy_buffer(device, buffer, &grown, used);
         pthread_mutex_unlock(&device->uploads.mutex);
     }
-    if (result == FNL_OK) result = gpu_upload_flush(device);
     gpu_buffer_destroy(device, result == FNL_OK ? buffer : &grown);
     if (result == FNL_OK) *buffer = grown;
     return result;

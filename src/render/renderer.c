@@ -199,14 +199,12 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
     r->device_scene.keeps_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
-    r->device_scene.wanted_triangles = 0;
     TRY(device_scene_prepare(&r->device_scene));
     renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);
     if (culls && r->device_scene.triangle_count > 0) {
         if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
-        if (!r->meshes) r->device_scene.wanted_triangles = r->triangle_capacity;
-        TRY(device_scene_prepare(&r->device_scene));
+        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->device_scene, r->triangle_capacity));
     }
     return shading_prepare(r, frame);
 }

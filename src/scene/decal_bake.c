@@ -367,7 +367,7 @@ static uint32_t own_image(fnl_scene *scene, const struct scene_texture *original
         texture->image = index;
     }
     uint8_t *pixels = scene->images.data[texture->image].pixels;
-    scene->image_version++;
+    scene->images.data[texture->image].version++;
     if (source->pixels)
         memcpy(pixels, source->pixels, bytes);
     else
@@ -533,7 +533,7 @@ fnl_result decal_bake(fnl_scene *scene, uint32_t node) {
         result = paint_node(scene, node, brushes, count);
     else if (painted)
         scene->nodes.data[node].mesh = painted->mesh;
-    scene->structure_version++;
+    scene_materials_changed(scene);
     for (uint32_t i = 0; i < count; i++) {
         close_picture(scene, &brushes[i].color);
         close_picture(scene, &brushes[i].metallic_roughness);

@@ -47,6 +47,7 @@ static fnl_result grow_image(fnl_scene *scene, uint32_t index, uint32_t texels, 
     grow(image->pixels, image->width, image->height, texels, sampler->wrap_u == SCENE_WRAP_REPEAT,
          sampler->wrap_v == SCENE_WRAP_REPEAT, rows);
     host_free(&scene->host, rows, size);
+    image->version++;
     return FNL_OK;
 }
 
@@ -55,7 +56,6 @@ fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels) {
     TRY(check_count(CALL(&scene->host), "texels", texels, 0, 64));
     bool *done = host_allocate_zero(&scene->host, MAX(scene->images.count, 1u));
     if (!done) return FNL_ERROR_MEMORY;
-    if (texels) scene->image_version++;
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < scene->materials.count && result == FNL_OK && texels; i++) {
         const struct scene_texture *texture = &scene->materials.data[i].textures[SCENE_TEXTURE_METALLIC_ROUGHNESS];
@@ -64,5 +64,6 @@ fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels) {
         result = grow_image(scene, texture->image, texels, &scene->samplers.data[texture->sampler]);
     }
     host_free(&scene->host, done, MAX(scene->images.count, 1u));
+    scene_materials_changed(scene);
     return result;
 }

@@ -80,21 +80,26 @@ struct scene_texture scene_texture_none(void) {
     return (struct scene_texture){.image = SCENE_NONE, .transform = {1, 0, 0, 0, 1, 0}};
 }
 
+void scene_materials_changed(fnl_scene *scene) {
+    scene->material_version++;
+    scene->structure_version++;
+}
+
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image) {
     if (!array_push(&scene->host, &scene->images, *image)) return SCENE_NONE;
-    scene->structure_version++;
+    scene_materials_changed(scene);
     return scene->images.count - 1;
 }
 
 uint32_t scene_add_sampler(fnl_scene *scene, const struct scene_sampler *sampler) {
     if (!array_push(&scene->host, &scene->samplers, *sampler)) return SCENE_NONE;
-    scene->structure_version++;
+    scene_materials_changed(scene);
     return scene->samplers.count - 1;
 }
 
 uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *material) {
     if (!array_push(&scene->host, &scene->materials, *material)) return SCENE_NONE;
-    scene->structure_version++;
+    scene_materials_changed(scene);
     return scene->materials.count - 1;
 }
 

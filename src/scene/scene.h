@@ -24,6 +24,7 @@ struct scene_image {
     uint32_t width, height; /* 0x0 for a missing or broken image, which renders as white */
     uint8_t *pixels;        /* RGBA8, owned by the scene, or NULL */
     bool color;             /* used for colour: mips are averaged in linear light */
+    uint32_t version;       /* of its pixels: counts their changes */
 };
 
 enum scene_filter { SCENE_FILTER_NEAREST, SCENE_FILTER_LINEAR };
@@ -232,8 +233,8 @@ struct fnl_scene {
     uint32_t hull_plane_count; /* of all lights */
 
     /* A renderer remembers the versions it has seen. */
-    uint64_t structure_version;     /* images, materials, meshes, nodes came or went: rebuild */
-    uint64_t image_version;         /* pixels of images that were there: upload them anew */
+    uint64_t structure_version;     /* images, materials, meshes, nodes came, changed or went */
+    uint64_t material_version;      /* … images, samplers and materials among them */
     uint64_t light_version;         /* lights, ambient */
     uint64_t light_set_version;     /* … at which all changed: re-read all */
     uint64_t sun_version;           /* … at which a directional light last came, changed or went */
@@ -267,6 +268,8 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
+/** After a change of materials, samplers, or an image, whose `version` grows besides. */
+void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
 /** Before a light becomes local or directional: makes room for it. False when memory ran out. */
 bool scene_reserve_light(fnl_scene *scene);

@@ -181,7 +181,7 @@ fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id id, const fn
     change_image(&changed.textures[SCENE_TEXTURE_OCCLUSION], p->occlusion_image);
     change_image(&changed.textures[SCENE_TEXTURE_EMISSIVE], p->emissive_image);
     scene->materials.data[id.index] = changed;
-    scene->structure_version++;
+    scene_materials_changed(scene);
     return repaint(scene, id.index, &before);
 }
 
@@ -471,7 +471,7 @@ fnl_result fnl_scene_set_background(fnl_scene *scene, fnl_vec3 radiance) {
 fnl_result fnl_scene_set_anisotropy(fnl_scene *scene, float anisotropy) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_range(CALL(&scene->host), "anisotropy", (double)anisotropy, 1, 16, ""));
-    if (scene->anisotropy != anisotropy) scene->structure_version++;
+    if (scene->anisotropy != anisotropy) scene_materials_changed(scene);
     scene->anisotropy = anisotropy;
     return FNL_OK;
 }

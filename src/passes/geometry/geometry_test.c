@@ -268,7 +268,7 @@ static void test_culling(void **state) {
     assert_int_equal(device_scene_prepare(&d), FNL_OK);
     assert_int_equal(d.item_count, 700);
     struct gpu_item *items = malloc(d.item_count * sizeof *items);
-    assert_int_equal(gpu_read_buffer(test_device, &d.items, 0, items, d.item_count * sizeof *items), FNL_OK);
+    assert_int_equal(gpu_read_buffer(test_device, &d.items.buffer, 0, items, d.item_count * sizeof *items), FNL_OK);
     struct frame_maker m = maker_open();
     struct random_state random = {99};
     uint32_t seen[16] = {0}, least = UINT32_MAX, most = 0;

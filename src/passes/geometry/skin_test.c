@@ -80,7 +80,7 @@ static void check_vertices(fnl_renderer *renderer, double extent) {
             bool skinned = joints && p->joint_count;
             if (!skinned && !p->morph_target_count) continue;
             struct gpu_deform record;
-            assert_int_equal(gpu_read_buffer(test_device, &d->deforms, deform_index * sizeof record, &record, sizeof record),
+            assert_int_equal(gpu_read_buffer(test_device, &d->deforms.buffer, deform_index * sizeof record, &record, sizeof record),
                              FNL_OK);
             assert_int_equal(record.count, p->vertex_count);
             vec3 *positions = malloc(p->vertex_count * sizeof *positions);

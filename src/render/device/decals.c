@@ -85,7 +85,7 @@ static const struct decal_picture *find_picture(const struct device_scene *d, ui
 static fnl_result need_picture(struct device_scene *d, fnl_image_id id, enum decal_picture_kind kind) {
     uint32_t image = decal_image(id);
     if (image == SCENE_NONE || find_picture(d, image, kind)) return FNL_OK;
-    struct decal_picture picture = {.image = image, .kind = kind};
+    struct decal_picture picture = {.image = image, .kind = kind, .version = d->scene->images.data[image].version};
     fnl_result result = upload_picture(d, &picture);
     if (result == FNL_OK && !array_push(&d->host, &d->decals.pictures, picture)) result = FNL_ERROR_MEMORY;
     if (result != FNL_OK && picture.gpu.handle) gpu_image_destroy(d->device, &picture.gpu);
@@ -239,13 +239,13 @@ static fnl_result prepare_mesh(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &all->mesh_ids);
     if (all->mesh_count == 0) return FNL_OK;
     const fnl_scene *scene = d->scene;
-    uint32_t instance_count = (uint32_t)(d->instances.size / sizeof(struct gpu_instance)), id_count = 0;
+    uint32_t instance_count = d->instances_taken.end, id_count = 0;
     uint32_t *ranges = host_allocate_zero(&d->host, (instance_count + 1) * sizeof *ranges);
     ARRAY(uint32_t) ids = {0};
     fnl_result result = ranges ? FNL_OK : FNL_ERROR_MEMORY;
     for (int fills = 0; fills < 2 && result == FNL_OK; fills++) {
         for (uint32_t i = all->count; i < all->count + all->mesh_count; i++) {
-            uint32_t node = scene->decals.data[all->order.data[i]].node, first = d->node_instances.data[node];
+            uint32_t node = scene->decals.data[all->order.data[i]].node, first = d->nodes.data[node].first_instance;
             if (first == SCENE_NONE) continue;
             for (uint32_t k = 0; k < scene->nodes.data[node].instance_count; k++) {
                 if (fills)
@@ -289,7 +289,7 @@ static fnl_result add_redraw(struct device_scene *d, struct redraws *r, uint32_t
     const struct scene_mesh *mesh = &d->scene->meshes.data[d->scene->nodes.data[node].mesh];
     const struct scene_primitive *p = &d->scene->primitives.data[mesh->first_primitive + primitive];
     if (p->topology != SCENE_TOPOLOGY_TRIANGLES) return FNL_OK;
-    uint32_t first = r->indices.count, own = d->node_primitives.data[node];
+    uint32_t first = r->indices.count, own = d->nodes.data[node].first_primitive;
     for (uint32_t i = 0; i + 2 < p->index_count; i += 3) {
         vec3 corners[3];
         for (uint32_t k = 0; k < 3; k++) corners[k] = mat4_point(inverse, p->positions[p->indices[i + k]]);
@@ -299,7 +299,7 @@ static fnl_result add_redraw(struct device_scene *d, struct redraws *r, uint32_t
     }
     uint32_t count = r->indices.count - first;
     for (uint32_t k = 0; count && k < d->scene->nodes.data[node].instance_count; k++) {
-        struct gpu_redraw entry = {.instance = d->node_instances.data[node] + k,
+        struct gpu_redraw entry = {.instance = d->nodes.data[node].first_instance + k,
                                    .primitive = own == SCENE_NONE ? mesh->first_primitive + primitive : own + primitive,
                                    .decal = decal_index};
         struct gpu_draw draw = {
@@ -314,7 +314,7 @@ static fnl_result find_redraws(struct device_scene *d, struct redraws *r) {
     for (uint32_t i = all->count + all->mesh_count; i < all->order.count; i++) {
         const struct scene_decal *decal = &d->scene->decals.data[all->order.data[i]];
         mat4 inverse;
-        if (d->node_instances.data[decal->node] == SCENE_NONE || !mat4_inverse(&decal->params.transform, &inverse)) continue;
+        if (d->nodes.data[decal->node].first_instance == SCENE_NONE || !mat4_inverse(&decal->params.transform, &inverse)) continue;
         uint32_t count = d->scene->meshes.data[d->scene->nodes.data[decal->node].mesh].primitive_count;
         for (uint32_t k = 0; k < count; k++) TRY(add_redraw(d, r, i, &inverse, decal->node, k));
     }
@@ -351,6 +351,20 @@ static void free_pictures(struct device_scene *d) {
     for (uint32_t i = 0; i < d->decals.pictures.count; i++)
         if (d->decals.pictures.data[i].gpu.handle) gpu_image_destroy(d->device, &d->decals.pictures.data[i].gpu);
     d->decals.pictures.count = 0;
+}
+
+static void free_changed_pictures(struct device_scene *d) {
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < d->decals.pictures.count; i++) {
+        struct decal_picture *picture = &d->decals.pictures.data[i];
+        if (picture->version == d->scene->images.data[picture->image].version) {
+            d->decals.pictures.data[kept++] = *picture;
+            continue;
+        }
+        if (picture->gpu.handle) gpu_image_destroy(d->device, &picture->gpu);
+        d->decals.sent_version = UINT64_MAX; /* it has another index from now on */
+    }
+    d->decals.pictures.count = kept;
 }
 
 void device_decals_finish(struct device_scene *d) {
@@ -395,10 +409,7 @@ fnl_result device_decals_prepare(struct device_scene *d) {
     if (all->version == scene->decal_version && all->structure_version == scene->structure_version) return FNL_OK;
     if (scene->decals.count == 0 && all->order.count == 0) return FNL_OK;
     all->version = UINT64_MAX; /* until it is whole */
-    if (all->structure_version != scene->structure_version) {
-        free_pictures(d);
-        all->sent_version = UINT64_MAX;
-    }
+    free_changed_pictures(d);
     TRY(find_order(d));
     TRY(prepare_pictures(d));
     TRY(prepare_mesh(d));
@@ -413,7 +424,6 @@ fnl_result device_decals_prepare(struct device_scene *d) {
     all->sampler = gpu_sampler_index(d->device, &sampler);
     TRY(grow_buffer(d, "decals", &all->decals, all->order.count * sizeof(struct gpu_decal)));
     TRY(grow_buffer(d, "decal boxes", &all->boxes, all->count * sizeof(struct gpu_light)));
-    TRY(gpu_upload_flush(d->device));
     all->version = scene->decal_version;
     all->structure_version = scene->structure_version;
     return FNL_OK;

@@ -44,6 +44,8 @@ static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t wi
                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     TRY(gpu_image_create(d->device, &params, &d->images.data[index]));
     d->image_upload_count++;
+    d->bytes_uploaded += (uint64_t)width * height * 4;
+    d->image_versions.data[index] = image->version;
     d->image_blues.data[index] = common_blue(pixels, (uint64_t)width * height);
     return gpu_upload_image(d->device, &d->images.data[index], pixels, (uint64_t)width * height * 4, true, image->color);
 }
@@ -66,11 +68,12 @@ fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs) {
     const fnl_scene *scene = d->scene;
     if (!array_reserve(&d->host, &d->images, scene->images.count)) return FNL_ERROR_MEMORY;
     if (!array_reserve(&d->host, &d->image_blues, scene->images.count)) return FNL_ERROR_MEMORY;
+    if (!array_reserve(&d->host, &d->image_versions, scene->images.count)) return FNL_ERROR_MEMORY;
     for (uint32_t i = d->images.count; i < scene->images.count; i++) { /* scenes lose none */
         d->images.data[i] = (struct gpu_image){0};
         d->image_blues.data[i] = -1;
     }
-    d->images.count = d->image_blues.count = scene->images.count;
+    d->images.count = d->image_blues.count = d->image_versions.count = scene->images.count;
 
     bool *used = host_allocate_zero(&d->host, MAX(scene->images.count, 1u));
     if (!used) return FNL_ERROR_MEMORY;
@@ -84,6 +87,8 @@ fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs) {
     fnl_result result = FNL_OK;
     for (uint32_t i = 0; i < scene->images.count && result == FNL_OK; i++) {
         const struct scene_image *image = &scene->images.data[i];
+        if (d->images.data[i].handle && d->image_versions.data[i] != image->version)
+            gpu_image_destroy(d->device, &d->images.data[i]);
         if (!used[i] || d->images.data[i].handle || image->width == 0 || image->height == 0) continue;
         if (image->pixels) {
             result = upload_one(d, i, image->width, image->height, image->pixels);

@@ -6,58 +6,6 @@ static const struct scene_material *material_of(const fnl_scene *scene, const st
     return p->material == SCENE_NONE ? standard : &scene->materials.data[p->material];
 }
 
-static struct gpu_instance device_instance(const mat4 *m) {
-    struct gpu_instance r;
-    for (int row = 0; row < 3; row++) r.rows[row] = (vec4){m->m[row], m->m[4 + row], m->m[8 + row], m->m[12 + row]};
-    return r;
-}
-
-mat4 device_instance_matrix(const struct scene_node *node, uint32_t k) {
-    if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
-    return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
-}
-
-void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out) {
-    for (uint32_t k = 0; k < node->instance_count; k++) {
-        mat4 m = device_instance_matrix(node, k);
-        out[k] = device_instance(&m);
-    }
-}
-
-static fnl_result upload_instances(struct device_scene *d) {
-    const fnl_scene *scene = d->scene;
-    uint64_t count = 0;
-    if (!array_reserve(&d->host, &d->node_instances, scene->nodes.count)) return FNL_ERROR_MEMORY;
-    d->node_instances.count = scene->nodes.count;
-    for (uint32_t n = 0; n < scene->nodes.count; n++) {
-        bool draws = device_node_draws(&scene->nodes.data[n]);
-        d->node_instances.data[n] = draws ? (uint32_t)count : SCENE_NONE;
-        if (draws) count += scene->nodes.data[n].instance_count;
-    }
-    if (count > UINT32_MAX / sizeof(struct gpu_instance)) {
-        log_error(&d->host, "%s: has %llu instances, more than a buffer of 4 GiB holds", scene->source, (unsigned long long)count);
-        return FNL_ERROR_UNSUPPORTED;
-    }
-    TRY(gpu_buffer_create(d->device, "instances", MAX(count, 1u) * sizeof(struct gpu_instance), GPU_MEMORY_DEVICE,
-                          &d->instances));
-    struct gpu_instance chunk[256];
-    for (uint32_t n = 0; n < scene->nodes.count; n++) {
-        const struct scene_node *node = &scene->nodes.data[n];
-        if (d->node_instances.data[n] == SCENE_NONE) continue;
-        for (uint32_t k = 0; k < node->instance_count;) {
-            uint32_t part = MIN(node->instance_count - k, COUNT_OF(chunk));
-            for (uint32_t i = 0; i < part; i++) {
-                mat4 m = device_instance_matrix(node, k + i);
-                chunk[i] = device_instance(&m);
-            }
-            TRY(gpu_upload_buffer(d->device, &d->instances, (uint64_t)(d->node_instances.data[n] + k) * sizeof *chunk, chunk,
-                                  part * sizeof *chunk));
-            k += part;
-        }
-    }
-    return FNL_OK;
-}
-
 /* A group of items: one primitive, one handedness. Ordered by bucket; the bucket's bits are its sort key. */
 struct group_key {
     uint32_t bucket, primitive, mirrored, count, first;
@@ -82,11 +30,10 @@ static int compare_groups(const void *a, const void *b) {
     return (int)x->mirrored - (int)y->mirrored;
 }
 
-/* The primitives on the device: those of the scene, then those of deforming nodes, which start at node_primitives[node]. */
+/* The primitives on the device: those of the scene, then those of deforming nodes, which start at first_primitive. */
 struct item_walk {
     struct device_scene *d;
     const struct gpu_primitive *primitives;
-    const uint32_t *node_primitives; /* SCENE_NONE: the node draws the scene's primitives */
     uint32_t key_count;              /* keys are primitive * 2 + mirrored */
     uint32_t *sources;               /* scene primitive of each key */
     struct group_key *keys;          /* by key while items are counted, then by group */
@@ -99,9 +46,9 @@ static void walk_items(struct item_walk *w) {
     const fnl_scene *scene = w->d->scene;
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
         const struct scene_node *node = &scene->nodes.data[n];
-        if (w->d->node_instances.data[n] == SCENE_NONE) continue;
+        if (w->d->nodes.data[n].first_instance == SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
-        uint32_t own = w->node_primitives[n];
+        uint32_t own = w->d->nodes.data[n].first_primitive;
         for (uint32_t i = 0; i < mesh->primitive_count; i++) {
             uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
             if (w->primitives[primitive].index_count == 0) continue;
@@ -114,7 +61,7 @@ static void walk_items(struct item_walk *w) {
                 }
                 struct group_key *group = &w->keys[w->groups[key]];
                 w->items[group->first + group->count++] =
-                    (struct gpu_item){w->d->node_instances.data[n] + k, primitive, (uint8_t)~node->refuses};
+                    (struct gpu_item){w->d->nodes.data[n].first_instance + k, primitive, (uint8_t)~node->refuses};
             }
         }
     }
@@ -202,8 +149,8 @@ static fnl_result upload_groups(struct item_walk *w) {
         walk_items(w);
         d->item_count = (uint32_t)item_count;
         d->group_count = group_count;
-        result = device_upload_array(d, "items", &d->items, items, item_count * sizeof *items);
-        if (result == FNL_OK) result = device_upload_array(d, "groups", &d->groups, groups, group_count * sizeof *groups);
+        result = device_array_set(d, "items", &d->items, items, item_count, sizeof *items);
+        if (result == FNL_OK) result = device_array_set(d, "groups", &d->groups, groups, group_count, sizeof *groups);
     }
     if (groups) host_free(&d->host, groups, MAX(group_count, 1u) * sizeof *groups);
     if (items) host_free(&d->host, items, MAX(item_count, 1u) * sizeof *items);
@@ -214,20 +161,20 @@ static void map_sources(struct item_walk *w) {
     const fnl_scene *scene = w->d->scene;
     for (uint32_t i = 0; i < scene->primitives.count; i++) w->sources[i * 2] = w->sources[i * 2 + 1] = i;
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
-        if (w->node_primitives[n] == SCENE_NONE) continue;
+        uint32_t own = w->d->nodes.data[n].first_primitive;
+        if (own == SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[scene->nodes.data[n].mesh];
         for (uint32_t i = 0; i < mesh->primitive_count; i++) {
-            uint32_t key = (w->node_primitives[n] + i) * 2;
+            uint32_t key = (own + i) * 2;
             w->sources[key] = w->sources[key + 1] = mesh->first_primitive + i;
         }
     }
 }
 
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,
-                               const uint32_t *node_primitives) {
-    TRY(upload_instances(d));
-    struct item_walk walk = {
-        .d = d, .primitives = primitives, .node_primitives = node_primitives, .key_count = primitive_count * 2};
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count) {
+    struct item_walk walk = {.d = d, .primitives = primitives, .key_count = primitive_count * 2};
+    d->buckets.count = d->item_count = d->group_count = d->most_triangles = d->blend_item_count = 0;
+    d->cluster_count = d->triangle_count = 0;
     size_t keys_size = MAX(walk.key_count, 1u) * sizeof *walk.keys, map_size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
     walk.keys = host_allocate_zero(&d->host, keys_size);
     walk.sources = host_allocate_zero(&d->host, map_size);

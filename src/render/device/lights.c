@@ -189,12 +189,6 @@ fnl_result device_lights_gather(struct device_scene *d) {
     return gather_suns(d);
 }
 
-/* Makes a buffer that holds `used` bytes of use larger, and then larger than it must be. */
-static fnl_result grow(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used, uint64_t needed) {
-    if (buffer->size >= needed) return FNL_OK;
-    return gpu_grow_buffer(d->device, name, buffer, used, buffer->size ? MAX(needed, buffer->size * 3 / 2) : needed);
-}
-
 fnl_result device_lights_prepare(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
     enum { LEAST_SUNS = 4 };
@@ -204,9 +198,9 @@ fnl_result device_lights_prepare(struct device_scene *d) {
     }
     bool sent = d->light_version != UINT64_MAX;
     uint64_t places = (uint64_t)d->sun_room + MAX(scene->light_slots.count, 1u);
-    TRY(grow(d, "lights", &d->lights, sent ? d->lights.size : 0, places * sizeof(struct gpu_light)));
+    TRY(device_buffer_reserve(d, "lights", &d->lights, sent ? d->lights.size : 0, places * sizeof(struct gpu_light)));
     uint64_t plane_bytes = scene->hull_plane_count * sizeof(vec4);
-    return grow(d, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
+    return device_buffer_reserve(d, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
 }
 
 void device_lights_finish(struct device_scene *d) {

@@ -89,7 +89,7 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
         out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
         out->sampler_index = sampler_index(d, t->sampler);
         out->uv_set = t->uv_set;
-        if (t->uv_set) d->attribute_bits |= GEOMETRY_UV1;
+        if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
         memcpy(out->transform, t->transform, sizeof out->transform);
     }
     return g;
@@ -102,7 +102,7 @@ fnl_result device_materials_upload(struct device_scene *d) {
     struct gpu_material_entry *entries = host_allocate(&d->host, count * sizeof *entries);
     fnl_result result = materials && entries ? FNL_OK : FNL_ERROR_MEMORY;
     d->material_count = count;
-    d->material_classes = 0;
+    d->material_classes = d->texture_bits = 0;
     for (uint32_t i = 0; i < count && result == FNL_OK; i++) {
         const struct scene_material *m = i + 1 < count ? &d->scene->materials.data[i] : &standard;
         materials[i] = device_material(d, m, i);
@@ -110,9 +110,9 @@ fnl_result device_materials_upload(struct device_scene *d) {
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }
-    if (result == FNL_OK) result = device_upload_array(d, "materials", &d->materials, materials, count * sizeof *materials);
+    if (result == FNL_OK) result = device_array_set(d, "materials", &d->materials, materials, count, sizeof *materials);
     if (result == FNL_OK)
-        result = device_upload_array(d, "material entries", &d->material_entries, entries, count * sizeof *entries);
+        result = device_array_set(d, "material entries", &d->material_entries, entries, count, sizeof *entries);
     if (materials) host_free(&d->host, materials, count * sizeof *materials);
     if (entries) host_free(&d->host, entries, count * sizeof *entries);
     return result;

@@ -6,7 +6,7 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .host = *gpu_host(device),
                                .scene = scene,
                                .structure_version = UINT64_MAX,
-                               .image_version = UINT64_MAX,
+                               .material_version = UINT64_MAX,
                                .transform_version = UINT64_MAX,
                                .light_version = UINT64_MAX,
                                .decals = {.version = UINT64_MAX, .sent_version = UINT64_MAX}};
@@ -18,23 +18,65 @@ fnl_result device_upload_array(struct device_scene *d, const char *name, struct 
     return size ? gpu_upload_buffer(d->device, buffer, 0, data, size) : FNL_OK;
 }
 
+fnl_result device_upload(struct device_scene *d, const struct gpu_buffer *buffer, uint64_t offset, const void *data,
+                         uint64_t size) {
+    d->bytes_uploaded += size;
+    return gpu_upload_buffer(d->device, buffer, offset, data, size);
+}
+
+fnl_result device_buffer_reserve(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used,
+                                 uint64_t needed) {
+    if (buffer->handle && buffer->size >= needed) return FNL_OK;
+    uint64_t size = buffer->handle ? MAX(needed, buffer->size + buffer->size / 2) : MAX(needed, 16u);
+    return gpu_grow_buffer(d->device, name, buffer, MIN(used, buffer->size), size);
+}
+
+fnl_result device_array_set(struct device_scene *d, const char *name, struct device_array *array, const void *data,
+                            uint64_t count, uint32_t stride) {
+    enum { BLOCK = 256, APART = 64 }; /* elements compared at once; bytes from which on two copies pay */
+    uint64_t size = count * stride, common = MIN(size, array->sent.count);
+    TRY(device_buffer_reserve(d, name, &array->buffer, array->sent.count, size));
+    if (!array_reserve(&d->host, &array->sent, size)) return FNL_ERROR_MEMORY;
+    const char *bytes = data;
+    char *sent = array->sent.data;
+    for (uint64_t at = 0; at < size;) {
+        uint64_t block = MIN((uint64_t)BLOCK * stride, common > at ? common - at : 0);
+        if (block && memcmp(sent + at, bytes + at, block) == 0) {
+            at += block;
+            continue;
+        }
+        while (at < common && memcmp(sent + at, bytes + at, stride) == 0) at += stride;
+        uint64_t end = at; /* of what differs */
+        for (uint64_t i = at; i < size && i < end + MAX(APART, stride); i += stride)
+            if (i >= common || memcmp(sent + i, bytes + i, stride) != 0) end = i + stride;
+        TRY(device_upload(d, &array->buffer, at, bytes + at, end - at));
+        memcpy(sent + at, bytes + at, end - at);
+        at = end;
+    }
+    array->sent.count = (uint32_t)size;
+    return FNL_OK;
+}
+
 static void free_structure(struct device_scene *d) {
-    struct gpu_buffer *buffers[] = {&d->positions,    &d->attributes, &d->indices,          &d->instances, &d->primitives,
-                                    &d->materials,    &d->items,      &d->groups,           &d->table,     &d->deforms,
-                                    &d->influences,   &d->morphs,     &d->material_entries, &d->previous,  &d->clusters,
-                                    &d->cluster_words};
+    struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices,  &d->influences,   &d->morphs,
+                                    &d->instances, &d->clusters,   &d->previous, &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
-    d->buckets.count = d->node_instances.count = d->deformed.count =
-        d->deform_vertex_counts.count = 0;
-    d->attribute_bits = 0;
-    d->item_count = d->group_count = d->most_triangles = d->blend_item_count = d->matrix_count = d->weight_count = 0;
-    d->cluster_count = d->triangle_count = 0;
+    struct device_array *arrays[] = {&d->primitives, &d->materials, &d->material_entries, &d->items,
+                                     &d->groups,     &d->table,     &d->deforms};
+    for (uint32_t i = 0; i < COUNT_OF(arrays); i++) {
+        gpu_buffer_destroy(d->device, &arrays[i]->buffer);
+        array_free(&d->host, &arrays[i]->sent);
+    }
+    struct ranges *ranges[] = {&d->vertices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
+    for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
+    d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
+    d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
 static void free_images(struct device_scene *d) {
     for (uint32_t i = 0; i < d->images.count; i++)
         if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
-    d->images.count = d->image_blues.count = 0;
+    d->images.count = d->image_blues.count = d->image_versions.count = 0;
 }
 
 void device_scene_finish(struct device_scene *d) {
@@ -45,19 +87,15 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->image_blues);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
-    array_free(&d->host, &d->node_instances);
-    array_free(&d->host, &d->node_mirrored);
-    array_free(&d->host, &d->node_primitives);
+    array_free(&d->host, &d->image_versions);
+    array_free(&d->host, &d->primitive_places);
+    array_free(&d->host, &d->nodes);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
 }
 
 void device_scene_forget(struct device_scene *d) {
-    d->structure_version = d->image_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
-}
-
-static bool node_mirrors(const struct scene_node *node) {
-    return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
+    d->structure_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
 }
 
 /* Nodes that moved since the device was last told: those of the scene's list, or any when a step was missed. */
@@ -71,65 +109,53 @@ static bool handedness_changed(const struct device_scene *d) {
     uint32_t count = listed ? scene->moved.count : scene->nodes.count;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t n = listed ? scene->moved.data[i] : i;
-        if (d->node_instances.data[n] != SCENE_NONE && node_mirrors(&scene->nodes.data[n]) != d->node_mirrored.data[n])
-            return true;
+        const struct device_node *place = &d->nodes.data[n];
+        if (place->first_instance != SCENE_NONE && device_node_mirrors(&scene->nodes.data[n]) != place->mirrored) return true;
     }
     return false;
 }
 
-static fnl_result prepare_structure(struct device_scene *d) {
-    free_structure(d);
-    if (d->image_version != d->scene->image_version) free_images(d); /* else those that are there serve on */
-    d->image_version = d->scene->image_version;
-    if (!array_reserve(&d->host, &d->node_mirrored, d->scene->nodes.count)) return FNL_ERROR_MEMORY;
-    for (uint32_t n = 0; n < d->scene->nodes.count; n++) d->node_mirrored.data[n] = node_mirrors(&d->scene->nodes.data[n]);
-    TRY(device_images_upload(d, gpu_jobs(d->device)));
+static fnl_result prepare_structure(struct device_scene *d, bool anew) {
+    const fnl_scene *scene = d->scene;
+    if (anew) {
+        free_structure(d);
+        free_images(d);
+        d->material_version = UINT64_MAX;
+    }
+    if (d->material_version != scene->material_version) {
+        TRY(device_images_upload(d, gpu_jobs(d->device)));
+        TRY(device_materials_upload(d));
+    }
     TRY(device_geometry_upload(d));
-    TRY(gpu_upload_flush(d->device));
     d->upload_count++;
-    d->structure_version = d->scene->structure_version;
-    d->transform_version = d->scene->transform_version;
-    d->bounds = scene_bounds(d->scene);
+    d->material_version = scene->material_version;
+    d->structure_version = scene->structure_version;
+    d->bounds = scene_bounds(scene);
     return FNL_OK;
 }
 
-/* Makes room behind the scene's indices; waits for the frames in flight. */
-static fnl_result grow_index_pool(struct device_scene *d) {
-    enum { CHUNK = 1 << 20 };
-    if (d->wanted_triangles <= d->pool_triangles) return FNL_OK;
-    uint64_t used = d->index_count * 4ull;
-    struct gpu_buffer grown;
-    TRY(gpu_buffer_create(d->device, "indices", used + d->wanted_triangles * 12ull, GPU_MEMORY_DEVICE, &grown));
-    void *chunk = host_allocate(&d->host, CHUNK);
-    fnl_result result = chunk ? FNL_OK : FNL_ERROR_MEMORY;
-    for (uint64_t at = 0; at < used && result == FNL_OK; at += CHUNK) {
-        uint64_t size = MIN(used - at, (uint64_t)CHUNK);
-        result = gpu_read_buffer(d->device, &d->indices, at, chunk, size);
-        if (result == FNL_OK) result = gpu_upload_buffer(d->device, &grown, at, chunk, size);
-    }
-    if (chunk) host_free(&d->host, chunk, CHUNK);
-    if (result == FNL_OK) result = gpu_upload_flush(d->device);
-    if (result != FNL_OK) {
-        gpu_buffer_destroy(d->device, &grown);
-        return result;
-    }
-    gpu_buffer_destroy(d->device, &d->indices);
-    d->indices = grown;
-    d->pool_triangles = d->wanted_triangles;
-    return FNL_OK;
+fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count) {
+    if (count <= d->pool_triangles) return FNL_OK;
+    uint64_t used = d->index_count * 4ull, needed = used + count * 12ull;
+    if (d->indices.size < needed) TRY(gpu_grow_buffer(d->device, "indices", &d->indices, used, needed));
+    d->pool_triangles = count;
+    return gpu_upload_submit(d->device);
 }
 
 fnl_result device_scene_prepare(struct device_scene *d) {
     if (d->structure_version != d->scene->structure_version || handedness_changed(d)) {
+        bool anew = d->structure_version == UINT64_MAX;
         d->structure_version = UINT64_MAX; /* until it is whole */
-        TRY(prepare_structure(d));
+        TRY(prepare_structure(d, anew));
     }
     TRY(device_decals_prepare(d));
-    TRY(grow_index_pool(d));
-    if (d->keeps_previous && !d->previous.size)
-        TRY(gpu_buffer_create(d->device, "previous vertices", d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull,
-                              GPU_MEMORY_DEVICE, &d->previous));
-    return device_lights_prepare(d);
+    uint64_t previous_size = d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull;
+    if (d->keeps_previous && d->previous.size < previous_size) {
+        gpu_buffer_destroy(d->device, &d->previous);
+        TRY(gpu_buffer_create(d->device, "previous vertices", previous_size, GPU_MEMORY_DEVICE, &d->previous));
+    }
+    TRY(device_lights_prepare(d));
+    return gpu_upload_submit(d->device);
 }
 
 /* ---- updates inside a frame ---- */
@@ -145,7 +171,7 @@ static void execute_move(const struct graph_context *context, const void *data) 
     const struct move_data *m = data;
     uint64_t offset = m->slice.offset;
     for (uint32_t i = 0; i < m->node_count; i++) {
-        uint32_t first = m->d->node_instances.data[m->nodes[i]];
+        uint32_t first = m->d->nodes.data[m->nodes[i]].first_instance;
         uint64_t size = m->d->scene->nodes.data[m->nodes[i]].instance_count * sizeof(struct gpu_instance);
         gpu_copy_buffer(context->commands, m->slice.buffer, offset, &m->d->instances, first * sizeof(struct gpu_instance),
                         size);
@@ -166,7 +192,7 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
     for (uint32_t i = 0; i < candidate_count; i++) {
         uint32_t n = listed ? scene->moved.data[i] : i;
         if (scene->nodes.data[n].moved_version <= d->transform_version) continue;
-        if (d->node_instances.data[n] == SCENE_NONE || scene->nodes.data[n].skin != SCENE_NONE) continue;
+        if (d->nodes.data[n].first_instance == SCENE_NONE || scene->nodes.data[n].skin != SCENE_NONE) continue;
         ((uint32_t *)nodes.data)[count++] = n;
         size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);
     }
@@ -208,7 +234,7 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
     struct skin_input input = {.vertices = vertices,
                                .positions = d->positions.address,
                                .attributes = d->attributes.address,
-                               .deforms = d->deforms.address,
+                               .deforms = d->deforms.buffer.address,
                                .influences = d->influences.address,
                                .morphs = d->morphs.address,
                                .weights = weights.address,
@@ -246,14 +272,14 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
     add_previous(d, graph, vertices, out);
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
-    out->geometry = (struct geometry_scene){.scene = d->table.address,
-                                            .material_entries = d->material_entries.address,
+    out->geometry = (struct geometry_scene){.scene = d->table.buffer.address,
+                                            .material_entries = d->material_entries.buffer.address,
                                             .indices = &d->indices,
                                             .vertices = vertices,
                                             .buckets = d->buckets.data,
                                             .bucket_count = d->buckets.count,
                                             .item_count = d->item_count,
-                                            .attributes = d->attribute_bits,
+                                            .attributes = d->color_bits | d->texture_bits,
                                             .most_triangles = d->most_triangles,
                                             .material_count = d->material_count,
                                             .material_classes = d->material_classes,

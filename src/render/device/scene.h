@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * A scene in device memory: uploaded once, rebuilt when its structure changes, and kept in step with transforms and lights by copies
- * inside the frame.
+ * A scene in device memory. Meshes and images are sent once; of what is made anew when the structure changes (items, groups, materials …)
+ * only what differs is sent. Transforms and lights are kept in step by copies inside the frame.
  */
 #ifndef FNL_RENDER_DEVICE_SCENE_H
 #define FNL_RENDER_DEVICE_SCENE_H
@@ -15,6 +15,29 @@
 #include "scene/scene.h"
 #include "view_shared.h"
 
+/** An array on the device, and what it holds: only what changes is sent. */
+struct device_array {
+    struct gpu_buffer buffer;
+    ARRAY(char) sent;
+};
+
+/** Where what belongs to a primitive of the scene lies in the pools. */
+struct device_primitive {
+    uint32_t first_vertex, first_index, first_influence, first_morph;
+    uint32_t first_cluster, cluster_count, first_word, word_count;
+    bool clustered;
+};
+
+/** What a node has on the device; of one that shows nothing first_instance is SCENE_NONE. */
+struct device_node {
+    uint32_t generation, mesh, skin; /* when its places were taken */
+    uint32_t first_instance, instance_count;
+    uint32_t first_vertex, vertex_count; /* of its own, where it deforms */
+    uint32_t first_primitive;            /* of its own; SCENE_NONE: it does not deform */
+    bool mirrored;                       /* its draws were sorted as those of a mirrored node */
+    bool fresh;                          /* its instances are not sent yet */
+};
+
 /** One node that is skinned or morphed: its joint matrices and weights are sent with every frame. */
 struct device_deform {
     uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight;
@@ -25,6 +48,7 @@ enum decal_picture_kind { DECAL_PICTURE_DATA, DECAL_PICTURE_COLOR, DECAL_PICTURE
 struct decal_picture {
     uint32_t image; /* of the scene */
     enum decal_picture_kind kind;
+    uint32_t version; /* of the scene's image */
     struct gpu_image gpu; /* handle 0: missing or broken */
 };
 
@@ -50,29 +74,34 @@ struct device_scene {
     gpu_device *device;
     fnl_host host;
     fnl_scene *scene;
-    uint64_t structure_version, image_version, transform_version, light_version; /* what has been uploaded; UINT64_MAX: nothing yet */
+    /* What has been uploaded; UINT64_MAX: nothing yet. */
+    uint64_t structure_version, material_version, transform_version, light_version;
 
-    struct gpu_buffer positions, attributes, indices, instances, primitives, materials, material_entries, items, groups,
-        table, deforms, influences, morphs, clusters, cluster_words;
-    ARRAY(struct gpu_image) images; /* one per scene image; handle 0: missing */
-    ARRAY(int16_t) image_blues;     /* of each: the blue of all its pixels, or -1 where it varies */
+    struct gpu_buffer positions, attributes; /* of primitives, and of deforming nodes */
+    struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles */
+    struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
+    struct device_array primitives, materials, material_entries, items, groups, table, deforms;
+    struct ranges vertices_taken, instances_taken, clusters_taken, words_taken;
+    ARRAY(struct device_primitive) primitive_places;
+    ARRAY(struct device_node) nodes;
+    ARRAY(struct gpu_image) images;  /* one per scene image; handle 0: missing */
+    ARRAY(uint32_t) image_versions;  /* of each, when it was uploaded */
+    ARRAY(int16_t) image_blues;      /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;
-    ARRAY(uint32_t) node_instances;  /* first instance of each node, or SCENE_NONE */
-    ARRAY(uint32_t) node_primitives; /* first own primitive of each deforming node, or SCENE_NONE */
-    ARRAY(bool) node_mirrored;       /* whether its draws were sorted as those of a mirrored node */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
-    uint32_t attribute_bits; /* GEOMETRY_…: what materials and meshes have */
+    uint32_t color_bits, texture_bits; /* GEOMETRY_…: what meshes and materials have */
     uint64_t cluster_count, triangle_count; /* of all items that culling by clusters is for */
-    uint32_t index_count, pool_triangles;   /* of the scene; triangles for which there is room behind its indices */
-    uint32_t wanted_triangles;              /* room that the next frame asks for */
+    uint32_t index_count, influence_count, morph_count; /* of the scene's primitives; morph_count: floats */
+    uint32_t pool_triangles;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
     struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
     uint32_t first_deformed, deformed_vertex_count; /* vertices */
-    uint64_t upload_count, image_upload_count; /* of scenes and of images so far */
+    uint64_t upload_count, image_upload_count; /* changes of structure, and images, so far */
+    uint64_t bytes_uploaded;                   /* outside of frames, so far; lights, moves and decals are not in it */
 
     struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
     struct device_decals decals;
@@ -93,8 +122,10 @@ struct device_scene {
 
 void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
 void device_scene_finish(struct device_scene *d);
-/** Uploads what changed in the scene's structure; blocks while images are decoded and copied. Call outside of frames. */
+/** Uploads what changed in the scene's structure; blocks while images are decoded. Call outside of frames. */
 fnl_result device_scene_prepare(struct device_scene *d);
+/** Then: room for so many triangles behind the scene's indices. */
+fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count);
 /** After a frame that failed: uploads everything again with the next. */
 void device_scene_forget(struct device_scene *d);
 
@@ -127,6 +158,15 @@ static inline void device_scene_unsend(struct device_scene *d, const struct devi
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
                                uint64_t size);
+
+fnl_result device_upload(struct device_scene *d, const struct gpu_buffer *buffer, uint64_t offset, const void *data,
+                         uint64_t size);
+/** Room for `needed` bytes; the first `used` stay. What is made larger becomes half as large again at least. */
+fnl_result device_buffer_reserve(struct device_scene *d, const char *name, struct gpu_buffer *buffer, uint64_t used,
+                                 uint64_t needed);
+/** Makes the array hold `count` elements of `stride` bytes. Sends the elements that differ from what it held. */
+fnl_result device_array_set(struct device_scene *d, const char *name, struct device_array *array, const void *data,
+                            uint64_t count, uint32_t stride);
 
 /** Whether a node shows a mesh. */
 static inline bool device_node_draws(const struct scene_node *node) {
@@ -175,15 +215,18 @@ bool device_virtual_holds(const struct device_scene *d, const struct scene_mater
 /** A bit for each G-buffer layout that cannot hold a material, and VIRTUAL_FORWARD; `id` is its index. */
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *material, uint32_t id);
 
-/** Vertices, indices, primitives and what deforms, then everything below (geometry.c). */
+/** What has come of vertices, indices, clusters and what deforms; then everything below (geometry.c). */
 fnl_result device_geometry_upload(struct device_scene *d);
+/** Takes and gives back the places of nodes, and sends the instances of those that got one (nodes.c). */
+fnl_result device_nodes_place(struct device_scene *d);
+bool device_node_mirrors(const struct scene_node *node);
+/** Whether the vertices of a primitive are the node's own, moved every frame. */
+bool device_node_deforms(const struct scene_node *node, const struct scene_primitive *p);
+/** Logs it. */
+fnl_result device_too_many_vertices(const struct device_scene *d);
 
-/**
- * Instances, items, groups and buckets (items.c). `primitives` are those of the scene, then those of deforming nodes;
- * node_primitives[node] is the first own primitive of a deforming node, else SCENE_NONE.
- */
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count,
-                               const uint32_t *node_primitives);
+/** Items, groups and buckets (items.c). `primitives` are those of the scene, then those of deforming nodes. */
+fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count);
 /** Object to world of one of a node's instances, at its present pose; and the device form of all of them. */
 mat4 device_instance_matrix(const struct scene_node *node, uint32_t k);
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);

@@ -85,7 +85,7 @@ static uint32_t number_all(struct gpu_virtual_material *materials, uint32_t mate
 }
 
 fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct virtual_atlas *atlas) {
-    if (atlas->version == d->structure_version && atlas->asked == side) return FNL_OK;
+    if (atlas->version == d->material_version && atlas->asked == side) return FNL_OK;
     virtual_destroy(d->device, atlas);
     uint32_t count = d->scene->materials.count + 1;
     struct scene_material standard = scene_material_default();
@@ -106,6 +106,6 @@ fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct 
         host_free(&d->host, pages, size);
     }
     host_free(&d->host, materials, count * sizeof *materials);
-    if (result == FNL_OK) atlas->version = d->structure_version;
+    if (result == FNL_OK) atlas->version = d->material_version;
     return result;
 }

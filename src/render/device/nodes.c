@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* Where the instances of nodes are on the device, and the vertices of those that deform. */
+#include "render/device/scene.h"
+
+static struct gpu_instance device_instance(const mat4 *m) {
+    struct gpu_instance r;
+    for (int row = 0; row < 3; row++) r.rows[row] = (vec4){m->m[row], m->m[4 + row], m->m[8 + row], m->m[12 + row]};
+    return r;
+}
+
+mat4 device_instance_matrix(const struct scene_node *node, uint32_t k) {
+    if (node->skin != SCENE_NONE) return mat4_identity(); /* the joints carry it (glTF 2.0, 3.7.3.1) */
+    return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
+}
+
+void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out) {
+    for (uint32_t k = 0; k < node->instance_count; k++) {
+        mat4 m = device_instance_matrix(node, k);
+        out[k] = device_instance(&m);
+    }
+}
+
+bool device_node_mirrors(const struct scene_node *node) {
+    return node->skin == SCENE_NONE && mat4_determinant3(&node->world) < 0;
+}
+
+bool device_node_deforms(const struct scene_node *node, const struct scene_primitive *p) {
+    return (node->skin != SCENE_NONE && p->joint_count > 0) || p->morph_target_count > 0;
+}
+
+/* Vertices that a node has for its own. */
+static uint64_t own_vertices(const fnl_scene *scene, const struct scene_node *node) {
+    const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+        const struct scene_primitive *p = &scene->primitives.data[mesh->first_primitive + i];
+        if (device_node_deforms(node, p)) count += p->vertex_count;
+    }
+    return count;
+}
+
+fnl_result device_too_many_vertices(const struct device_scene *d) {
+    log_error(&d->host, "%s: has more vertices or indices than 32-bit draws can address", d->scene->source);
+    return FNL_ERROR_UNSUPPORTED;
+}
+
+/* Gives back the places of nodes that went, were hidden, or show something else. */
+static void give_places(struct device_scene *d) {
+    for (uint32_t n = 0; n < d->nodes.count; n++) {
+        const struct scene_node *node = &d->scene->nodes.data[n];
+        struct device_node *place = &d->nodes.data[n];
+        if (place->first_instance == SCENE_NONE) continue;
+        if (device_node_draws(node) && place->generation == node->generation && place->mesh == node->mesh &&
+            place->skin == node->skin && place->instance_count == MAX(node->instance_count, 1u))
+            continue;
+        ranges_give(&d->host, &d->instances_taken, place->first_instance, place->instance_count);
+        ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);
+        *place = (struct device_node){.first_instance = SCENE_NONE, .first_primitive = SCENE_NONE};
+    }
+}
+
+static fnl_result take_place(struct device_scene *d, uint32_t n) {
+    const struct scene_node *node = &d->scene->nodes.data[n];
+    struct device_node *place = &d->nodes.data[n];
+    uint64_t vertices = own_vertices(d->scene, node);
+    if (vertices > INT32_MAX) return device_too_many_vertices(d);
+    *place = (struct device_node){.generation = node->generation,
+                                  .mesh = node->mesh,
+                                  .skin = node->skin,
+                                  .first_instance = ranges_take(&d->instances_taken, MAX(node->instance_count, 1u)),
+                                  .instance_count = MAX(node->instance_count, 1u),
+                                  .first_primitive = SCENE_NONE,
+                                  .fresh = true};
+    if (place->first_instance == RANGES_NONE || d->instances_taken.end > UINT32_MAX / sizeof(struct gpu_instance)) {
+        log_error(&d->host, "%s: has more instances than a buffer of 4 GiB holds", d->scene->source);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    if (vertices == 0) return FNL_OK;
+    place->first_vertex = ranges_take(&d->vertices_taken, (uint32_t)vertices);
+    place->vertex_count = (uint32_t)vertices;
+    return place->first_vertex == RANGES_NONE || d->vertices_taken.end > INT32_MAX ? device_too_many_vertices(d) : FNL_OK;
+}
+
+static fnl_result send_instances(struct device_scene *d, uint32_t n) {
+    const struct scene_node *node = &d->scene->nodes.data[n];
+    struct gpu_instance chunk[256];
+    for (uint32_t k = 0; k < node->instance_count;) {
+        uint32_t part = MIN(node->instance_count - k, COUNT_OF(chunk));
+        for (uint32_t i = 0; i < part; i++) {
+            mat4 m = device_instance_matrix(node, k + i);
+            chunk[i] = device_instance(&m);
+        }
+        uint64_t first = (uint64_t)d->nodes.data[n].first_instance + k;
+        TRY(device_upload(d, &d->instances, first * sizeof *chunk, chunk, part * sizeof *chunk));
+        k += part;
+    }
+    return FNL_OK;
+}
+
+fnl_result device_nodes_place(struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    if (!array_reserve(&d->host, &d->nodes, scene->nodes.count)) return FNL_ERROR_MEMORY;
+    while (d->nodes.count < scene->nodes.count)
+        d->nodes.data[d->nodes.count++] =
+            (struct device_node){.first_instance = SCENE_NONE, .first_primitive = SCENE_NONE};
+    give_places(d);
+    uint64_t before = d->instances.size;
+    for (uint32_t n = 0; n < d->nodes.count; n++) {
+        const struct scene_node *node = &scene->nodes.data[n];
+        if (d->nodes.data[n].first_instance == SCENE_NONE && device_node_draws(node)) TRY(take_place(d, n));
+        d->nodes.data[n].mirrored = device_node_mirrors(node);
+    }
+    TRY(device_buffer_reserve(d, "instances", &d->instances, before,
+                              (uint64_t)d->instances_taken.end * sizeof(struct gpu_instance)));
+    for (uint32_t n = 0; n < d->nodes.count; n++) {
+        if (!d->nodes.data[n].fresh) continue;
+        d->nodes.data[n].fresh = false;
+        TRY(send_instances(d, n));
+    }
+    return FNL_OK;
+}

@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: MIT */
+/** A scene that changes while it is shown: what each edit uploads, that pictures stay those of a fresh renderer, that memory stays flat. */
+#include "tests/render_harness.h"
+#include "tests/render_test.h"
+
+/* ---- a small world to edit ---- */
+
+enum { MESHES = 40, INSTANCES = 48, LIGHTS = 24, DECALS = 8, IMAGES = 12 };
+
+struct world {
+    struct stage stage;
+    struct random_state random;
+    fnl_mesh_id meshes[MESHES];
+    fnl_material_id materials[MESHES]; /* of each mesh */
+    fnl_image_id images[IMAGES];
+    fnl_instance_id instances[INSTANCES];
+    fnl_light_id lights[LIGHTS];
+    fnl_decal_id decals[DECALS];
+    bool instance_there[INSTANCES], light_there[LIGHTS], decal_there[DECALS];
+    uint32_t mesh_count, image_count, morphed_mesh; /* the latter: index in the scene */
+};
+
+static uint32_t pick(struct world *w, uint32_t count) { return (uint32_t)(random_bits(&w->random) % count); }
+static float number(struct world *w, float low, float high) { return random_range(&w->random, low, high); }
+
+static fnl_vec3 place(struct world *w) { return vec3_make(number(w, -2, 2), number(w, -1.2f, 1.2f), number(w, -2, 1)); }
+
+static fnl_mat4 pose(struct world *w) {
+    float size = number(w, 0.2f, 0.6f), mirror = pick(w, 4) ? 1 : -1;
+    return mat4_from_trs(place(w), quat_axis_angle(vec3_normalize(place(w)), number(w, 0, 6)),
+                         vec3_make(size * mirror, size, size));
+}
+
+static void add_image(struct world *w) {
+    enum { SIDE = 16 };
+    uint8_t pixels[SIDE * SIDE * 4];
+    for (uint32_t i = 0; i < sizeof pixels; i++) pixels[i] = (uint8_t)(i % 4 == 3 ? 255 : 64 + pick(w, 192));
+    fnl_image image = {SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, pixels};
+    assert_int_equal(fnl_scene_add_image(w->stage.scene, &image, true, &w->images[w->image_count++]), FNL_OK);
+}
+
+static fnl_material_params look(struct world *w, bool plain) {
+    fnl_material_params look = fnl_material_params_default();
+    for (int c = 0; c < 3; c++) look.base_color[c] = number(w, 0.1f, 1);
+    look.base_color[3] = plain ? 1 : number(w, 0.3f, 1);
+    look.metallic = plain || pick(w, 2) ? 0 : 1;
+    look.roughness = number(w, 0.3f, 1);
+    look.double_sided = !plain && pick(w, 2);
+    look.alpha_mode = plain ? FNL_ALPHA_OPAQUE : (fnl_alpha_mode)pick(w, 3);
+    if (!plain && pick(w, 2)) look.base_color_image = w->images[pick(w, w->image_count)];
+    return look;
+}
+
+/* A bumpy sheet of side * side squares, on both sides where its material is. */
+static void add_mesh(struct world *w, uint32_t side, bool plain) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t row = side + 1, vertex_count = row * row, at = 0;
+    float *positions = malloc(vertex_count * 12), *uv = malloc(vertex_count * 8);
+    uint32_t *indices = malloc(side * side * 24);
+    for (uint32_t i = 0; i < vertex_count; i++) {
+        uv[2 * i] = (float)(i % row) / (float)side;
+        uv[2 * i + 1] = (float)(i / row) / (float)side;
+        positions[3 * i] = 2 * uv[2 * i] - 1;
+        positions[3 * i + 1] = 2 * uv[2 * i + 1] - 1;
+        positions[3 * i + 2] = number(w, -0.2f, 0.2f);
+    }
+    for (uint32_t i = 0; i < side * side; i++) {
+        uint32_t corner = i / side * row + i % side;
+        const uint32_t square[] = {corner, corner + 1, corner + row, corner + row, corner + 1, corner + row + 1};
+        memcpy(indices + at, square, sizeof square);
+        at += 6;
+    }
+    fnl_material_params params = look(w, plain);
+    assert_int_equal(fnl_scene_add_material(scene, &params, &w->materials[w->mesh_count]), FNL_OK);
+    fnl_mesh_params mesh = {.vertex_count = vertex_count,
+                            .index_count = at,
+                            .positions = positions,
+                            .uv = uv,
+                            .indices = indices,
+                            .material = w->materials[w->mesh_count]};
+    assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &w->meshes[w->mesh_count++]), FNL_OK);
+    free(positions);
+    free(uv);
+    free(indices);
+}
+
+/* A copy of the first mesh with two morph targets, as only files have them. */
+static void add_morphed_mesh(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    struct scene_primitive p = scene->primitives.data[scene->meshes.data[w->meshes[0].index].first_primitive];
+    struct scene_morph_target *targets = ARENA_ARRAY(&scene->arena, struct scene_morph_target, 2);
+    for (int t = 0; t < 2; t++) {
+        vec3 *moved = ARENA_ARRAY(&scene->arena, vec3, p.vertex_count);
+        for (uint32_t v = 0; v < p.vertex_count; v++) moved[v] = vec3_make(0, t ? 0.8f : 0, t ? 0 : 0.7f);
+        targets[t].positions = moved;
+    }
+    p.morph_targets = targets;
+    p.morph_target_count = 2;
+    w->morphed_mesh = scene_add_mesh(scene, "morphed", &p, 1);
+    assert_int_not_equal(w->morphed_mesh, SCENE_NONE);
+    w->meshes[w->mesh_count] = (fnl_mesh_id){w->morphed_mesh, 1};
+    w->materials[w->mesh_count++] = w->materials[0];
+}
+
+static void add_instance(struct world *w, uint32_t i) {
+    fnl_mat4 transform = pose(w);
+    assert_int_equal(fnl_scene_add_instance(w->stage.scene, w->meshes[pick(w, w->mesh_count)], &transform, &w->instances[i]),
+                     FNL_OK);
+    w->instance_there[i] = true;
+}
+
+static void add_light(struct world *w, uint32_t i) {
+    fnl_light_params light = fnl_light_params_default();
+    light.kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
+    light.position = place(w);
+    light.direction = vec3_normalize(place(w));
+    light.intensity = light.kind == FNL_LIGHT_DIRECTIONAL ? 2 : 20;
+    light.range = 2;
+    assert_int_equal(fnl_scene_add_light(w->stage.scene, &light, &w->lights[i]), FNL_OK);
+    w->light_there[i] = true;
+}
+
+static struct world open_world(void) {
+    struct world w = {.random = {17}};
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
+    w.stage = stage_open_scene(scene);
+    w.stage.frame.width = 65;
+    w.stage.frame.height = 37;
+    w.stage.frame.exposure = FNL_EXPOSURE_NONE;
+    w.stage.frame.outputs = FNL_OUTPUT_RADIANCE;
+    w.stage.frame.camera = fnl_camera_default();
+    w.stage.frame.camera.position = vec3_make(0, 0, 4);
+    assert_int_equal(fnl_scene_set_ambient(scene, vec3_make(0.2f, 0.2f, 0.3f), vec3_make(0.1f, 0.1f, 0.1f)), FNL_OK);
+    for (uint32_t i = 0; i < 3; i++) add_image(&w);
+    for (uint32_t i = 0; i < 3; i++) add_mesh(&w, 9, true);
+    add_morphed_mesh(&w);
+    for (uint32_t i = 0; i < 12; i++) add_instance(&w, i);
+    for (uint32_t i = 0; i < 8; i++) add_light(&w, i);
+    return w;
+}
+
+/* ---- edits at random ---- */
+
+static void edit_instance(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t i = pick(w, INSTANCES);
+    fnl_mat4 transform = pose(w);
+    if (!w->instance_there[i]) {
+        add_instance(w, i);
+        return;
+    }
+    fnl_instance_id id = w->instances[i];
+    switch (pick(w, 5)) {
+    case 0:
+        assert_int_equal(fnl_scene_remove_instance(scene, id), FNL_OK);
+        w->instance_there[i] = false;
+        break;
+    case 1:
+        assert_int_equal(fnl_scene_set_instance_visible(scene, id, scene->nodes.data[id.index].hidden), FNL_OK);
+        break;
+    case 2:
+        assert_int_equal(fnl_scene_set_instance_receivers(scene, id, pick(w, 256)), FNL_OK);
+        break;
+    default:
+        assert_int_equal(fnl_scene_set_instance_transform(scene, id, &transform), FNL_OK);
+    }
+}
+
+static void edit_light(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t i = pick(w, LIGHTS);
+    if (!w->light_there[i]) {
+        add_light(w, i);
+        return;
+    }
+    fnl_light_params light = scene->lights.data[w->lights[i].index].params;
+    fnl_vec3 corners[6];
+    for (int k = 0; k < 6; k++) corners[k] = vec3_add_scaled(light.position, place(w), 1);
+    switch (pick(w, 4)) {
+    case 0:
+        assert_int_equal(fnl_scene_remove_light(scene, w->lights[i]), FNL_OK);
+        w->light_there[i] = false;
+        break;
+    case 1:
+        assert_int_equal(fnl_scene_set_light_hull(scene, w->lights[i], corners, 6), FNL_OK);
+        break;
+    case 2:
+        assert_int_equal(fnl_scene_set_light_hull(scene, w->lights[i], NULL, 0), FNL_OK);
+        break;
+    default:
+        light.kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
+        light.position = place(w);
+        assert_int_equal(fnl_scene_set_light(scene, w->lights[i], &light), FNL_OK);
+    }
+}
+
+static void edit_decal(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t i = pick(w, DECALS), on = pick(w, INSTANCES);
+    if (w->decal_there[i]) {
+        assert_int_equal(fnl_scene_remove_decal(scene, w->decals[i]), FNL_OK);
+        w->decal_there[i] = false;
+        return;
+    }
+    if (!w->instance_there[on]) return;
+    fnl_decal_params decal = fnl_decal_params_default();
+    static const fnl_decal_kind kinds[] = {FNL_DECAL_BOX, FNL_DECAL_MESH, FNL_DECAL_REDRAW, FNL_DECAL_BAKED};
+    decal.kind = kinds[pick(w, COUNT_OF(kinds))];
+    if (decal.kind == FNL_DECAL_BAKED && scene->nodes.data[w->instances[on].index].mesh == w->morphed_mesh) return;
+    decal.transform = decal.kind == FNL_DECAL_BOX ? pose(w) : mat4_scaling(vec3_make(0.9f, 0.9f, 2));
+    if (decal.kind != FNL_DECAL_BOX || pick(w, 2)) decal.instance = w->instances[on];
+    decal.color[pick(w, 3)] = 0;
+    decal.color_image = w->images[pick(w, w->image_count)];
+    assert_int_equal(fnl_scene_add_decal(scene, &decal, &w->decals[i]), FNL_OK);
+    w->decal_there[i] = true;
+}
+
+/* Decals go with the instance that they are on, but their ids last until they are removed: fnl_scene_remove_decal takes them. */
+
+static void edit_weights(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    for (uint32_t n = 0; n < scene->nodes.count; n++) {
+        struct scene_node *node = &scene->nodes.data[n];
+        if (node->removed || node->mesh != w->morphed_mesh) continue;
+        if (!node->morph_weights) node->morph_weights = ARENA_ARRAY(&scene->arena, float, 2);
+        node->morph_weights[pick(w, 2)] = number(w, 0, 1);
+        node->moved_version = scene->transform_version + 1;
+    }
+    scene_update_transforms(scene);
+}
+
+static void edit(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t what = pick(w, 16), mesh = pick(w, w->mesh_count);
+    fnl_material_params params = look(w, false);
+    if (what < 5)
+        edit_instance(w);
+    else if (what < 8)
+        edit_light(w);
+    else if (what < 10)
+        edit_decal(w);
+    else if (what < 12)
+        edit_weights(w);
+    else if (what < 14)
+        assert_int_equal(fnl_scene_set_material(scene, w->materials[mesh], &params), FNL_OK);
+    else if (what == 14 && w->image_count < IMAGES)
+        add_image(w);
+    else if (w->mesh_count < MESHES)
+        add_mesh(w, 1 + pick(w, 12), false);
+}
+
+/* The lasting renderer and one that has just been made show the same, to the bit. */
+static void check_picture(struct world *w, uint32_t round) {
+    static const struct {
+        fnl_shading shading;
+        fnl_light_lists lists;
+        fnl_culling culling;
+    } ways[] = {{FNL_SHADING_DEFERRED, FNL_LISTS_TILED, FNL_CULLING_TRIANGLES},
+                {FNL_SHADING_FORWARD, FNL_LISTS_CLUSTERED, FNL_CULLING_INSTANCES},
+                {FNL_SHADING_VISIBILITY, FNL_LISTS_ALL, FNL_CULLING_CLUSTERS}};
+    w->stage.frame.shading = ways[round % COUNT_OF(ways)].shading;
+    w->stage.frame.lists = ways[round % COUNT_OF(ways)].lists;
+    w->stage.frame.culling = ways[round % COUNT_OF(ways)].culling;
+    struct stage fresh = w->stage;
+    assert_int_equal(fnl_renderer_create(harness_device(), w->stage.scene, &fresh.renderer), FNL_OK);
+    struct shot shot = stage_shoot(&w->stage, &w->stage.frame), other = stage_shoot(&fresh, &fresh.frame);
+    uint64_t wrong = count_differing(&shot.radiance, &other.radiance);
+    if (wrong) fail_msg("round %u: %llu pixels differ from a fresh renderer's", round, (unsigned long long)wrong);
+    assert_int_equal(shot.stats.items, other.stats.items);
+    assert_int_equal(shot.stats.triangles_total, other.stats.triangles_total);
+    assert_int_equal(shot.stats.lights_total, other.stats.lights_total);
+    fnl_renderer_destroy(&fresh.renderer);
+    shot_free(&shot);
+    shot_free(&other);
+}
+
+static void test_random_edits_show_what_a_fresh_renderer_shows(void **state) {
+    UNUSED(state);
+    struct world w = open_world();
+    for (uint32_t round = 0; round < 45; round++) {
+        check_picture(&w, round);
+        for (uint32_t i = 0; i < 1 + round % 9; i++) edit(&w);
+    }
+    stage_close(&w.stage);
+}
+
+/* ---- what edits cost ---- */
+
+static void shoot(struct world *w) {
+    struct shot shot = stage_shoot(&w->stage, &w->stage.frame);
+    shot_free(&shot);
+}
+
+/* Bytes that the next frame uploads before it begins. */
+static uint64_t cost(struct world *w) {
+    uint64_t before = w->stage.renderer->device_scene.bytes_uploaded;
+    shoot(w);
+    return w->stage.renderer->device_scene.bytes_uploaded - before;
+}
+
+static void test_an_edit_uploads_what_was_edited(void **state) {
+    UNUSED(state);
+    struct world w = open_world();
+    fnl_scene *scene = w.stage.scene;
+    add_mesh(&w, 60, true); /* heavy, and the last: its item is */
+    fnl_mesh_id heavy = w.meshes[w.mesh_count - 1];
+    fnl_material_params params = look(&w, true);
+    params.double_sided = true; /* drawn after all others */
+    assert_int_equal(fnl_scene_set_material(scene, w.materials[w.mesh_count - 1], &params), FNL_OK);
+    assert_true(cost(&w) > 61 * 61 * 44);
+    assert_int_equal(cost(&w), 0);
+    const uint64_t item = sizeof(struct gpu_item), group = sizeof(struct gpu_group), placed = sizeof(struct gpu_instance),
+                   material = sizeof(struct gpu_material);
+    fnl_mat4 transform = pose(&w);
+    transform.m[0] = fabsf(transform.m[0]);
+
+    /* Buffers grow once; then there is room. Items lie by mesh, so those behind one that comes or goes move along. */
+    fnl_instance_id ids[4];
+    const fnl_mat4 identity = mat4_identity();
+    for (uint32_t i = 0; i < COUNT_OF(ids); i++) {
+        assert_int_equal(fnl_scene_add_instance(scene, heavy, &identity, &ids[i]), FNL_OK);
+        assert_int_equal(cost(&w), placed + item + group + (i == 0 ? sizeof(struct gpu_scene) : 0));
+    }
+    assert_int_equal(fnl_scene_set_instance_visible(scene, ids[3], false), FNL_OK);
+    assert_int_equal(cost(&w), group);
+    assert_int_equal(fnl_scene_set_instance_visible(scene, ids[3], true), FNL_OK);
+    assert_int_equal(cost(&w), placed + item + group);
+    assert_int_equal(fnl_scene_remove_instance(scene, ids[3]), FNL_OK);
+    assert_int_equal(cost(&w), group);
+    assert_int_equal(fnl_scene_set_instance_transform(scene, ids[0], &transform), FNL_OK);
+    assert_int_equal(cost(&w), 0); /* inside the frame */
+    assert_int_equal(fnl_scene_remove_instance(scene, w.instances[0]), FNL_OK);
+    uint64_t all = w.stage.renderer->device_scene.item_count * item + w.stage.renderer->device_scene.group_count * group;
+    assert_true(cost(&w) <= all);
+
+    assert_int_equal(fnl_scene_query_material(scene, w.materials[1].index, &params), FNL_OK);
+    params.base_color[1] *= 0.5f;
+    assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
+    assert_int_equal(cost(&w), material);
+    params.base_color_image = w.images[1];
+    assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
+    assert_int_equal(cost(&w), material + 16 * 16 * 4);
+    add_image(&w); /* of no material */
+    assert_int_equal(cost(&w), 0);
+
+    add_mesh(&w, 25, true); /* its clusters come besides, and glTF's default material moves behind its own */
+    const struct scene_primitive *p = &scene->primitives.data[scene->primitives.count - 1];
+    uint64_t mesh = p->vertex_count * (12 + sizeof(struct gpu_attributes)) + p->index_count * 4, cut = p->index_count / 3 * 20;
+    uint64_t sent = cost(&w);
+    assert_true(sent > mesh && sent < mesh + cut);
+    stage_close(&w.stage);
+}
+
+/* Of a run: FANAL_TEST_FRAMES, for measuring longer ones. */
+static uint32_t frames(uint32_t few) {
+    const char *asked = getenv("FANAL_TEST_FRAMES");
+    return asked ? (uint32_t)atoi(asked) : few;
+}
+
+/* ---- memory ---- */
+
+/* What came goes again. */
+static void come_and_go(struct world *w, uint32_t round) {
+    fnl_scene *scene = w->stage.scene;
+    uint32_t i = 12 + round % 8, l = 8 + round % 8;
+    if (!w->instance_there[i]) {
+        add_instance(w, i);
+        add_light(w, l);
+    } else {
+        assert_int_equal(fnl_scene_remove_instance(scene, w->instances[i]), FNL_OK);
+        assert_int_equal(fnl_scene_remove_light(scene, w->lights[l]), FNL_OK);
+        w->instance_there[i] = w->light_there[l] = false;
+    }
+    fnl_instance_id still = w->instances[round % 12];
+    assert_int_equal(fnl_scene_set_instance_visible(scene, still, scene->nodes.data[still.index].hidden), FNL_OK);
+    if (round % 5) return;
+    fnl_decal_params decal = fnl_decal_params_default();
+    if (w->decal_there[0])
+        assert_int_equal(fnl_scene_remove_decal(scene, w->decals[0]), FNL_OK);
+    else
+        assert_int_equal(fnl_scene_add_decal(scene, &decal, &w->decals[0]), FNL_OK);
+    w->decal_there[0] = !w->decal_there[0];
+}
+
+static void test_memory_stays_flat(void **state) {
+    UNUSED(state);
+    uint32_t rounds = frames(300);
+    struct world w = open_world();
+    w.stage.frame.width = 17;
+    w.stage.frame.height = 9;
+    shoot(&w);
+    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const fnl_scene *scene = w.stage.scene;
+    uint32_t vertices = 20 * scene->primitives.data[scene->meshes.data[w.morphed_mesh].first_primitive].vertex_count;
+    for (uint32_t i = 0; i < scene->primitives.count; i++) vertices += scene->primitives.data[i].vertex_count;
+    uint64_t early = 0, late = 0;
+    long long early_host = 0, late_host = 0;
+    for (uint32_t round = 0; round < rounds; round++) {
+        come_and_go(&w, round);
+        shoot(&w);
+        assert_true(d->instances_taken.end <= 20 && d->nodes.count <= 20 && d->vertices_taken.end <= vertices);
+        assert_true(scene->light_slots.count <= 16 && scene->lights.count <= 16);
+        bool first_third = round < rounds / 3;
+        uint64_t used = gpu_memory_stats(harness_device()).used_bytes;
+        long long held = test_device_memory.live_bytes;
+        *(first_third ? &early : &late) = MAX(first_third ? early : late, used);
+        *(first_third ? &early_host : &late_host) = MAX(first_third ? early_host : late_host, held);
+    }
+    print_message("%u rounds: at most %llu bytes of device memory, then %llu; of host memory %lld, then %lld\n", rounds,
+                  (unsigned long long)early, (unsigned long long)late, early_host, late_host);
+    assert_true(late <= early + early / 100);
+    assert_true(late_host < early_host + 4 * rounds); /* arrays grow by leaps */
+    stage_close(&w.stage);
+}
+
+/* ---- frames ---- */
+
+static int compare_times(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* An instance comes with every tenth frame: those frames upload it and what lies behind it, others nothing. */
+static void test_no_frame_is_long(void **state) {
+    UNUSED(state);
+    enum { EVERY = 10, WARM = 20 };
+    uint32_t count = frames(200);
+    struct world w = open_world();
+    add_mesh(&w, 100, true);
+    for (uint32_t i = 0; i < WARM; i++) shoot(&w);
+    struct device_scene *d = &w.stage.renderer->device_scene;
+    const fnl_mat4 identity = mat4_identity();
+    double *times = malloc(count * sizeof *times), sum[2] = {0, 0}, longest[2] = {0, 0};
+    uint32_t edits = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t bytes = d->bytes_uploaded, structures = d->upload_count, images = d->image_upload_count;
+        fnl_instance_id id;
+        double start = harness_seconds();
+        bool adds = i % EVERY == 0;
+        if (adds) assert_int_equal(fnl_scene_add_instance(w.stage.scene, w.meshes[1], &identity, &id), FNL_OK);
+        assert_int_equal(fnl_renderer_render(w.stage.renderer, &w.stage.frame), FNL_OK);
+        fnl_frame_stats stats;
+        assert_int_equal(fnl_renderer_query_stats(w.stage.renderer, &stats), FNL_OK);
+        times[i] = harness_seconds() - start;
+        sum[adds] += times[i];
+        longest[adds] = fmax(longest[adds], times[i]);
+        bytes = d->bytes_uploaded - bytes;
+        edits += adds;
+        assert_int_equal(d->upload_count - structures, adds);
+        assert_int_equal(d->image_upload_count, images);
+        uint64_t most = sizeof(struct gpu_instance) + d->item_count * sizeof(struct gpu_item) +
+                        d->group_count * sizeof(struct gpu_group) + sizeof(struct gpu_scene);
+        assert_true(adds ? bytes > sizeof(struct gpu_instance) && bytes <= most : bytes == 0);
+    }
+    assert_int_equal(edits, DIVIDE_UP(count, EVERY));
+    double mean[2] = {sum[0] / (count - edits), sum[1] / edits};
+    qsort(times, count, sizeof *times, compare_times);
+    double median = times[count / 2];
+    print_message("%u frames: median %.2f ms; with an edit %.2f ms on average, at most %.2f times the median; without %.2f ms, %.2f times\n",
+                  count, median * 1e3, mean[1] * 1e3, longest[1] / median, mean[0] * 1e3, longest[0] / median);
+    free(times);
+    stage_close(&w.stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_an_edit_uploads_what_was_edited, harness_check),
+        cmocka_unit_test_teardown(test_random_edits_show_what_a_fresh_renderer_shows, harness_check),
+        cmocka_unit_test_teardown(test_memory_stays_flat, harness_check),
+        cmocka_unit_test_teardown(test_no_frame_is_long, harness_check),
+    };
+    return cmocka_run_group_tests(tests, harness_begin, harness_end);
+}
