@@ -57,9 +57,17 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
     return true;
 }
 
+static bool show_loading(void *user, uint32_t done, uint32_t total) {
+    (void)user;
+    progress_show("loading the scene", done, total);
+    return true;
+}
+
 static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
     uint32_t animation;
-    if (fnl_scene_load(host, o->scene, &o->loading, scene) != FNL_OK) return false;
+    fnl_load_params loading = o->loading;
+    loading.progress = show_loading;
+    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK) return false;
     if (!render_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
         return false;
     if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;

@@ -116,6 +116,8 @@ static fnl_renderer *made_renderer;
 static fnl_mat4 matrix;
 static uint32_t number;
 static const char document[] = "{\"asset\":{\"version\":\"2.0\"}}";
+static const fnl_load_params in_memory = {.max_memory = UINT64_MAX, .data = document, .size = sizeof document - 1};
+static fnl_loaded loaded;
 
 /* X(function, what is tried with each pointer of its declaration). Where a host is NULL it stands for the built-in one. */
 #define EXPORTS(X)                                                                                                          \
@@ -205,11 +207,10 @@ static const char document[] = "{\"asset\":{\"version\":\"2.0\"}}";
       NULLED("source", fnl_scene_load(&host, NULL, NULL, &made));                                                           \
       SILENT((fnl_scene_load(&host, "builtin:spheres", NULL, &made), fnl_scene_destroy(&made)));                            \
       NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL, NULL)))                                                  \
-    X(fnl_scene_load_memory, NULLED("data", fnl_scene_load_memory(NULL, NULL, 9, "x.gltf", NULL, &made));                   \
-      NULLED("data", fnl_scene_load_memory(&host, NULL, 9, "x.gltf", NULL, &made));                                         \
-      NULLED("name", fnl_scene_load_memory(&host, document, sizeof document - 1, NULL, NULL, &made));                               \
-      SILENT((fnl_scene_load_memory(&host, document, sizeof document - 1, "x.gltf", NULL, &made), fnl_scene_destroy(&made)));       \
-      NULLED("out", fnl_scene_load_memory(&host, document, sizeof document - 1, "x.gltf", NULL, NULL)))                             \
+    X(fnl_scene_load_into, NULLED("scene", fnl_scene_load_into(NULL, (fnl_instance_id){0, 0}, "x.gltf", NULL, &loaded));     \
+      NULLED("source", fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, NULL, NULL, &loaded));                         \
+      SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, &loaded));                         \
+      SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, NULL)))                            \
     X(fnl_scene_message, GIVES("scene", NULL, fnl_scene_message(NULL, 0)))                                                  \
     X(fnl_scene_query_animation, NULLED("scene", fnl_scene_query_animation(NULL, 0, &animation_info));                      \
       NULLED("out", fnl_scene_query_animation(w.scene, 0, NULL)))                                                           \

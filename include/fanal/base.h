@@ -35,6 +35,7 @@ typedef enum fnl_result {
     FNL_ERROR_MEMORY,      /**< host or device memory ran out */
     FNL_ERROR_DEVICE,      /**< no usable Vulkan device, or a Vulkan call failed */
     FNL_ERROR_DEVICE_LOST, /**< the device stopped answering; every object of it must be destroyed */
+    FNL_ERROR_CANCELLED,   /**< the host's own callback ended it (fnl_load_params.progress); nothing is logged */
 } fnl_result;
 
 /** The result's name in words, such as "broken contents". Never NULL. */

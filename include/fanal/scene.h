@@ -81,7 +81,19 @@ typedef struct fnl_load_params {
      * released; FNL_ERROR_MEMORY ends the load. The callback must not use the scene. Default NULL.
      */
     fnl_result (*resolve)(void *user, const char *uri, fnl_resource *out);
-    void *user; /**< for `resolve`; default NULL */
+    /**
+     * Called on the thread that loads, before the first part of the file, after each one, and at the end, when `done` is `total`: files that it
+     * refers to, images (which are not decoded here), meshes, animations, and a few others. Returns whether to go on; false ends
+     * the load with FNL_ERROR_CANCELLED, and nothing of it stays. Default NULL.
+     */
+    bool (*progress)(void *user, uint32_t done, uint32_t total);
+    void *user; /**< for `resolve` and `progress`; default NULL */
+    /**
+     * The bytes of a .gltf or .glb file, which are copied. The source then only stands for the file in messages, and there is no
+     * folder: what the file refers to comes from `resolve`, or is an error. Default NULL, 0: the file is read.
+     */
+    const void *data;
+    size_t size; /**< bytes of `data` */
 } fnl_load_params;
 
 FNL_API fnl_load_params fnl_load_params_default(void);
@@ -90,12 +102,6 @@ FNL_API fnl_load_params fnl_load_params_default(void);
  * NULL: defaults. On failure `*out` is NULL and the log says which file, where in it, and what is wrong.
  */
 FNL_API fnl_result fnl_scene_load(const fnl_host *host, const char *source, const fnl_load_params *params, fnl_scene **out);
-/**
- * Loads the bytes of a .gltf or .glb file, which are copied. `name` stands for the file in messages. There is no folder:
- * what the file refers to comes from `params->resolve`, or is an error.
- */
-FNL_API fnl_result fnl_scene_load_memory(const fnl_host *host, const void *data, size_t size, const char *name,
-                                         const fnl_load_params *params, fnl_scene **out);
 FNL_API void fnl_scene_destroy(fnl_scene **scene);
 
 /* ---- images and materials ---- */
@@ -475,6 +481,19 @@ FNL_API uint32_t fnl_scene_count(const fnl_scene *scene, fnl_entity kind);
 FNL_API fnl_result fnl_scene_query_entity(const fnl_scene *scene, fnl_entity kind, uint32_t index, fnl_entity_info *out);
 /** Finds the first entity with this name. FNL_ERROR_INVALID if there is none; the log then lists the existing names. */
 FNL_API fnl_result fnl_scene_find(const fnl_scene *scene, fnl_entity kind, const char *name, uint32_t *out_index);
+
+/** What came with a file: entities first[kind] .. first[kind] + count[kind] - 1 of each kind, until something is removed. */
+typedef struct fnl_loaded {
+    fnl_instance_id root; /**< a new instance without a mesh, the first of its kind, named after the source: all nodes of the file are below it */
+    uint32_t first[FNL_ENTITY_COUNT], count[FNL_ENTITY_COUNT];
+} fnl_loaded;
+
+/**
+ * Loads a .gltf or .glb file, not a built-in scene, into a scene that is there, under `parent` (all-zero: under nothing). What the scene has
+ * keeps its ids and indices; ambient light and background stay as they are. `out` may be NULL. After an error the scene is as it was.
+ */
+FNL_API fnl_result fnl_scene_load_into(fnl_scene *scene, fnl_instance_id parent, const char *source, const fnl_load_params *params,
+                                       fnl_loaded *out);
 
 #ifdef __cplusplus
 }

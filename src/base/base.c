@@ -24,6 +24,8 @@ const char *fnl_result_name(fnl_result result) {
         return "device error";
     case FNL_ERROR_DEVICE_LOST:
         return "device lost";
+    case FNL_ERROR_CANCELLED:
+        return "cancelled";
     }
     return "unknown result";
 }
@@ -113,6 +115,16 @@ void arena_finish(struct arena *arena) {
         block = next;
     }
     arena->first = arena->current = NULL;
+}
+
+void arena_adopt(struct arena *arena, struct arena *from) {
+    struct arena_block **end = &from->first;
+    while (*end) end = &(*end)->next;
+    /* In front: what is allocated next goes on from the current block, or, where there is none, looks for one with room. */
+    *end = arena->first;
+    arena->first = from->first;
+    if (!arena->current) arena->current = arena->first;
+    from->first = from->current = NULL;
 }
 
 void arena_reset(struct arena *arena) {

@@ -71,6 +71,8 @@ struct arena {
 void arena_init(struct arena *arena, const fnl_host *host, size_t block_size);
 void arena_finish(struct arena *arena);
 void arena_reset(struct arena *arena);
+/** Takes over all that another arena of the same host holds; what was allocated stays where it is. */
+void arena_adopt(struct arena *arena, struct arena *from);
 /** 16-byte aligned, not cleared. NULL when memory ran out. */
 void *arena_allocate(struct arena *arena, size_t size);
 void *arena_allocate_zero(struct arena *arena, size_t size);

@@ -15,7 +15,7 @@ struct file {
 static const struct file plain = {.color = {0.8f, 0.1f, 0.1f}, .intensity = 30, .extra = ",6", .arm = ",3", .panel = "1,"};
 static struct test_log lines;
 
-static fnl_scene *load(const struct file *f) {
+static unsigned char *make_glb(const struct file *f, size_t *size) {
     struct {
         float positions[18], normals[18];
         uint8_t joints[24];
@@ -63,8 +63,16 @@ static fnl_scene *load(const struct file *f) {
              (double)f->intensity, sizeof binary, (double)f->color[0], (double)f->color[1], (double)f->color[2], f->panel,
              (double)f->group[0], (double)f->group[1], (double)f->group[2], (double)f->tip[0], (double)f->tip[1],
              (double)f->tip[2], 1u, f->arm, f->extra);
+    return test_glb(json, &binary, sizeof binary, size);
+}
+
+static fnl_scene *load(const struct file *f) {
+    size_t size;
+    unsigned char *glb = make_glb(f, &size);
+    fnl_host host = test_host(&lines);
     fnl_scene *scene;
-    if (test_load(&lines, json, &binary, sizeof binary, &scene) != FNL_OK || lines.count) fail_msg("%s", lines.text);
+    if (gltf_load_memory(&host, glb, size, "test.glb", NULL, &scene) != FNL_OK || lines.count) fail_msg("%s", lines.text);
+    free(glb);
     return scene;
 }
 
@@ -145,6 +153,41 @@ static void test_everything_is_found_by_name(void **state) {
     assert_int_equal(fnl_scene_find(scene, FNL_ENTITY_MATERIAL, "wood", &index), FNL_ERROR_INVALID);
     assert_non_null(strstr(lines.text, "fnl_scene_find: test.glb: there is no 'wood' among the 2 materials: 'paint', 'cloth'"));
     fnl_scene_destroy(&scene);
+}
+
+/* Loaded into a scene whose own nodes are hidden then, a file looks as it does alone: geometry, skin, materials, lights, and its animation. */
+static void test_a_file_in_a_scene_looks_as_it_does_alone(void **state) {
+    UNUSED(state);
+    struct file other = plain;
+    other.color[1] = 0.9f;
+    other.intensity = 80;
+    struct stage stage = open_stage(load(&other)), alone = open_stage(load(&plain));
+    fnl_image before = shoot(&stage);
+    size_t size;
+    unsigned char *glb = make_glb(&plain, &size);
+    fnl_load_params params = fnl_load_params_default();
+    params.data = glb;
+    params.size = size;
+    fnl_loaded loaded;
+    assert_int_equal(fnl_scene_load_into(stage.scene, (fnl_instance_id){0, 0}, "plain.glb", &params, &loaded), FNL_OK);
+    free(glb);
+    static const char *const roots[] = {"group", "base", "arm", "extra"};
+    for (uint32_t i = 0; i < COUNT_OF(roots); i++) /* the first of the name is the scene's own */
+        assert_int_equal(fnl_scene_set_instance_visible(stage.scene, instance(stage.scene, roots[i]), false), FNL_OK);
+    for (int pose = 0; pose < 2; pose++) {
+        if (pose) {
+            assert_int_equal(fnl_scene_set_time(stage.scene, loaded.first[FNL_ENTITY_ANIMATION], 0.6), FNL_OK);
+            assert_int_equal(fnl_scene_set_time(alone.scene, 0, 0.6), FNL_OK);
+        }
+        fnl_image a = shoot(&stage), b = shoot(&alone);
+        assert_int_equal(count_differing(&a, &b), 0);
+        assert_true(count_differing(&a, &before) > 200);
+        fnl_image_free(gpu_host(harness_device()), &a);
+        fnl_image_free(gpu_host(harness_device()), &b);
+    }
+    fnl_image_free(gpu_host(harness_device()), &before);
+    stage_close(&stage);
+    stage_close(&alone);
 }
 
 static void test_changes_show_as_if_built_so(void **state) {
@@ -377,6 +420,7 @@ static void test_baked_decals_follow_their_material(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_everything_is_found_by_name, harness_check),
+        cmocka_unit_test_teardown(test_a_file_in_a_scene_looks_as_it_does_alone, harness_check),
         cmocka_unit_test_teardown(test_changes_show_as_if_built_so, harness_check),
         cmocka_unit_test_teardown(test_what_is_set_holds_until_it_is_animated, harness_check),
         cmocka_unit_test_teardown(test_images_stay_on_the_device, harness_check),

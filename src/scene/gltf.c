@@ -153,14 +153,32 @@ static void check_asset(struct gltf *g) {
 
 /* ---- the whole ---- */
 
+static void tell_progress(struct gltf *g) {
+    if (g->result != FNL_OK || !g->params.progress) return;
+    if (!g->params.progress(g->params.user, g->steps_done, g->steps_total)) g->result = FNL_ERROR_CANCELLED;
+}
+
+void gltf_step(struct gltf *g) {
+    g->steps_done++;
+    tell_progress(g);
+}
+
 static void load_parts(struct gltf *g) {
     static void (*const parts[])(struct gltf *) = {
         check_asset,         gltf_load_extensions, gltf_load_buffers, gltf_load_accessors,  gltf_load_images,
         gltf_load_materials, gltf_load_meshes,     gltf_load_cameras, gltf_load_nodes,      gltf_load_scenes,
         gltf_load_skins,     gltf_place,           gltf_load_decals,  gltf_load_animations,
     };
-    for (size_t i = 0; i < COUNT_OF(parts) && g->result == FNL_OK; i++) parts[i](g);
-    if (g->result == FNL_OK) scene_update_transforms(g->scene);
+    static const char *const counted[] = {"buffers", "images", "meshes", "animations"}; /* whose loaders call gltf_step */
+    uint64_t total = COUNT_OF(parts);
+    for (size_t i = 0; i < COUNT_OF(counted); i++) total += gltf_count(json_object_get(g->root, counted[i]));
+    g->steps_total = (uint32_t)MIN(total, UINT32_MAX);
+    tell_progress(g);
+    for (size_t i = 0; i < COUNT_OF(parts) && g->result == FNL_OK; i++) {
+        parts[i](g);
+        if (i + 1 == COUNT_OF(parts) && g->result == FNL_OK) scene_update_transforms(g->scene);
+        gltf_step(g);
+    }
 }
 
 /** Loads into an existing scene whose memory or files hold `bytes`. */

@@ -120,6 +120,7 @@ struct gltf {
     fnl_result result;    /* what the load came to so far */
     uint64_t budget;      /* bytes that may still be decoded in proportion to the size of the file */
     uint64_t memory_left; /* of params.max_memory */
+    uint32_t steps_done, steps_total; /* for params.progress */
     uint64_t check_left;  /* bytes that may still be compared with declared bounds */
 
     bool is_glb;
@@ -144,6 +145,9 @@ struct gltf {
     bool *in_scene;        /* by node: part of the shown scene, visible or not */
     bool *hidden;          /* by node: KHR_node_visibility hides it and what is below */
 };
+
+/** One step is done: tells the host, which may cancel the load (gltf.c). */
+void gltf_step(struct gltf *g);
 
 /* ---- messages (gltf_json.c) ---- */
 

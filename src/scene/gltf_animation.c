@@ -226,5 +226,6 @@ void gltf_load_animations(struct gltf *g) {
         json_t *object = gltf_element(g, array, at, i);
         if (object) load_animation(g, object, AT_INDEX(at, i), last, &animation);
         if (!array_push(g->host, &g->scene->animations, animation)) gltf_fail_memory(g);
+        gltf_step(g);
     }
 }

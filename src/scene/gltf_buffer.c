@@ -99,10 +99,12 @@ void gltf_load_buffers(struct gltf *g) {
     json_t *buffers = gltf_array(g, g->root, &g->top, "buffers", false);
     g->buffer_count = gltf_count(buffers);
     g->buffers = gltf_scratch(g, g->buffer_count, sizeof *g->buffers);
-    for (uint32_t i = 0; i < g->buffer_count && g->buffers && g->result != FNL_ERROR_MEMORY; i++) {
+    for (uint32_t i = 0; i < g->buffer_count && g->buffers && g->result != FNL_ERROR_MEMORY && g->result != FNL_ERROR_CANCELLED;
+         i++) {
         const struct at *at = AT_KEY(&g->top, "buffers");
         json_t *object = gltf_element(g, buffers, at, i);
         if (object) load_buffer(g, object, AT_INDEX(at, i), i);
+        gltf_step(g);
     }
     json_t *views = gltf_array(g, g->root, &g->top, "bufferViews", false);
     g->view_count = gltf_count(views);

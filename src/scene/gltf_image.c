@@ -105,6 +105,7 @@ static void load_images(struct gltf *g) {
         if (object) load_image(g, object, AT_INDEX(at, i), &image);
         g->image_twin[i] = SCENE_NONE;
         if (scene_add_image(g->scene, &image) == SCENE_NONE) gltf_fail_memory(g);
+        gltf_step(g);
     }
 }
 

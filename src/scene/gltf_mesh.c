@@ -139,5 +139,6 @@ void gltf_load_meshes(struct gltf *g) {
             load_mesh(g, object, AT_INDEX(at, i));
         else if (scene_add_mesh(g->scene, "", NULL, 0) == SCENE_NONE)
             gltf_fail_memory(g);
+        gltf_step(g);
     }
 }

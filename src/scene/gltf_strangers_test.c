@@ -12,6 +12,15 @@
 
 #define ASSET "\"asset\":{\"version\":\"2.0\"}"
 
+/* From memory, with the other params. */
+static fnl_result load_memory(const fnl_host *host, const void *data, size_t size, const char *name, const fnl_load_params *params,
+                              fnl_scene **out) {
+    fnl_load_params all = params ? *params : fnl_load_params_default();
+    all.data = data;
+    all.size = size;
+    return fnl_scene_load(host, name, &all, out);
+}
+
 static struct test_log file_log;
 
 static void expect_text(const char *expected) {
@@ -304,7 +313,7 @@ static fnl_result load_limited(const char *json, const void *binary, size_t size
     fnl_load_params params = fnl_load_params_default();
     params.max_memory = limit;
     fnl_scene *scene = NULL;
-    fnl_result result = fnl_scene_load_memory(&host, glb, glb_size, "test.glb", &params, &scene);
+    fnl_result result = load_memory(&host, glb, glb_size, "test.glb", &params, &scene);
     *peak = meter.peak;
     assert_true((result == FNL_OK) == (scene != NULL));
     fnl_scene_destroy(&scene);
@@ -548,7 +557,7 @@ static void test_resolvers_decide_about_every_uri(void **state) {
         if (from_file)
             assert_int_equal(fnl_scene_load(&host, path, &params, &scene), FNL_OK);
         else
-            assert_int_equal(fnl_scene_load_memory(&host, text, strlen(text), "a name", &params, &scene), FNL_OK);
+            assert_int_equal(load_memory(&host, text, strlen(text), "a name", &params, &scene), FNL_OK);
         memset(text, 'x', strlen(text)); /* the bytes were copied */
         free(text);
         assert_int_equal(file_log.count, 1); /* the media type of buffer 1, by its name */
@@ -593,7 +602,7 @@ static void test_resolvers_may_refuse(void **state) {
         library.results[0] = cases[i].picture;
         library.results[1] = cases[i].buffer;
         fnl_host host = test_host(&file_log);
-        fnl_result result = fnl_scene_load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene);
+        fnl_result result = load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene);
         assert_int_equal(result, cases[i].expected);
         expect_text(cases[i].text);
         fnl_scene_destroy(&scene); /* a failed load has released all before it returned */
@@ -604,7 +613,7 @@ static void test_resolvers_may_refuse(void **state) {
     library.sizes[1] = 35;
     fnl_scene *scene = NULL;
     fnl_host host = test_host(&file_log);
-    assert_int_equal(fnl_scene_load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene),
+    assert_int_equal(load_memory(&host, LIBRARY_JSON, strlen(LIBRARY_JSON), "a.gltf", &params, &scene),
                      FNL_ERROR_FORMAT);
     assert_int_equal(library.released, 1);
     forget(&library);
@@ -621,7 +630,7 @@ static void test_loading_from_memory(void **state) {
                  positions, sizeof positions, &size);
     fnl_host host = test_host(&file_log);
     fnl_scene *scene = NULL;
-    assert_int_equal(fnl_scene_load_memory(&host, glb, size, "alone.glb", NULL, &scene), FNL_OK);
+    assert_int_equal(load_memory(&host, glb, size, "alone.glb", NULL, &scene), FNL_OK);
     free(glb);
     assert_int_equal(file_log.count, 0);
     fnl_scene_info info;
@@ -633,17 +642,17 @@ static void test_loading_from_memory(void **state) {
                                         "{" ASSET ",\"images\":[{\"uri\":\"a.bin\"}]}"};
     for (int i = 0; i < 2; i++) {
         host = test_host(&file_log);
-        assert_int_equal(fnl_scene_load_memory(&host, texts[i], strlen(texts[i]), "a.gltf", NULL, &scene), FNL_ERROR_FILE);
+        assert_int_equal(load_memory(&host, texts[i], strlen(texts[i]), "a.gltf", NULL, &scene), FNL_ERROR_FILE);
         expect_text("'a.bin' is another file, but this glTF is loaded from memory without a resolver");
         expect_text(i ? "a.gltf: /images/0/uri: " : "a.gltf: /buffers/0/uri: ");
         assert_null(scene);
     }
     host = test_host(&file_log);
-    assert_int_equal(fnl_scene_load_memory(&host, NULL, 0, "empty.gltf", NULL, &scene), FNL_ERROR_FORMAT);
+    assert_int_equal(load_memory(&host, "", 0, "empty.gltf", NULL, &scene), FNL_ERROR_FORMAT);
     expect_text("empty.gltf: /: is not JSON");
-    assert_int_equal(fnl_scene_load_memory(&host, NULL, 1, "a.gltf", NULL, &scene), FNL_ERROR_INVALID);
-    assert_int_equal(fnl_scene_load_memory(&host, "{}", 2, NULL, NULL, &scene), FNL_ERROR_INVALID);
-    assert_int_equal(fnl_scene_load_memory(&host, "{}", 2, "a.gltf", NULL, NULL), FNL_ERROR_INVALID);
+    assert_int_equal(load_memory(&host, NULL, 1, "a.gltf", NULL, &scene), FNL_ERROR_INVALID);
+    assert_int_equal(load_memory(&host, "{}", 2, NULL, NULL, &scene), FNL_ERROR_INVALID);
+    assert_int_equal(load_memory(&host, "{}", 2, "a.gltf", NULL, NULL), FNL_ERROR_INVALID);
 }
 
 int main(void) {

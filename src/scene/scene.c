@@ -238,12 +238,17 @@ void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
 
 /* ---- showing and removing ---- */
 
+void scene_activate(fnl_scene *scene, uint32_t root) {
+    struct scene_node *nodes = scene->nodes.data;
+    for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root))
+        nodes[i].active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+}
+
 void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {
     struct scene_node *nodes = scene->nodes.data;
     if (nodes[index].hidden == !visible) return;
     nodes[index].hidden = !visible;
-    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index))
-        nodes[i].active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+    scene_activate(scene, index);
     scene->structure_version++;
     scene->decal_version++;
     if (nodes[index].linked) scene_show_lights(scene, index);

@@ -273,6 +273,8 @@ void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
 /** Before a light becomes local or directional: makes room for it. False when memory ran out. */
 bool scene_reserve_light(fnl_scene *scene);
+/** So many scene_add_light() cannot fail after it, where nothing is removed. */
+bool scene_reserve_lights(fnl_scene *scene, uint32_t count);
 /** After a change of one light, or of all. */
 void scene_light_changed(fnl_scene *scene, uint32_t light);
 void scene_lights_changed(fnl_scene *scene);
@@ -289,6 +291,13 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__(
 void scene_update_transforms(fnl_scene *scene);
 /** Gives a node a new local transform; costs what is below it, and a look at the lights if it is linked. */
 void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
+/** Finds out which nodes of a tree are active. */
+void scene_activate(fnl_scene *scene, uint32_t root);
+/**
+ * Appends what a file was loaded into, under a new node; `from` is then empty, and can only be destroyed. Both have the same host. An error
+ * leaves both as they were.
+ */
+fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
 /** Hides a node with what is below it, or shows what is not hidden below it. */
 void scene_show_node(fnl_scene *scene, uint32_t node, bool visible);
 /** Removes a node, what is below it, and the lights there. */

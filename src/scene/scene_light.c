@@ -13,12 +13,14 @@ static void pose_light(const fnl_scene *scene, struct scene_light *light) {
 
 /* ---- places: free ones form a heap with the lowest on top, so that those in use stay dense ---- */
 
-bool scene_reserve_light(fnl_scene *scene) {
+bool scene_reserve_lights(fnl_scene *scene, uint32_t count) {
     const fnl_host *host = &scene->host;
-    uint64_t slots = (uint64_t)scene->light_slots.count + 1;
+    uint64_t slots = (uint64_t)scene->light_slots.count + count;
     return array_reserve(host, &scene->light_slots, slots) && array_reserve(host, &scene->free_light_slots, slots) &&
-           array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + 1);
+           array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
 }
+
+bool scene_reserve_light(fnl_scene *scene) { return scene_reserve_lights(scene, 1); }
 
 static void put_free_slot(fnl_scene *scene, uint32_t slot) {
     uint32_t *heap = scene->free_light_slots.data, at = scene->free_light_slots.count++;

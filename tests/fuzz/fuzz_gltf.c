@@ -56,7 +56,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     params.resolve = resolve;
     params.user = &input;
     fnl_scene *scene;
-    if (fnl_scene_load_memory(&host, bytes, size, "input", &params, &scene) != FNL_OK) {
+    params.data = bytes;
+    params.size = size;
+    if (fnl_scene_load(&host, "input", &params, &scene) != FNL_OK) {
         if (scene || input.released != input.given) abort();
         return 0;
     }

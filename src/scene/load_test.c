@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: MIT */
+/* Loading as the host sees it: how far it is, an end before the end, and files that become part of a scene that is there. */
+#include "tests/gltf_test_file.h"
+#include "tests/test_memory.h"
+
+#include <unistd.h>
+
+/* A tree of two nodes with a textured triangle, a lamp, a camera and an animation. `where` tells it from another. */
+static unsigned char *make_file(const char *where, size_t *size) {
+    struct {
+        float positions[9], times[2], keys[6];
+    } binary = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 2}, {0, 0, 0, 4, 0, 0}};
+    char json[3000];
+    snprintf(json, sizeof json,
+             "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{"
+             "\"lights\":[{\"name\":\"%s lamp\",\"type\":\"point\"}]}},\"buffers\":[{\"byteLength\":%zu}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":32}],"
+             "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3,\"min\":[0,0,0],\"max\":[1,1,0]},"
+             "{\"bufferView\":1,\"componentType\":5126,\"type\":\"SCALAR\",\"count\":2,\"min\":[0],\"max\":[2]},"
+             "{\"bufferView\":1,\"byteOffset\":8,\"componentType\":5126,\"type\":\"VEC3\",\"count\":2}],"
+             "\"images\":[{\"uri\":\"data:image/png;base64," TEST_PNG_BASE64 "\"}],\"samplers\":[{\"wrapS\":%d}],"
+             "\"textures\":[{\"source\":0,\"sampler\":0}],"
+             "\"materials\":[{\"name\":\"%s paint\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+             "\"cameras\":[{\"name\":\"%s eye\",\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
+             "\"meshes\":[{\"name\":\"%s mesh\",\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+             "\"nodes\":[{\"name\":\"%s top\",\"children\":[1],\"translation\":[1,0,0]},{\"name\":\"%s leaf\",\"mesh\":0,\"camera\":0,"
+             "\"translation\":[0,2,0],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0,"
+             "\"animations\":[{\"name\":\"%s walk\",\"samplers\":[{\"input\":1,\"output\":2}],\"channels\":[{\"sampler\":0,\"target\":"
+             "{\"node\":1,\"path\":\"translation\"}}]}]}",
+             where, sizeof binary, *where == 'a' ? 33071 : 33648, where, where, where, where, where, where);
+    return test_glb(json, &binary, sizeof binary, size);
+}
+
+static struct test_log lines;
+
+static fnl_load_params from_memory(const void *data, size_t size) {
+    fnl_load_params params = fnl_load_params_default();
+    params.data = data;
+    params.size = size;
+    return params;
+}
+
+static fnl_host counting_host(struct test_memory *memory) {
+    fnl_host host = fnl_host_default();
+    host.user = memory;
+    host.reallocate = test_memory_reallocate;
+    host.log = test_log_line;
+    return host;
+}
+
+/* ---- progress ---- */
+
+struct progress {
+    uint32_t calls, total, last, end_at; /* end_at: the call that cancels, from 1 on */
+};
+
+static bool count_progress(void *user, uint32_t done, uint32_t total) {
+    struct progress *p = user;
+    assert_true(p->calls == 0 ? done == 0 : done == p->last + 1); /* none is left out */
+    assert_true(p->calls == 0 || total == p->total);
+    assert_true(done <= total);
+    p->last = done;
+    p->total = total;
+    return ++p->calls != p->end_at;
+}
+
+static void quiet_log(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    UNUSED(line);
+    lines.count += level >= FNL_LOG_ERROR;
+}
+
+static void test_a_load_can_be_cancelled_at_every_step(void **state) {
+    UNUSED(state);
+    size_t size;
+    unsigned char *file = make_file("a", &size);
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_load_params params = from_memory(file, size);
+    struct progress whole = {0};
+    params.progress = count_progress;
+    params.user = &whole;
+    fnl_scene *scene;
+    lines.count = 0;
+    assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_OK);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(whole.last, whole.total);
+    assert_true(whole.total > 4 && whole.calls == whole.total + 1);
+    for (uint32_t at = 1; at <= whole.calls; at++) {
+        struct progress p = {.end_at = at};
+        params.user = &p;
+        scene = (fnl_scene *)&p;
+        assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_ERROR_CANCELLED);
+        assert_null(scene);
+        assert_int_equal(p.calls, at); /* it is not asked again */
+        assert_int_equal(memory.live_bytes, 0);
+    }
+    assert_int_equal(lines.count, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+    free(file);
+}
+
+/* ---- into a scene ---- */
+
+static const char *name_of(const fnl_scene *scene, fnl_entity kind, uint32_t index) {
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_query_entity(scene, kind, index, &info), FNL_OK);
+    return info.name;
+}
+
+static fnl_instance_id instance_of(const fnl_scene *scene, const char *name) {
+    uint32_t index;
+    fnl_entity_info info;
+    assert_int_equal(fnl_scene_find(scene, FNL_ENTITY_INSTANCE, name, &index), FNL_OK);
+    assert_int_equal(fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, index, &info), FNL_OK);
+    return info.id.instance;
+}
+
+static void expect_position(vec3 position, float x, float y, float z) {
+    assert_true(fabsf(position.x - x) + fabsf(position.y - y) + fabsf(position.z - z) < 1e-5f);
+}
+
+static fnl_light_params light_at(const fnl_scene *scene, uint32_t index) {
+    fnl_light_params light;
+    assert_int_equal(fnl_scene_query_light(scene, index, &light), FNL_OK);
+    return light;
+}
+
+static void test_a_file_becomes_part_of_a_scene(void **state) {
+    UNUSED(state);
+    size_t size_a, size_b;
+    unsigned char *a = make_file("a", &size_a), *b = make_file("b", &size_b);
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_load_params params = from_memory(a, size_a);
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_OK);
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id holes[2];
+    for (int i = 0; i < 2; i++) assert_int_equal(fnl_scene_add_light(scene, &sun, &holes[i]), FNL_OK);
+    assert_int_equal(fnl_scene_remove_light(scene, holes[0]), FNL_OK); /* indices go on from the last all the same */
+    fnl_instance_id parent = instance_of(scene, "a leaf");
+    uint32_t counts[FNL_ENTITY_COUNT];
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
+
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/fanal-load-test-%d.glb", (int)getpid());
+    assert_int_equal(file_save(&host, path, b, size_b), FNL_OK);
+    fnl_loaded loaded;
+    assert_int_equal(fnl_scene_set_instance_visible(scene, parent, false), FNL_OK); /* what is loaded below is not shown either */
+    assert_int_equal(fnl_scene_load_into(scene, parent, path, NULL, &loaded), FNL_OK);
+    unlink(path);
+    assert_false(scene->nodes.data[instance_of(scene, "b leaf").index].active);
+    assert_int_equal(fnl_scene_set_instance_visible(scene, parent, true), FNL_OK);
+    memset(a, 0, size_a); /* the bytes were copied */
+    free(a);
+    free(b);
+    const uint32_t expected[FNL_ENTITY_COUNT] = {
+        [FNL_ENTITY_INSTANCE] = 3, [FNL_ENTITY_LIGHT] = 1,  [FNL_ENTITY_MESH] = 1,     [FNL_ENTITY_MATERIAL] = 1,
+        [FNL_ENTITY_IMAGE] = 1,    [FNL_ENTITY_CAMERA] = 1, [FNL_ENTITY_ANIMATION] = 1};
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) {
+        assert_int_equal(loaded.first[kind], counts[kind]);
+        assert_int_equal(loaded.count[kind], expected[kind]);
+    }
+    assert_string_equal(name_of(scene, FNL_ENTITY_INSTANCE, loaded.first[FNL_ENTITY_INSTANCE]), path);
+    assert_string_equal(name_of(scene, FNL_ENTITY_INSTANCE, loaded.first[FNL_ENTITY_INSTANCE] + 2), "b leaf");
+    assert_string_equal(name_of(scene, FNL_ENTITY_LIGHT, loaded.first[FNL_ENTITY_LIGHT]), "b lamp");
+    assert_string_equal(name_of(scene, FNL_ENTITY_CAMERA, loaded.first[FNL_ENTITY_CAMERA]), "b eye");
+    assert_string_equal(name_of(scene, FNL_ENTITY_MATERIAL, loaded.first[FNL_ENTITY_MATERIAL]), "b paint");
+
+    /* Each refers to its own, and hangs where it should. */
+    uint32_t mesh = scene->nodes.data[instance_of(scene, "b leaf").index].mesh;
+    assert_string_equal(scene->meshes.data[mesh].name, "b mesh");
+    uint32_t material = scene->primitives.data[scene->meshes.data[mesh].first_primitive].material;
+    assert_string_equal(scene->materials.data[material].name, "b paint");
+    const struct scene_texture *texture = &scene->materials.data[material].textures[SCENE_TEXTURE_BASE_COLOR];
+    assert_int_equal(texture->image, loaded.first[FNL_ENTITY_IMAGE]);
+    assert_int_equal(scene->samplers.data[texture->sampler].wrap_u, SCENE_WRAP_MIRROR);
+    assert_string_equal(scene->materials.data[0].name, "a paint");
+    expect_position(light_at(scene, 0).position, 1, 2, 0);
+    expect_position(light_at(scene, loaded.first[FNL_ENTITY_LIGHT]).position, 2, 4, 0);
+    fnl_camera camera;
+    assert_int_equal(fnl_scene_query_camera(scene, loaded.first[FNL_ENTITY_CAMERA], &camera), FNL_OK);
+    expect_position(camera.position, 2, 4, 0);
+
+    /* It is animated by its own animation, moves with what it hangs on, and is hidden and removed as one. */
+    assert_int_equal(fnl_scene_set_time(scene, loaded.first[FNL_ENTITY_ANIMATION], 2), FNL_OK);
+    expect_position(light_at(scene, loaded.first[FNL_ENTITY_LIGHT]).position, 6, 2, 0);
+    expect_position(light_at(scene, 0).position, 1, 2, 0);
+    fnl_mat4 place = mat4_translation(vec3_make(0, 0, 7));
+    assert_int_equal(fnl_scene_set_instance_transform(scene, parent, &place), FNL_OK);
+    expect_position(light_at(scene, loaded.first[FNL_ENTITY_LIGHT]).position, 6, 0, 7);
+    place = mat4_translation(vec3_make(0, 0, 1));
+    assert_int_equal(fnl_scene_set_instance_transform(scene, loaded.root, &place), FNL_OK);
+    expect_position(light_at(scene, loaded.first[FNL_ENTITY_LIGHT]).position, 6, 0, 8);
+    assert_int_equal(fnl_scene_set_instance_visible(scene, parent, false), FNL_OK);
+    assert_false(scene->nodes.data[instance_of(scene, "b leaf").index].active);
+    assert_int_equal(fnl_scene_set_instance_visible(scene, parent, true), FNL_OK);
+    assert_true(scene->nodes.data[instance_of(scene, "b leaf").index].active);
+    assert_int_equal(fnl_scene_remove_instance(scene, loaded.root), FNL_OK);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_INSTANCE), counts[FNL_ENTITY_INSTANCE]);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_LIGHT), counts[FNL_ENTITY_LIGHT]);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(memory.live_bytes, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+}
+
+/* All that a call could change and a test can see. */
+struct sight {
+    uint32_t counts[FNL_ENTITY_COUNT], primitives, samplers, files, messages;
+    uint64_t versions[5];
+};
+static struct sight look_at(const fnl_scene *scene) {
+    struct sight sight;
+    memset(&sight, 0, sizeof sight);
+    for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) sight.counts[kind] = fnl_scene_count(scene, (fnl_entity)kind);
+    sight.primitives = scene->primitives.count;
+    sight.samplers = scene->samplers.count;
+    sight.files = scene->files.count;
+    sight.messages = scene->messages.count;
+    const uint64_t versions[5] = {scene->structure_version, scene->light_version, scene->transform_version,
+                                  scene->decal_version, scene->material_version};
+    memcpy(sight.versions, versions, sizeof versions);
+    return sight;
+}
+
+static void test_errors_leave_the_scene_as_it_was(void **state) {
+    UNUSED(state);
+    size_t size_a, size_b;
+    unsigned char *a = make_file("a", &size_a), *b = make_file("b", &size_b);
+    struct test_memory memory = {0};
+    fnl_host host = counting_host(&memory);
+    host.log = quiet_log;
+    fnl_load_params params = from_memory(a, size_a);
+    const fnl_instance_id nothing = {0, 0}, stale = {1, 12345};
+    fnl_scene *scene;
+    fnl_loaded loaded;
+    assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_OK);
+    const struct sight before = look_at(scene);
+    params = from_memory(b, size_b);
+    assert_int_equal(fnl_scene_load_into(scene, stale, "b.glb", &params, &loaded), FNL_ERROR_INVALID);
+    assert_int_equal(fnl_scene_load_into(scene, nothing, "builtin:spheres", &params, &loaded), FNL_ERROR_UNSUPPORTED);
+    assert_int_equal(fnl_scene_load_into(scene, nothing, "/no/such.glb", NULL, &loaded), FNL_ERROR_FILE);
+    params.size -= 40;
+    assert_int_equal(fnl_scene_load_into(scene, nothing, "b.glb", &params, &loaded), FNL_ERROR_FORMAT);
+    params.size = size_b;
+    struct progress p = {.end_at = 7};
+    params.progress = count_progress;
+    params.user = &p;
+    assert_int_equal(fnl_scene_load_into(scene, nothing, "b.glb", &params, &loaded), FNL_ERROR_CANCELLED);
+    params.progress = NULL;
+    struct sight now = look_at(scene);
+    assert_memory_equal(&now, &before, sizeof before);
+    assert_int_equal(loaded.root.generation, 0);
+
+    /* Each allocation fails once, with all after it; so often that each array has to grow. */
+    enum { ROUNDS = 40 };
+    uint32_t failures = 0;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        const struct sight at_first = look_at(scene);
+        for (long long n = 1;; n++) {
+            atomic_store(&memory.fail_at, atomic_load(&memory.allocations) + n);
+            fnl_result result = fnl_scene_load_into(scene, nothing, "b.glb", &params, &loaded);
+            atomic_store(&memory.fail_at, 0);
+            if (result == FNL_OK) break;
+            assert_int_equal(result, FNL_ERROR_MEMORY);
+            now = look_at(scene);
+            assert_memory_equal(&now, &at_first, sizeof now);
+            failures++;
+        }
+    }
+    assert_true(failures > 15 * ROUNDS);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_INSTANCE), before.counts[FNL_ENTITY_INSTANCE] + 3 * ROUNDS);
+    assert_int_equal(fnl_scene_count(scene, FNL_ENTITY_LIGHT), before.counts[FNL_ENTITY_LIGHT] + ROUNDS);
+    fnl_scene_destroy(&scene);
+    assert_int_equal(memory.live_bytes, 0);
+    assert_int_equal(memory.wrong_sizes, 0);
+    free(a);
+    free(b);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_load_can_be_cancelled_at_every_step),
+        cmocka_unit_test(test_a_file_becomes_part_of_a_scene),
+        cmocka_unit_test(test_errors_leave_the_scene_as_it_was),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
