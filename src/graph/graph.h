@@ -209,6 +209,8 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
  * for tables of addresses that several passes read. Those passes declare their uses of the buffer themselves. 0 where no pass needs it.
  */
 void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer);
+/** The address so many bytes into the buffer. */
+void graph_put_address_at(struct graph *graph, uint64_t *place, graph_buffer buffer, uint64_t offset);
 /** The same for the index by which an image is sampled; GPU_NO_INDEX where no pass needs it. */
 void graph_put_sampled(struct graph *graph, uint32_t *place, graph_image image);
 

@@ -100,7 +100,7 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
 
 /* ---- addresses outside of passes ---- */
 
-static void put(struct graph *graph, void *place, uint32_t id, bool is_image) {
+static void put(struct graph *graph, void *place, uint32_t id, bool is_image, uint64_t offset) {
     const struct graph_resource *resource = graph_find_resource(graph, id, is_image);
     if (!resource) {
         graph_misuse(graph, "an address is asked for of %#x, which is no %s handle of this frame", id,
@@ -112,17 +112,22 @@ static void put(struct graph *graph, void *place, uint32_t id, bool is_image) {
         graph_fail(graph, FNL_ERROR_MEMORY);
         return;
     }
-    *added = (struct graph_put){graph->puts, place, (uint32_t)(resource - graph->resources.data)};
+    *added = (struct graph_put){graph->puts, place, (uint32_t)(resource - graph->resources.data), offset};
     graph->puts = added;
 }
 
-void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer) { put(graph, place, buffer.id, false); }
-void graph_put_sampled(struct graph *graph, uint32_t *place, graph_image image) { put(graph, place, image.id, true); }
+void graph_put_address(struct graph *graph, uint64_t *place, graph_buffer buffer) {
+    graph_put_address_at(graph, place, buffer, 0);
+}
+void graph_put_address_at(struct graph *graph, uint64_t *place, graph_buffer buffer, uint64_t offset) {
+    put(graph, place, buffer.id, false, offset);
+}
+void graph_put_sampled(struct graph *graph, uint32_t *place, graph_image image) { put(graph, place, image.id, true, 0); }
 
 void graph_put_addresses(struct graph *graph) {
     for (const struct graph_put *put = graph->puts; put; put = put->next) {
         const struct graph_resource *resource = &graph->resources.data[put->resource];
-        uint64_t address = resource->buffer ? resource->buffer->address : 0;
+        uint64_t address = resource->buffer ? resource->buffer->address + put->offset : 0;
         uint32_t index = resource->image ? resource->image->sampled_index : GPU_NO_INDEX;
         if (resource->is_image)
             memcpy(put->place, &index, sizeof index);

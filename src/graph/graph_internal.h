@@ -56,6 +56,7 @@ struct graph_put {
     struct graph_put *next;
     void *place;
     uint32_t resource;
+    uint64_t offset;
 };
 
 struct graph_pass {

@@ -4,12 +4,6 @@
 #include "passes/aa/motion_shared.h"
 #include "shaders.h"
 
-struct motion_data {
-    VkDeviceAddress view, motion;
-    graph_image depth, objects, target;
-    uint32_t width, height;
-};
-
 struct objects_data {
     struct motion_objects objects;
     struct geometry_draws draws;
@@ -31,20 +25,6 @@ static mat4 view_to_previous(const struct gpu_view *current, const struct gpu_vi
         out.m[12 + row] = (float)moved;
     }
     return out;
-}
-
-static void execute_motion(const struct graph_context *context, const void *data) {
-    const struct motion_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_motion_comp};
-    struct gpu_motion_push push = {.view = d->view,
-                                   .motion = d->motion,
-                                   .depth = graph_sampled(context, d->depth),
-                                   .objects = d->objects.id ? graph_sampled(context, d->objects) : 0,
-                                   .target = graph_storage(context, d->target),
-                                   .has_objects = d->objects.id != 0};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
 static void execute_objects(const struct graph_context *context, const void *data) {
@@ -94,17 +74,17 @@ graph_image motion_add(struct graph *graph, gpu_device *device, const struct mot
                                                            .view_to_previous = view_to_previous(input->current, previous),
                                                            .jitter = input->jitter,
                                                            .has_previous = input->previous != NULL};
-    struct motion_data data = {.view = input->view,
-                               .motion = slice.address,
-                               .depth = input->depth,
-                               .target = target,
-                               .width = image.width,
-                               .height = image.height};
-    if (input->objects.previous.id && input->previous) data.objects = add_objects(graph, input, slice.address, image);
-    struct graph_pass *pass = graph_add_pass(graph, "motion", GRAPH_QUEUE_GRAPHICS, execute_motion, &data, sizeof data);
-    graph_use_image(pass, data.depth, GRAPH_SAMPLE_COMPUTE);
-    if (data.objects.id) graph_use_image(pass, data.objects, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
+    graph_image objects = {0};
+    if (input->objects.previous.id && input->previous) objects = add_objects(graph, input, slice.address, image);
+    struct gpu_motion_push push = {.view = input->view, .motion = slice.address, .has_objects = objects.id != 0};
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){.name = "motion",
+                                            .pipeline = {.shader = &shader_motion_comp},
+                                            .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                            GRAPH_PUSH(push),
+                                            GRAPH_ROWS(graph_samples(&push.depth, input->depth),
+                                                       graph_row_if(push.has_objects, graph_samples(&push.objects, objects)),
+                                                       graph_stores(&push.target, target))});
     return target;
 }
 
@@ -141,26 +121,13 @@ graph_image motion_depth_add(struct graph *graph, const struct geometry_scene *s
 
 /* ---- debug view ---- */
 
-struct view_data {
-    graph_image motion, target;
-    uint32_t width, height;
-    bool swap;
-};
-
-static void execute_view(const struct graph_context *context, const void *data) {
-    const struct view_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_motion_view_comp};
-    struct gpu_motion_view_push push = {graph_sampled(context, d->motion), graph_storage(context, d->target), d->width,
-                                        d->height, d->swap};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
 void motion_view_add(struct graph *graph, graph_image motion, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {motion, target, image.width, image.height, swap};
-    struct graph_pass *pass = graph_add_pass(graph, "motion view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
-    graph_use_image(pass, motion, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
+    struct gpu_motion_view_push push = {.width = image.width, .height = image.height, .swap = swap};
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "motion view",
+                              .pipeline = {.shader = &shader_motion_view_comp},
+                              .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_samples(&push.motion, motion), graph_stores(&push.target, target))});
 }

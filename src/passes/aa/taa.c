@@ -17,55 +17,28 @@ vec2 taa_jitter(uint32_t index) {
     return (vec2){radical_inverse(i, 2) - 0.5f, (y < 1 ? y : y - 1) - 0.5f};
 }
 
-struct taa_data {
-    struct taa_params params;
-    graph_image radiance;
-    struct graph_history color, depth;
-    uint32_t width, height;
-};
-
-static void execute_taa(const struct graph_context *context, const void *data) {
-    const struct taa_data *d = data;
-    const struct taa_params *p = &d->params;
-    struct gpu_compute_params params = {.shader = &shader_taa_comp, .constant_count = 1, .constants = {p->tonemap}};
-    struct gpu_taa_push push = {.view = p->view,
-                                .exposure = p->exposure.id ? graph_address(context, p->exposure) : 0,
-                                .factor = p->factor,
-                                .metered = p->exposure.id != 0,
-                                .radiance = graph_sampled(context, d->radiance),
-                                .depth = graph_sampled(context, p->depth),
-                                .motion = graph_sampled(context, p->motion),
-                                .history = p->keeps ? graph_sampled(context, d->color.previous) : 0,
-                                .history_depth = p->keeps ? graph_sampled(context, d->depth.previous) : 0,
-                                .target = graph_storage(context, d->color.current),
-                                .target_depth = graph_storage(context, d->depth.current),
-                                .keeps = p->keeps,
-                                .still = p->still};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
 graph_image taa_add(struct graph *graph, graph_image radiance, const struct taa_params *params) {
     struct graph_image_params image = graph_image_info(graph, radiance);
-    struct taa_data data = {.params = *params, .radiance = radiance, .width = image.width, .height = image.height};
     image.name = "collected radiance";
     image.format = VK_FORMAT_R32G32B32A32_SFLOAT;
-    data.color = graph_history(graph, &image);
+    struct graph_history color = graph_history(graph, &image);
     image.name = "collected depth";
     image.format = VK_FORMAT_R16G16B16A16_SFLOAT;
-    data.depth = graph_history(graph, &image);
-    data.params.keeps = params->keeps && data.color.previous.id && data.depth.previous.id;
-    struct graph_pass *pass = graph_add_pass(graph, "taa", GRAPH_QUEUE_GRAPHICS, execute_taa, &data, sizeof data);
-    graph_use_image(pass, radiance, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, params->depth, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, params->motion, GRAPH_SAMPLE_COMPUTE);
-    if (params->exposure.id) graph_use_buffer(pass, params->exposure, GRAPH_READ_COMPUTE);
-    if (data.params.keeps) {
-        graph_use_image(pass, data.color.previous, GRAPH_SAMPLE_COMPUTE);
-        graph_use_image(pass, data.depth.previous, GRAPH_SAMPLE_COMPUTE);
-    }
-    graph_use_image(pass, data.color.current, GRAPH_WRITE_COMPUTE);
-    graph_use_image(pass, data.depth.current, GRAPH_WRITE_COMPUTE);
-    return data.color.current;
+    struct graph_history depth = graph_history(graph, &image);
+    bool keeps = params->keeps && color.previous.id && depth.previous.id, metered = params->exposure.id;
+    struct gpu_taa_push push = {
+        .view = params->view, .factor = params->factor, .metered = metered, .keeps = keeps, .still = params->still};
+    graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = "taa",
+                   .pipeline = {&shader_taa_comp, 1, {params->tonemap}},
+                   .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                   GRAPH_PUSH(push),
+                   GRAPH_ROWS(graph_samples(&push.radiance, radiance), graph_samples(&push.depth, params->depth),
+                              graph_samples(&push.motion, params->motion),
+                              graph_row_if(metered, graph_reads(&push.exposure, params->exposure)),
+                              graph_row_if(keeps, graph_samples(&push.history, color.previous)),
+                              graph_row_if(keeps, graph_samples(&push.history_depth, depth.previous)),
+                              graph_stores(&push.target, color.current), graph_stores(&push.target_depth, depth.current))});
+    return color.current;
 }

@@ -56,19 +56,19 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
                            graph_buffer cache) {
     struct visibility_data data = {
         .scene = input->scene, .draws = *input->draws, .dais = *dais, .cache = cache, .view = input->view};
-    data.state = (struct gpu_graphics_params){.fragment = visibility_shader(&dais->params),
-                                              .constant_count = 11,
-                                              .constants = {[7] = dais->params.shared_samples,
-                                                            [8] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
-                                                            [9] = dais->sample_count,
-                                                            [10] = dais->params.attempts},
-                                              .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
-                                              .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0,
-                                                                dais->shared.id ? REFERENCE_FORMAT : 0},
-                                              .depth_format = GEOMETRY_DEPTH_FORMAT,
-                                              .depth_test = true,
-                                              .depth_compare = VK_COMPARE_OP_EQUAL,
-                                              .samples = dais->sample_count};
+    data.state = (struct gpu_graphics_params){
+        .fragment = visibility_shader(&dais->params),
+        .constant_count = 11,
+        .constants = {[7] = dais->params.shared_samples,
+                      [8] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
+                      [9] = dais->sample_count,
+                      [10] = dais->params.attempts},
+        .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
+        .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0, dais->shared.id ? REFERENCE_FORMAT : 0},
+        .depth_format = GEOMETRY_DEPTH_FORMAT,
+        .depth_test = true,
+        .depth_compare = VK_COMPARE_OP_EQUAL,
+        .samples = dais->sample_count};
     struct graph_pass *pass =
         graph_add_pass(graph, "dais visibility", GRAPH_QUEUE_GRAPHICS, execute_visibility, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, GEOMETRY_OPAQUE);
@@ -87,46 +87,27 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
 
 /* ---- derivatives ---- */
 
-struct derive_data {
-    struct dais dais;
-    graph_buffer table;
-    VkDeviceAddress view, scene, indices;
-    const struct gpu_shader *shader;
-    bool indirect;
-};
-
-static void execute_derive(const struct graph_context *context, const void *data) {
-    const struct derive_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    bool reads = d->indirect;
-    struct gpu_dais_derive_push push = {
-        .view = d->view,
-        .scene = d->scene,
-        .indices = d->indices,
-        .pool = reads ? graph_address(context, d->dais.pool) : 0,
-        .stored = reads ? graph_address(context, d->dais.stored) : 0,
-        .counts = graph_address(context, d->dais.counts),
-        .table = address_or_zero(context, d->table),
-        .table_size = d->table.id ? (uint32_t)(graph_get_buffer(context, d->table)->size / 4) : 0,
-        .sample_capacity = d->dais.sample_capacity};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (d->indirect)
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->dais.counts), DAIS_DISPATCH * 4);
-    else
-        gpu_dispatch(context->commands, 1, 1, 1);
+/* A pass over what was stored, with the groups that `arguments` has counted, or, before that, one group. */
+static struct graph_pass *add_derive(struct graph *graph, const char *name, const struct gpu_shader *shader, bool counted,
+                                     const struct dais *dais, const struct gpu_dais_derive_push *common, graph_buffer table,
+                                     enum graph_use pool) {
+    struct gpu_dais_derive_push push = *common;
+    if (table.id) push.table_size = (uint32_t)(graph_buffer_size(graph, table) / 4);
+    return graph_dispatch(
+        graph, &(struct graph_dispatch){.name = name,
+                                        .pipeline = {.shader = shader},
+                                        .groups = {1},
+                                        .indirect = counted ? dais->counts : (graph_buffer){0},
+                                        .indirect_offset = DAIS_DISPATCH * 4,
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_changes(&push.counts, dais->counts),
+                                                   graph_row_if(counted, graph_reads(&push.stored, dais->stored)),
+                                                   graph_row_if(counted, graph_buffer_row(&push.pool, dais->pool, pool)),
+                                                   graph_row_if(table.id, graph_changes(&push.table, table)))});
 }
 
-static struct graph_pass *add_derive(struct graph *graph, const char *name, const struct derive_data *data) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_derive, data, sizeof *data);
-    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_WRITE_COMPUTE);
-    if (!data->indirect) return pass;
-    graph_use_buffer(pass, data->dais.counts, GRAPH_INDIRECT);
-    graph_use_buffer(pass, data->dais.stored, GRAPH_READ_COMPUTE);
-    return pass;
-}
-
-struct dais dais_add(struct graph *graph, const struct shade_input *input, const struct dais_params *params, graph_image depth) {
+struct dais dais_add(struct graph *graph, const struct shade_input *input, const struct dais_params *params,
+                     graph_image depth) {
     struct dais dais = {.params = *params,
                         .depth = depth,
                         .width = input->width,
@@ -162,24 +143,21 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
                     (struct graph_clear){.buffers = {dais.counts, cache, dais.heads}});
     add_visibility(graph, input, &dais, cache);
 
-    struct derive_data data = {
-        .dais = dais, .view = input->view, .scene = input->scene->scene, .indices = input->scene->indices->address,
-        .shader = &shader_dais_arguments_comp};
-    add_derive(graph, "dais arguments", &data);
-    data.shader = &shader_dais_derive_comp;
-    data.indirect = true;
-    struct graph_pass *pass = add_derive(graph, "dais derivatives", &data);
-    graph_use_buffer(pass, dais.pool, GRAPH_READ_WRITE_COMPUTE);
+    const struct gpu_dais_derive_push common = {.view = input->view,
+                                                .scene = input->scene->scene,
+                                                .indices = input->scene->indices->address,
+                                                .sample_capacity = dais.sample_capacity};
+    const graph_buffer none = {0};
+    add_derive(graph, "dais arguments", &shader_dais_arguments_comp, false, &dais, &common, none, GRAPH_READ_COMPUTE);
+    struct graph_pass *pass = add_derive(graph, "dais derivatives", &shader_dais_derive_comp, true, &dais, &common, none,
+                                         GRAPH_READ_WRITE_COMPUTE);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE); /* instances */
     if (!input->counters.id) return dais;
     uint32_t size = 1;
     while (size < params->capacity / (DAIS_HEADER + 12) * 2) size *= 2;
-    data.shader = &shader_dais_unique_comp;
-    data.table = graph_create_buffer(graph, "dais unique table", size * 4ull);
-    graph_add_clear(graph, "dais unique clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data.table}});
-    pass = add_derive(graph, "dais unique", &data);
-    graph_use_buffer(pass, dais.pool, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.table, GRAPH_READ_WRITE_COMPUTE);
+    graph_buffer table = graph_create_buffer(graph, "dais unique table", size * 4ull);
+    graph_add_clear(graph, "dais unique clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {table}});
+    add_derive(graph, "dais unique", &shader_dais_unique_comp, true, &dais, &common, table, GRAPH_READ_COMPUTE);
     return dais;
 }
 
@@ -241,29 +219,20 @@ static void use_references(struct graph_pass *pass, const struct dais *dais, enu
     if (dais->nodes.id) graph_use_buffer(pass, dais->nodes, buffer);
 }
 
-static void execute_spawned(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_dais_spawned_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_dais_shade_push push = {.view = d->view,
-                                       .scene = d->scene->scene,
-                                       .pool = graph_address(context, d->dais.pool),
-                                       .samples = graph_address(context, d->dais.samples),
-                                       .counts = graph_address(context, d->dais.counts),
-                                       .sample_capacity = d->dais.sample_capacity};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->dais.counts), DAIS_SPAWNED * 4);
-}
-
-static void add_spawned(struct graph *graph, const struct shade_data *data) {
-    struct graph_pass *pass =
-        graph_add_pass(graph, "dais shared samples", GRAPH_QUEUE_GRAPHICS, execute_spawned, data, sizeof *data);
-    graph_use_buffer(pass, data->dais.pool, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->dais.samples, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->dais.counts, GRAPH_INDIRECT);
-    graph_use_buffer(pass, data->scene->vertices, GRAPH_READ_COMPUTE);
+static void add_spawned(struct graph *graph, const struct shade_data *d) {
+    struct gpu_compute_params pipeline = {.shader = &shader_dais_spawned_comp};
+    set_constants(d, &pipeline.constant_count, pipeline.constants);
+    struct gpu_dais_shade_push push = {
+        .view = d->view, .scene = d->scene->scene, .sample_capacity = d->dais.sample_capacity};
+    graph_dispatch(graph,
+                   &(struct graph_dispatch){
+                       .name = "dais shared samples",
+                       .pipeline = pipeline,
+                       .indirect = d->dais.counts,
+                       .indirect_offset = DAIS_SPAWNED * 4,
+                       GRAPH_PUSH(push),
+                       GRAPH_ROWS(graph_reads(&push.pool, d->dais.pool), graph_changes(&push.samples, d->dais.samples),
+                                  graph_reads(&push.counts, d->dais.counts), graph_reads(NULL, d->scene->vertices))});
 }
 
 static void execute_shade(const struct graph_context *context, const void *data) {
@@ -321,8 +290,7 @@ static void execute_spread(const struct graph_context *context, const void *data
 }
 
 static void add_spread(struct graph *graph, const struct shade_data *data) {
-    struct graph_pass *pass =
-        graph_add_pass(graph, "dais spread", GRAPH_QUEUE_GRAPHICS, execute_spread, data, sizeof *data);
+    struct graph_pass *pass = graph_add_pass(graph, "dais spread", GRAPH_QUEUE_GRAPHICS, execute_spread, data, sizeof *data);
     graph_use_buffer(pass, data->results, GRAPH_READ_FRAGMENT);
     graph_use_buffer(pass, data->slots, GRAPH_READ_FRAGMENT);
     graph_color(pass, data->radiance, VK_ATTACHMENT_LOAD_OP_CLEAR,
@@ -350,8 +318,9 @@ static void execute_view(const struct graph_context *context, const void *data) 
 
 void dais_view_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, uint32_t which,
                    graph_image color, bool swap) {
-    struct view_data data = {
-        .shade = {.dais = *dais, .scene = input->scene, .radiance = color, .view = input->view}, .which = which, .swap = swap};
+    struct view_data data = {.shade = {.dais = *dais, .scene = input->scene, .radiance = color, .view = input->view},
+                             .which = which,
+                             .swap = swap};
     struct graph_pass *pass = graph_add_pass(graph, "debug dais", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
     use_references(pass, dais, GRAPH_SAMPLE_COMPUTE, GRAPH_READ_COMPUTE);
     graph_use_image(pass, color, GRAPH_WRITE_COMPUTE);
@@ -398,14 +367,14 @@ struct rest_data {
 static void execute_rest(const struct graph_context *context, const void *data) {
     const struct rest_data *d = data;
     const struct dais *dais = &d->shade.dais;
-    struct gpu_dais_rest_push push = {
-        .geometry = {.view = d->shade.view,
-                     .lights = d->shade.lights,
-                     .counters = address_or_zero(context, d->shade.counters)},
-        .pool = graph_address(context, dais->pool),
-        .heads = address_or_zero(context, dais->heads),
-        .nodes = address_or_zero(context, dais->nodes),
-        .references = dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE};
+    struct gpu_dais_rest_push push = {.geometry = {.view = d->shade.view,
+                                                   .lights = d->shade.lights,
+                                                   .counters = address_or_zero(context, d->shade.counters)},
+                                      .pool = graph_address(context, dais->pool),
+                                      .heads = address_or_zero(context, dais->heads),
+                                      .nodes = address_or_zero(context, dais->nodes),
+                                      .references =
+                                          dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE};
     geometry_draw_with(context, d->shade.scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
 }
 

@@ -141,49 +141,26 @@ graph_image halos_add(struct graph *graph, const struct geometry_scene *scene, c
     return metal;
 }
 
-struct view_data {
-    uint32_t mode, kind, width, height;
-    struct aov_images aov;
-    struct debug_counts counts;
-    VkDeviceAddress view, lights;
-    graph_buffer cones;
-    graph_image metal, target;
-    bool swap;
-};
-
-static void execute_view(const struct graph_context *context, const void *data) {
-    const struct view_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_debug_view_comp, .constant_count = 1, .constants = {d->kind}};
-    struct gpu_debug_push push = {.view = d->view,
-                                  .lights = d->lights,
-                                  .counts = d->counts.buffer.id ? graph_address(context, d->counts.buffer) : 0,
-                                  .cones = d->cones.id ? graph_address(context, d->cones) : 0,
-                                  .has_cones = d->cones.id != 0,
-                                  .metal = d->metal.id ? graph_sampled(context, d->metal) : 0,
-                                  .albedo = graph_sampled(context, d->aov.albedo),
-                                  .normal = graph_sampled(context, d->aov.normal),
-                                  .position = graph_sampled(context, d->aov.position),
-                                  .target = graph_storage(context, d->target),
-                                  .swap = d->swap,
-                                  .mode = d->mode,
-                                  .count_stride = d->counts.buffer.id ? d->counts.stride : 0};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
 void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images *aov, const struct light_list *lights,
                     struct debug_counts counts, graph_image metal, VkDeviceAddress view, graph_image target, bool swap) {
     struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {mode, lights->kind & ~GPU_LIST_SCATTERED,   image.width,   image.height, *aov,   counts,
-                             view, lights->header, lights->cones, metal,        target, swap};
-    struct graph_pass *pass = graph_add_pass(graph, "debug view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
-    graph_use_image(pass, aov->albedo, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, aov->normal, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, aov->position, GRAPH_SAMPLE_COMPUTE);
-    if (lights->cones.id) graph_use_buffer(pass, lights->cones, GRAPH_READ_COMPUTE);
-    if (counts.buffer.id) graph_use_buffer(pass, counts.buffer, GRAPH_READ_COMPUTE);
-    if (metal.id) graph_use_image(pass, metal, GRAPH_SAMPLE_COMPUTE);
+    struct gpu_debug_push push = {.view = view,
+                                  .lights = lights->header,
+                                  .has_cones = lights->cones.id != 0,
+                                  .swap = swap,
+                                  .mode = mode,
+                                  .count_stride = counts.buffer.id ? counts.stride : 0};
+    struct graph_pass *pass = graph_dispatch(
+        graph,
+        &(struct graph_dispatch){
+            .name = "debug view",
+            .pipeline = {&shader_debug_view_comp, 1, {lights->kind & ~GPU_LIST_SCATTERED}},
+            .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+            GRAPH_PUSH(push),
+            GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo), graph_samples(&push.normal, aov->normal),
+                       graph_samples(&push.position, aov->position),
+                       graph_row_if(lights->cones.id, graph_reads(&push.cones, lights->cones)),
+                       graph_row_if(counts.buffer.id, graph_reads(&push.counts, counts.buffer)),
+                       graph_row_if(metal.id, graph_samples(&push.metal, metal)), graph_stores(&push.target, target))});
     light_list_use(pass, lights, GRAPH_READ_COMPUTE);
-    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
 }

@@ -70,7 +70,6 @@ struct coarse_data {
     struct coarse_params params;
     uint32_t kind, groups_x, groups_y;
     uint64_t pixels;
-    const struct gpu_shader *shader;
 };
 
 static void execute_clear(const struct graph_context *context, const void *data) {
@@ -94,8 +93,9 @@ static uint32_t sampler(gpu_device *device, VkFilter filter, VkSamplerReductionM
     return gpu_sampler_index(device, &params);
 }
 
-static void execute_blocks(const struct graph_context *context, const void *data) {
-    const struct coarse_data *d = data;
+/* A pass that goes over the blocks. */
+static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data *d, const char *name,
+                                   const struct gpu_shader *shader, enum graph_use blocks, enum graph_use target) {
     const fnl_coarse_options *o = &d->params.options;
     bool minmax = o->criterion == FNL_COARSE_CRITERION_MINMAX, id = o->criterion == FNL_COARSE_CRITERION_ID,
          color = has_color(o, FNL_COARSE_FILTER_SAMPLED);
@@ -103,38 +103,29 @@ static void execute_blocks(const struct graph_context *context, const void *data
                      (o->gather ? COARSE_GATHER : 0) | (d->words.id ? COARSE_WORDS : 0) |
                      (has_samplers(&d->params) ? COARSE_SAMPLERS : 0) | (d->ao.id ? COARSE_AO : 0) |
                      (o->albedo_tolerance < 1 ? COARSE_ALBEDO : 0);
-    struct gpu_compute_params params = {
-        .shader = d->shader,
+    struct gpu_compute_params pipeline = {
+        .shader = shader,
         .constant_count = 10,
         .constants = {d->kind, d->counters.id != 0, 1, 1, o->size, (uint32_t)o->criterion, 0, (uint32_t)o->split, 0, flags}};
-    gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
+    gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
     const graph_image *extras = d->gbuffer.extras;
-    struct gpu_coarse_push push = {
-        .lights = d->lights,
-        .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-        .gbuffer = gbuffer_handles(context, &d->gbuffer),
-        .settings = d->settings,
-        .blocks = graph_address(context, d->blocks),
-        .words = d->words.id ? graph_address(context, d->words) : 0,
-        .target = d->target.id ? graph_storage(context, d->target) : 0,
-        .color = color ? graph_sampled(context, extras[minmax ? 2 : id]) : 0,
-        .geometry = id ? graph_sampled(context, extras[0]) : 0,
-        .azimuth = minmax ? graph_sampled(context, extras[0]) : 0,
-        .height = minmax ? graph_sampled(context, extras[1]) : 0,
-        .ao = d->ao.id ? graph_sampled(context, d->ao) : 0,
-    };
+    struct gpu_coarse_push push = {.lights = d->lights, .gbuffer = gbuffer_block(&d->gbuffer), .settings = d->settings};
     _Static_assert(sizeof push <= GPU_PUSH_BYTES, "it is pushed");
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, d->groups_x, d->groups_y, 1);
-}
-
-/* A pass that goes over the blocks. */
-static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data *data, const char *name) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_blocks, data, sizeof *data);
-    gbuffer_use(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
-    for (uint32_t i = 0; i < GBUFFER_EXTRAS; i++)
-        if (data->gbuffer.extras[i].id) graph_use_image(pass, data->gbuffer.extras[i], GRAPH_SAMPLE_COMPUTE);
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = name,
+                                        .pipeline = pipeline,
+                                        .groups = {d->groups_x, d->groups_y},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_row_if(d->counters.id, graph_changes(&push.counters, d->counters)),
+                                                   graph_buffer_row(&push.blocks, d->blocks, blocks),
+                                                   graph_row_if(d->words.id, graph_writes(&push.words, d->words)),
+                                                   graph_image_row(&push.target, d->target, target),
+                                                   graph_row_if(color, graph_samples(&push.color, extras[minmax ? 2 : id])),
+                                                   graph_row_if(id, graph_samples(&push.geometry, extras[0])),
+                                                   graph_row_if(minmax, graph_samples(&push.azimuth, extras[0])),
+                                                   graph_row_if(minmax, graph_samples(&push.height, extras[1])),
+                                                   graph_row_if(d->ao.id, graph_samples(&push.ao, d->ao)))});
+    gbuffer_add_rows(pass, &push.gbuffer, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);
     return pass;
 }
 
@@ -157,43 +148,28 @@ static VkDeviceAddress write_settings(gpu_device *device, const struct coarse_pa
     return slice.address;
 }
 
-static void execute_tiles(const struct graph_context *context, const void *data) {
-    const struct coarse_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_coarse_tiles_comp};
-    struct gpu_coarse_tiles_push push = {.blocks = graph_address(context, d->blocks),
-                                         .counts = graph_address(context, d->counts),
-                                         .tile_count = d->groups_x * d->groups_y};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(push.tile_count, 64));
-}
-
 /* Decides what each block is. */
 static void find_blocks(struct graph *graph, struct coarse_data data) {
     struct graph_pass *pass = graph_add_pass(graph, "coarse clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &data, sizeof data);
     graph_use_buffer(pass, data.counts, GRAPH_COPY_TO);
     if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_COPY_TO);
-    data.shader = &shader_coarse_find_comp;
-    pass = add_pass(graph, &data, "coarse blocks");
-    graph_use_image(pass, data.target, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.blocks, GRAPH_WRITE_COMPUTE);
-    if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_WRITE_COMPUTE);
-    pass = graph_add_pass(graph, "coarse tiles", GRAPH_QUEUE_GRAPHICS, execute_tiles, &data, sizeof data);
-    graph_use_buffer(pass, data.blocks, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.counts, GRAPH_READ_WRITE_COMPUTE);
+    add_pass(graph, &data, "coarse blocks", &shader_coarse_find_comp, GRAPH_WRITE_COMPUTE, GRAPH_READ_COMPUTE);
+    struct gpu_coarse_tiles_push push = {.tile_count = data.groups_x * data.groups_y};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "coarse tiles",
+                                                   .pipeline = {.shader = &shader_coarse_tiles_comp},
+                                                   .groups = {DIVIDE_UP(push.tile_count, 64)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_changes(&push.blocks, data.blocks),
+                                                              graph_changes(&push.counts, data.counts))});
 }
 
 static graph_image find_openness(struct graph *graph, const struct shade_input *input, struct coarse_data data) {
     struct graph_image_params image = {
         .name = "coarse ao", .format = VK_FORMAT_R32_SFLOAT, .width = input->width, .height = input->height};
     data.target = graph_create_image(graph, &image);
-    data.shader = &shader_coarse_ao_comp;
     data.counters = data.counts;
     data.words = (graph_buffer){0};
-    struct graph_pass *pass = add_pass(graph, &data, "coarse ao");
-    graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_image(pass, data.target, GRAPH_WRITE_COMPUTE);
+    add_pass(graph, &data, "coarse ao", &shader_coarse_ao_comp, GRAPH_READ_COMPUTE, GRAPH_WRITE_COMPUTE);
     return data.target;
 }
 
@@ -214,15 +190,11 @@ struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct s
     find_blocks(graph, data);
     if (params->options.ao_radius > 0) data.ao = find_openness(graph, input, data);
     data.counts = data.words = (graph_buffer){0};
-    data.shader = &shader_coarse_comp;
     data.lights = input->lights->header;
     data.kind = input->lights->kind;
     data.counters = input->counters;
-    struct graph_pass *pass = add_pass(graph, &data, "coarse");
-    graph_use_buffer(pass, data.blocks, GRAPH_READ_COMPUTE);
-    if (data.ao.id) graph_use_image(pass, data.ao, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, data.target, GRAPH_READ_WRITE_COMPUTE);
+    struct graph_pass *pass =
+        add_pass(graph, &data, "coarse", &shader_coarse_comp, GRAPH_READ_COMPUTE, GRAPH_READ_WRITE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (data.counters.id) graph_use_buffer(pass, data.counters, GRAPH_READ_WRITE_COMPUTE);
     return coarse;
 }

@@ -23,55 +23,33 @@ static void set_constants(const struct msaa_data *d, uint32_t *count, uint32_t *
     gbuffer_specialise(&d->gbuffer, constants, count);
 }
 
-static struct gpu_deferred_msaa_push push_of(const struct graph_context *context, const struct msaa_data *d) {
-    return (struct gpu_deferred_msaa_push){.view = d->view,
-                                           .lights = d->lights,
-                                           .surfaces = graph_address(context, d->edges.surfaces),
-                                           .sums = d->edges.sums.id ? graph_address(context, d->edges.sums) : 0,
-                                           .results = graph_address(context, d->results),
-                                           .gbuffer = gbuffer_handles(context, &d->gbuffer)};
+static struct gpu_deferred_msaa_push push_of(const struct msaa_data *d) {
+    return (struct gpu_deferred_msaa_push){.view = d->view, .lights = d->lights, .gbuffer = gbuffer_block(&d->gbuffer)};
 }
 
 /* ---- shading ---- */
 
-static void execute_shade(const struct graph_context *context, const void *data) {
-    const struct msaa_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_deferred_msaa_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_deferred_msaa_push push = push_of(context, d);
-    push.radiance = graph_sampled(context, d->radiance);
-    if (d->counters.id) {
-        push.counters = graph_address(context, d->counters);
-        push.counts = graph_address(context, d->edges.counts);
-    }
-    bool listed = d->step == MSAA_STEP_REST && d->edges.entries.id;
-    if (listed) push.entries = graph_address(context, d->edges.entries);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (listed) {
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->edges.dispatch), 0);
-        return;
-    }
-    uint32_t layers = d->method == MSAA_ALL ? d->samples : d->step == MSAA_STEP_REST ? d->samples - 1 : 1;
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), layers);
-}
-
-static void add_step(struct graph *graph, const char *name, const struct shade_input *input, const struct msaa_data *data) {
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_shade, data, sizeof *data);
-    gbuffer_use(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, data->radiance, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data->edges.surfaces, GRAPH_READ_COMPUTE);
-    if (data->edges.sums.id) graph_use_buffer(pass, data->edges.sums, GRAPH_READ_COMPUTE);
-    if (data->step == MSAA_STEP_REST && data->edges.entries.id) {
-        graph_use_buffer(pass, data->edges.entries, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, data->edges.dispatch, GRAPH_INDIRECT);
-    }
-    /* The steps fill different slots. */
-    graph_use_buffer(pass, data->results, GRAPH_WRITE_COMPUTE);
+static void add_step(struct graph *graph, const char *name, const struct shade_input *input, const struct msaa_data *d) {
+    struct gpu_compute_params pipeline = {.shader = &shader_deferred_msaa_comp};
+    set_constants(d, &pipeline.constant_count, pipeline.constants);
+    struct gpu_deferred_msaa_push push = push_of(d);
+    bool rest = d->step == MSAA_STEP_REST, listed = rest && d->edges.entries.id, counts = d->counters.id;
+    uint32_t layers = d->method == MSAA_ALL ? d->samples : rest ? d->samples - 1 : 1;
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = name,
+                   .pipeline = pipeline,
+                   .groups = {DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), layers},
+                   .indirect = listed ? d->edges.dispatch : (graph_buffer){0},
+                   GRAPH_PUSH(push),
+                   GRAPH_ROWS(graph_samples(&push.radiance, d->radiance), graph_reads(&push.surfaces, d->edges.surfaces),
+                              graph_row_if(d->edges.sums.id, graph_reads(&push.sums, d->edges.sums)),
+                              graph_row_if(listed, graph_reads(&push.entries, d->edges.entries)),
+                              graph_writes(&push.results, d->results), /* the steps fill different slots */
+                              graph_row_if(counts, graph_changes(&push.counters, d->counters)),
+                              graph_row_if(counts, graph_changes(&push.counts, d->edges.counts)))});
+    gbuffer_add_rows(pass, &push.gbuffer, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (!data->counters.id) return;
-    graph_use_buffer(pass, data->counters, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data->edges.counts, GRAPH_READ_WRITE_COMPUTE);
 }
 
 /* ---- spreading ---- */
@@ -85,7 +63,11 @@ static void execute_spread(const struct graph_context *context, const void *data
                                          .color_formats = {d->format},
                                          .samples = d->samples};
     set_constants(d, &params.constant_count, params.constants);
-    struct gpu_deferred_msaa_push push = push_of(context, d);
+    struct gpu_deferred_msaa_push push = push_of(d);
+    push.gbuffer = gbuffer_handles(context, &d->gbuffer);
+    push.surfaces = graph_address(context, d->edges.surfaces);
+    push.sums = d->edges.sums.id ? graph_address(context, d->edges.sums) : 0;
+    push.results = graph_address(context, d->results);
     gpu_bind(context->commands, gpu_graphics_pipeline(context->device, &params));
     gpu_push(context->commands, &push, sizeof push);
     gpu_draw(context->commands, 3, d->slots, 0, 0);

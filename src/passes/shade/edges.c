@@ -4,75 +4,44 @@
 #include "passes/geometry/prefix_sum.h"
 #include "shaders.h"
 
-struct edges_data {
-    struct gbuffer gbuffer;
-    graph_image radiance;
-    VkDeviceAddress view;
-    struct edges_params params;
-    struct edges out;
-    uint32_t width, height, samples;
-};
-
-static void execute_find(const struct graph_context *context, const void *data) {
-    const struct edges_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_edges_find_comp, .constant_count = 10};
-    params.constants[9] = d->samples;
-    gbuffer_specialise(&d->gbuffer, params.constants, &params.constant_count);
-    struct gpu_edges_push push = {.view = d->view,
-                                  .surfaces = graph_address(context, d->out.surfaces),
-                                  .sums = d->params.lists ? graph_address(context, d->out.sums) : 0,
-                                  .counts = graph_address(context, d->out.counts),
-                                  .gbuffer = gbuffer_handles(context, &d->gbuffer),
-                                  .radiance = graph_sampled(context, d->radiance),
-                                  .tolerance = d->params.tolerance,
-                                  .limit = d->params.limit,
-                                  .lists = d->params.lists};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
-static void execute_fill(const struct graph_context *context, const void *data) {
-    const struct edges_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_edges_fill_comp};
-    struct gpu_edges_push push = {.view = d->view,
-                                  .sums = graph_address(context, d->out.sums),
-                                  .entries = graph_address(context, d->out.entries),
-                                  .dispatch = graph_address(context, d->out.dispatch)};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->width * d->height, 64u));
-}
-
 struct edges edges_add(struct graph *graph, const struct shade_input *input, const struct gbuffer *gbuffer,
                        graph_image radiance, const struct edges_params *params) {
-    struct edges_data data = {.gbuffer = *gbuffer,
-                              .radiance = radiance,
-                              .view = input->view,
-                              .params = *params,
-                              .width = input->width,
-                              .height = input->height,
-                              .samples = graph_image_info(graph, radiance).samples};
+    struct edges out = {0};
     uint32_t pixels = input->width * input->height;
-    data.out.surfaces = graph_create_buffer(graph, "edge surfaces", pixels * 4ull);
-    data.out.counts = graph_create_buffer(graph, "edge counts", EDGES_COUNTS * 4ull);
+    out.surfaces = graph_create_buffer(graph, "edge surfaces", pixels * 4ull);
+    out.counts = graph_create_buffer(graph, "edge counts", EDGES_COUNTS * 4ull);
     if (params->lists) {
-        data.out.sums = graph_create_buffer(graph, "edge sums", (pixels + 1ull) * 4);
-        data.out.entries = graph_create_buffer(graph, "edge entries", (uint64_t)pixels * (params->limit - 1) * 4);
-        data.out.dispatch = graph_create_buffer(graph, "edge dispatch", 12);
+        out.sums = graph_create_buffer(graph, "edge sums", (pixels + 1ull) * 4);
+        out.entries = graph_create_buffer(graph, "edge entries", (uint64_t)pixels * (params->limit - 1) * 4);
+        out.dispatch = graph_create_buffer(graph, "edge dispatch", 12);
     }
-    graph_add_clear(graph, "clear edge counts", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data.out.counts}});
-    struct graph_pass *pass = graph_add_pass(graph, "edges", GRAPH_QUEUE_GRAPHICS, execute_find, &data, sizeof data);
-    gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, radiance, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data.out.surfaces, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.out.counts, GRAPH_READ_WRITE_COMPUTE);
-    if (!params->lists) return data.out;
-    graph_use_buffer(pass, data.out.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, "edges", GRAPH_QUEUE_GRAPHICS, data.out.sums, pixels + 1);
-    pass = graph_add_pass(graph, "edges fill", GRAPH_QUEUE_GRAPHICS, execute_fill, &data, sizeof data);
-    graph_use_buffer(pass, data.out.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.out.entries, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.out.dispatch, GRAPH_WRITE_COMPUTE);
-    return data.out;
+    graph_add_clear(graph, "clear edge counts", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {out.counts}});
+    struct gpu_edges_push push = {.view = input->view,
+                                  .gbuffer = gbuffer_block(gbuffer),
+                                  .tolerance = params->tolerance,
+                                  .limit = params->limit,
+                                  .lists = params->lists};
+    struct gpu_compute_params pipeline = {&shader_edges_find_comp, 10, {[9] = graph_image_info(graph, radiance).samples}};
+    gbuffer_specialise(gbuffer, pipeline.constants, &pipeline.constant_count);
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "edges",
+                                        .pipeline = pipeline,
+                                        .groups = {DIVIDE_UP(input->width, 8u), DIVIDE_UP(input->height, 8u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_samples(&push.radiance, radiance),
+                                                   graph_writes(&push.surfaces, out.surfaces),
+                                                   graph_changes(&push.counts, out.counts),
+                                                   graph_row_if(params->lists, graph_writes(&push.sums, out.sums)))});
+    gbuffer_add_rows(pass, &push.gbuffer, gbuffer, GRAPH_SAMPLE_COMPUTE);
+    if (!params->lists) return out;
+    prefix_sum_add(graph, "edges", GRAPH_QUEUE_GRAPHICS, out.sums, pixels + 1);
+    push = (struct gpu_edges_push){.view = input->view};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "edges fill",
+                                                   .pipeline = {.shader = &shader_edges_fill_comp},
+                                                   .groups = {DIVIDE_UP(pixels, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, out.sums),
+                                                              graph_writes(&push.entries, out.entries),
+                                                              graph_writes(&push.dispatch, out.dispatch))});
+    return out;
 }

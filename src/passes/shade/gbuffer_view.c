@@ -4,48 +4,30 @@
 #include "passes/shade/gbuffer_layouts.h"
 #include "shaders.h"
 
-struct view_data {
-    struct gbuffer gbuffer;
-    graph_image target;
-    uint32_t from, field_count, fields, width, height;
-    bool swap;
-};
-
-static void execute_view(const struct graph_context *context, const void *data) {
-    const struct view_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_gbuffer_view_comp};
-    struct gpu_gbuffer_view_push push = {.gbuffer = gbuffer_handles(context, &d->gbuffer),
-                                         .from = d->from,
-                                         .field_count = d->field_count,
-                                         .fields = d->fields,
-                                         .target = graph_storage(context, d->target),
-                                         .swap = d->swap};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
-static void add_view(struct graph *graph, struct view_data *data) {
-    struct graph_image_params image = graph_image_info(graph, data->target);
-    data->width = image.width;
-    data->height = image.height;
-    struct graph_pass *pass = graph_add_pass(graph, "gbuffer view", GRAPH_QUEUE_GRAPHICS, execute_view, data, sizeof *data);
-    gbuffer_use(pass, &data->gbuffer, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, data->target, GRAPH_WRITE_COMPUTE);
+static void add_view(struct graph *graph, const struct gbuffer *gbuffer, graph_image target,
+                     struct gpu_gbuffer_view_push push) {
+    struct graph_image_params image = graph_image_info(graph, target);
+    push.gbuffer = gbuffer_block(gbuffer);
+    struct graph_pass *pass =
+        graph_dispatch(graph, &(struct graph_dispatch){.name = "gbuffer view",
+                                                       .pipeline = {.shader = &shader_gbuffer_view_comp},
+                                                       .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                                       GRAPH_PUSH(push),
+                                                       GRAPH_ROWS(graph_stores(&push.target, target))});
+    gbuffer_add_rows(pass, &push.gbuffer, gbuffer, GRAPH_SAMPLE_COMPUTE);
 }
 
 void gbuffer_view_field_add(struct graph *graph, const struct gbuffer *gbuffer, uint32_t field, graph_image target,
                             bool swap) {
-    struct view_data data = {.gbuffer = *gbuffer, .target = target, .field_count = 1, .fields = field, .swap = swap};
-    add_view(graph, &data);
+    add_view(graph, gbuffer, target, (struct gpu_gbuffer_view_push){.field_count = 1, .fields = field, .swap = swap});
 }
 
 void gbuffer_view_target_add(struct graph *graph, const struct gbuffer *gbuffer, uint32_t index, graph_image target,
                              bool swap) {
     const struct gbuffer_layout *layout = &gbuffer_layouts[GBUFFER_FORM_LAYOUT(gbuffer->form)];
-    struct view_data data = {.gbuffer = *gbuffer, .target = target, .from = index, .swap = swap};
+    struct gpu_gbuffer_view_push push = {.from = index, .swap = swap};
     for (uint32_t i = 0; i < layout->field_count; i++)
-        if (layout->fields[i].target == index) data.fields |= (uint32_t)layout->semantics[i] << 8 * data.field_count++;
-    if (data.field_count == 0) data.field_count = 1; /* normals in floats: 0 is what they are */
-    add_view(graph, &data);
+        if (layout->fields[i].target == index) push.fields |= (uint32_t)layout->semantics[i] << 8 * push.field_count++;
+    if (push.field_count == 0) push.field_count = 1; /* normals in floats: 0 is what they are */
+    add_view(graph, gbuffer, target, push);
 }

@@ -34,40 +34,6 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     volumes_draw(context, &d->volumes, &state, &push.head, sizeof push);
 }
 
-struct list_data {
-    struct gpu_light_list *header, *all;
-    VkDeviceAddress view;
-    graph_buffer ids, counts, slots, cells, list, totals;
-    graph_image images[INDEXED_LAYERS];
-    uint32_t packing, layers, width, height;
-};
-
-static void execute_list(const struct graph_context *context, const void *data) {
-    const struct list_data *d = data;
-    struct gpu_indexed_list_push push = {.view = d->view,
-                                         .ids = graph_address(context, d->ids),
-                                         .counts = graph_address(context, d->counts),
-                                         .slots = d->slots.id ? graph_address(context, d->slots) : 0,
-                                         .cells = graph_address(context, d->cells),
-                                         .list = graph_address(context, d->list),
-                                         .totals = graph_address(context, d->totals),
-                                         .layers = d->layers};
-    for (uint32_t i = 0; i < INDEXED_LAYERS && d->images[i].id; i++) push.images[i] = graph_sampled(context, d->images[i]);
-    if (d->header) {
-        d->header->cells = push.cells;
-        d->header->ids = push.list;
-    }
-    if (d->all) {
-        d->all->cells = push.cells + (uint64_t)d->width * d->height * sizeof(struct gpu_cell);
-        d->all->ids = push.list;
-    }
-    struct gpu_compute_params params = {
-        .shader = &shader_light_indexed_list_comp, .constant_count = 3, .constants = {[2] = d->packing}};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
 static void add_ids(struct graph *graph, const char *name, const struct indexed_data *data, graph_image target,
                     VkAttachmentLoadOp load) {
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_ids, data, sizeof *data);
@@ -94,15 +60,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
     if (!images) slots = graph_create_buffer(graph, "light id slots", slot_bytes);
     graph_add_clear(graph, "clear light ids", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {counts, slots}});
 
-    struct list_data list = {.view = input->view,
-                             .ids = volumes->ids,
-                             .counts = counts,
-                             .slots = slots,
-                             .totals = volumes->totals,
-                             .packing = params->packing,
-                             .layers = layers,
-                             .width = input->width,
-                             .height = input->height};
+    graph_image id_images[INDEXED_LAYERS] = {{0}};
     const uint32_t sample_count = MAX(graph_image_info(graph, depth).samples, 1u);
     if (sample_count > 1) samples->bounds = sample_bounds_add(graph, input, depth);
     struct indexed_data ids = {.volumes = *volumes,
@@ -119,9 +77,10 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         .name = "light ids", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = input->width, .height = input->height};
     if (!images) add_ids(graph, "light ids", &ids, (graph_image){0}, VK_ATTACHMENT_LOAD_OP_LOAD);
     for (uint32_t i = 0; images && i < layers; i++) {
-        const char *name = graph_numbered_name(graph, "light ids", i), *again = graph_numbered_name(graph, "light ids again", i);
+        const char *name = graph_numbered_name(graph, "light ids", i),
+                   *again = graph_numbered_name(graph, "light ids again", i);
         image.name = name;
-        list.images[i] = graph_create_image(graph, &image);
+        id_images[i] = graph_create_image(graph, &image);
         ids.batch = i;
         graph_image first = {0};
         if (params->packing == INDEXED_MAX) { /* what the second step reads, it cannot write: that is another image */
@@ -131,7 +90,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
             ids.first = first;
             ids.step = 1;
         }
-        add_ids(graph, name, &ids, list.images[i], VK_ATTACHMENT_LOAD_OP_CLEAR);
+        add_ids(graph, name, &ids, id_images[i], VK_ATTACHMENT_LOAD_OP_CLEAR);
         ids.first = (graph_image){0};
         ids.step = 0;
     }
@@ -143,24 +102,34 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
                                            (images ? pixels * 4 * layers : 0),
                              .totals = volumes->totals};
     out.fixed_bytes = out.byte_count;
-    list.header = light_list_header(device, lights, &out.header);
-    if (list.header) {
-        list.header->tiles_x = input->width;
-        list.header->tiles_y = input->height;
+    graph_buffer cells = graph_create_buffer(graph, "light id cells", (pixels + 1) * sizeof(struct gpu_cell));
+    graph_buffer lists = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
+    struct gpu_light_list *header = light_list_header(device, lights, &out.header);
+    if (header) {
+        header->tiles_x = input->width;
+        header->tiles_y = input->height;
+        graph_put_address(graph, &header->cells, cells);
+        graph_put_address(graph, &header->ids, lists);
     }
-    if (sample_count > 1) list.all = light_list_header(device, lights, &samples->all);
-    out.cells = list.cells = graph_create_buffer(graph, "light id cells", (pixels + 1) * sizeof(struct gpu_cell));
-    out.ids = list.list = graph_create_buffer(graph, "light id lists", pixels * capacity * 4);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "light id lists", GRAPH_QUEUE_GRAPHICS, execute_list, &list, sizeof list);
-    graph_use_buffer(pass, list.ids, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, list.counts, GRAPH_READ_COMPUTE);
-    if (list.slots.id) graph_use_buffer(pass, list.slots, GRAPH_READ_COMPUTE);
-    for (uint32_t i = 0; i < INDEXED_LAYERS && list.images[i].id; i++)
-        graph_use_image(pass, list.images[i], GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, list.cells, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, list.list, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, list.totals, GRAPH_READ_WRITE_COMPUTE);
+    struct gpu_light_list *all = sample_count > 1 ? light_list_header(device, lights, &samples->all) : NULL;
+    if (all) { /* the last cell, which has all lights */
+        graph_put_address_at(graph, &all->cells, cells, pixels * sizeof(struct gpu_cell));
+        graph_put_address(graph, &all->ids, lists);
+    }
+    out.cells = cells;
+    out.ids = lists;
+    struct gpu_indexed_list_push push = {.view = input->view, .layers = layers};
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "light id lists",
+                                        .pipeline = {&shader_light_indexed_list_comp, 3, {[2] = params->packing}},
+                                        .groups = {DIVIDE_UP(input->width, 8u), DIVIDE_UP(input->height, 8u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_reads(&push.ids, volumes->ids), graph_reads(&push.counts, counts),
+                                                   graph_row_if(slots.id, graph_reads(&push.slots, slots)),
+                                                   graph_writes(&push.cells, cells), graph_writes(&push.list, lists),
+                                                   graph_changes(&push.totals, volumes->totals))});
+    for (uint32_t i = 0; i < INDEXED_LAYERS && id_images[i].id; i++)
+        graph_add_row(pass, graph_samples(&push.images[i], id_images[i]));
     return out;
 }
 

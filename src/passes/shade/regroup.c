@@ -18,63 +18,46 @@ struct regroup {
     bool by_class;
 };
 
-struct step_data {
-    struct regroup r;
-    uint32_t step;
-};
-
 static uint32_t draw_count(const struct regroup *r) { return r->key_count * r->scene->group_count; }
 
-static void execute_step(const struct graph_context *context, const void *data) {
-    const struct step_data *d = data;
-    const struct regroup *r = &d->r;
-    bool fills = d->step == REGROUP_FILL, draws = d->step == REGROUP_DRAWS;
-    struct gpu_compute_params params = {
-        .shader = &shader_regroup_comp, .constant_count = 3, .constants = {GPU_LIST_ITEMS, d->step, r->by_class}};
+/* Counts the items of each key, fills them in, or makes the draws: REGROUP_… */
+static void add_step(struct graph *graph, const char *name, const struct regroup *r, const struct light_list *lists,
+                     uint32_t step) {
+    bool counts = step == REGROUP_COUNT, fills = step == REGROUP_FILL, draws = step == REGROUP_DRAWS;
     struct gpu_regroup_push push = {.scene = r->scene->scene,
                                     .list = r->list,
-                                    .culled = graph_address(context, r->culled.sums),
-                                    .counts = graph_address(context, r->counts),
-                                    .cursors = fills ? graph_address(context, r->cursors) : 0,
-                                    .items = fills ? graph_address(context, r->items) : 0,
-                                    .draws = draws ? graph_address(context, r->draws) : 0,
                                     .item_count = r->scene->item_count,
                                     .group_count = r->scene->group_count,
                                     .key_count = r->key_count,
                                     .capacity = r->capacity};
-    uint32_t threads = draws ? draw_count(r) : r->scene->item_count;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = name,
+                                        .pipeline = {&shader_regroup_comp, 3, {GPU_LIST_ITEMS, step, r->by_class}},
+                                        .groups = {DIVIDE_UP(draws ? draw_count(r) : r->scene->item_count, 64u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_reads(&push.culled, r->culled.sums),
+                                                   graph_buffer_row(&push.counts, r->counts,
+                                                                    counts ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE),
+                                                   graph_row_if(fills, graph_changes(&push.cursors, r->cursors)),
+                                                   graph_row_if(fills, graph_writes(&push.items, r->items)),
+                                                   graph_row_if(draws, graph_writes(&push.draws, r->draws)))});
+    if (!draws) light_list_use(pass, lists, GRAPH_READ_COMPUTE);
 }
 
-static struct graph_pass *add_step(struct graph *graph, const char *name, const struct regroup *r,
-                                   const struct light_list *lists, uint32_t step) {
-    struct step_data data = {*r, step};
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_step, &data, sizeof data);
-    graph_use_buffer(pass, r->culled.sums, GRAPH_READ_COMPUTE);
-    if (step != REGROUP_DRAWS) light_list_use(pass, lists, GRAPH_READ_COMPUTE);
-    return pass;
-}
-
-static void regroup_add(struct graph *graph, const char *what, const struct light_list *lists,
-                        struct regroup *r) {
+static void regroup_add(struct graph *graph, const char *what, const struct light_list *lists, struct regroup *r) {
     uint64_t size = (draw_count(r) + 1) * 4ull;
     r->counts = graph_create_buffer(graph, graph_name(graph, "%s counts", what), size);
     r->cursors = graph_create_buffer(graph, graph_name(graph, "%s cursors", what), size);
-    r->items = graph_create_buffer(graph, graph_name(graph, "%s items", what), MAX((uint64_t)r->scene->item_count + r->capacity, 1u) * 4ull);
-    r->draws = graph_create_buffer(graph, graph_name(graph, "%s draw list", what), MAX(draw_count(r), 1u) * sizeof(struct gpu_draw));
-    graph_add_clear(graph, graph_name(graph, "%s clear", what), GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {r->counts, r->cursors}});
-    struct graph_pass *pass = add_step(graph, graph_name(graph, "%s count", what), r, lists, REGROUP_COUNT);
-    graph_use_buffer(pass, r->counts, GRAPH_READ_WRITE_COMPUTE);
+    r->items = graph_create_buffer(graph, graph_name(graph, "%s items", what),
+                                   MAX((uint64_t)r->scene->item_count + r->capacity, 1u) * 4ull);
+    r->draws = graph_create_buffer(graph, graph_name(graph, "%s draw list", what),
+                                   MAX(draw_count(r), 1u) * sizeof(struct gpu_draw));
+    graph_add_clear(graph, graph_name(graph, "%s clear", what), GRAPH_QUEUE_GRAPHICS,
+                    (struct graph_clear){.buffers = {r->counts, r->cursors}});
+    add_step(graph, graph_name(graph, "%s count", what), r, lists, REGROUP_COUNT);
     prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, r->counts, draw_count(r) + 1);
-    pass = add_step(graph, graph_name(graph, "%s fill", what), r, lists, REGROUP_FILL);
-    graph_use_buffer(pass, r->counts, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, r->cursors, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, r->items, GRAPH_WRITE_COMPUTE);
-    pass = add_step(graph, graph_name(graph, "%s draws", what), r, lists, REGROUP_DRAWS);
-    graph_use_buffer(pass, r->counts, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, r->draws, GRAPH_WRITE_COMPUTE);
+    add_step(graph, graph_name(graph, "%s fill", what), r, lists, REGROUP_FILL);
+    add_step(graph, graph_name(graph, "%s draws", what), r, lists, REGROUP_DRAWS);
 }
 
 /* ---- drawing ---- */

@@ -49,33 +49,6 @@ void volumes_indices(uint32_t out[VOLUME_INDEX_COUNT]) {
 
 /* ---- which volumes ---- */
 
-struct cull_data {
-    struct light_input lights;
-    VkDeviceAddress view, list;
-    graph_buffer sums, ids, draws;
-    uint32_t shape, alone;
-    bool cull, fills, by_light;
-};
-
-static void execute_cull(const struct graph_context *context, const void *data) {
-    const struct cull_data *d = data;
-    struct gpu_compute_params params = {.shader = d->fills ? &shader_volumes_fill_comp : &shader_volumes_mark_comp};
-    struct gpu_volumes_push push = {.view = d->view,
-                                    .list = d->list,
-                                    .sums = graph_address(context, d->sums),
-                                    .ids = d->fills ? graph_address(context, d->ids) : 0,
-                                    .draws = d->fills ? graph_address(context, d->draws) : 0,
-                                    .light_count = d->lights.local_count,
-                                    .cull = d->cull,
-                                    .shape = d->shape,
-                                    .alone = d->alone,
-                                    .by_light = d->by_light};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    uint32_t threads = d->fills ? 2 * MAX(d->lights.local_count, 1u) : d->lights.local_count + 1;
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(threads, 64u));
-}
-
 struct totals_data {
     graph_buffer sums, totals;
     uint64_t offset;
@@ -133,26 +106,30 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
         volumes.hook = input->hook;
         volumes.alone = MIN(count, input->hook ? input->hook->count : VOLUME_STENCIL_LIGHTS);
     }
-    struct cull_data cull = {.lights = *lights,
-                             .view = input->view,
-                             .list = volumes.list.header,
-                             .cull = input->cull,
-                             .shape = input->shape,
-                             .alone = volumes.alone,
-                             .by_light = volumes.hook != NULL};
-    volumes.sums = cull.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
-    volumes.ids = cull.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
-    volumes.draws = cull.draws =
-        graph_create_buffer(graph, "volume draws", (2ull + volumes.alone) * sizeof(struct gpu_draw));
-    struct graph_pass *pass = graph_add_pass(graph, "volumes mark", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
-    graph_use_buffer(pass, lights->buffer, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, cull.sums, GRAPH_WRITE_COMPUTE);
-    prefix_sum_add(graph, "volumes", GRAPH_QUEUE_GRAPHICS, cull.sums, 2 * count + 1);
-    cull.fills = true;
-    pass = graph_add_pass(graph, "volumes fill", GRAPH_QUEUE_GRAPHICS, execute_cull, &cull, sizeof cull);
-    graph_use_buffer(pass, cull.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, cull.ids, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, cull.draws, GRAPH_WRITE_COMPUTE);
+    volumes.sums = graph_create_buffer(graph, "volume sums", (2ull * count + 1) * 4);
+    volumes.ids = graph_create_buffer(graph, "volume ids", MAX(count, 1u) * 4ull);
+    volumes.draws = graph_create_buffer(graph, "volume draws", (2ull + volumes.alone) * sizeof(struct gpu_draw));
+    struct gpu_volumes_push push = {.view = input->view,
+                                    .list = volumes.list.header,
+                                    .light_count = count,
+                                    .cull = input->cull,
+                                    .shape = input->shape,
+                                    .alone = volumes.alone,
+                                    .by_light = volumes.hook != NULL};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "volumes mark",
+                                                   .pipeline = {.shader = &shader_volumes_mark_comp},
+                                                   .groups = {DIVIDE_UP(count + 1, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(NULL, lights->buffer),
+                                                              graph_writes(&push.sums, volumes.sums))});
+    prefix_sum_add(graph, "volumes", GRAPH_QUEUE_GRAPHICS, volumes.sums, 2 * count + 1);
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "volumes fill",
+                                                   .pipeline = {.shader = &shader_volumes_fill_comp},
+                                                   .groups = {DIVIDE_UP(2 * MAX(count, 1u), 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, volumes.sums),
+                                                              graph_writes(&push.ids, volumes.ids),
+                                                              graph_writes(&push.draws, volumes.draws))});
 
     volumes.indices = gpu_frame_allocate(device, VOLUME_INDEX_COUNT * 4 + sizeof flat_indices);
     if (volumes.indices.data) {
@@ -160,9 +137,9 @@ struct volumes volumes_prepare(struct graph *graph, gpu_device *device, const st
         volumes_indices(indices);
         memcpy(indices + VOLUME_INDEX_COUNT, flat_indices, sizeof flat_indices);
     }
-    struct totals_data totals = {cull.sums, graph_create_buffer(graph, "volume totals", sizeof(struct light_totals)),
+    struct totals_data totals = {volumes.sums, graph_create_buffer(graph, "volume totals", sizeof(struct light_totals)),
                                  2ull * count * 4};
-    pass = graph_add_pass(graph, "volume counts", GRAPH_QUEUE_GRAPHICS, execute_totals, &totals, sizeof totals);
+    struct graph_pass *pass = graph_add_pass(graph, "volume counts", GRAPH_QUEUE_GRAPHICS, execute_totals, &totals, sizeof totals);
     graph_use_buffer(pass, totals.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, totals.totals, GRAPH_COPY_TO);
     volumes.totals = totals.totals;

@@ -7,7 +7,6 @@
 #include "shaders.h"
 
 struct visible_data {
-    const struct gpu_shader *shader;
     struct visibility visibility;
     struct visible_list list;
     graph_image radiance;
@@ -17,10 +16,6 @@ struct visible_data {
     uint32_t width, height, samples, material_bits;
     float background[3];
 };
-
-static VkDeviceAddress address_or_zero(const struct graph_context *context, graph_buffer buffer) {
-    return buffer.id ? graph_address(context, buffer) : 0;
-}
 
 static void set_constants(const struct visible_data *d, uint32_t *count, uint32_t *constants) {
     const uint32_t values[15] = {
@@ -42,43 +37,28 @@ static struct gpu_visible_push push_of(const struct visible_data *d) {
 
 /* ---- lists ---- */
 
-static void execute_pixels(const struct graph_context *context, const void *data) {
-    const struct visible_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    set_constants(d, &params.constant_count, params.constants);
+/* A pass over the pixels of the id images. */
+static void add_pixels(struct graph *graph, const char *name, const struct visible_data *d,
+                       const struct gpu_shader *shader) {
+    const bool counts = shader == &shader_visible_count_comp, several = d->samples > 1;
+    const enum graph_use use = counts ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE;
+    const struct visibility *v = &d->visibility;
+    struct gpu_compute_params pipeline = {.shader = shader};
+    set_constants(d, &pipeline.constant_count, pipeline.constants);
     struct gpu_visible_push push = push_of(d);
-    push.sums = graph_address(context, d->list.sums);
-    push.words = address_or_zero(context, d->list.words);
-    push.ids = d->visibility.ids.id ? graph_sampled(context, d->visibility.ids) : GPU_TEXTURE_NONE;
-    push.ids_high = d->visibility.ids_high.id ? graph_sampled(context, d->visibility.ids_high) : GPU_TEXTURE_NONE;
-    if (d->shader == &shader_visible_count_comp) {
-        push.counts = address_or_zero(context, d->list.counts);
-        if (d->samples == 1) push.radiance = graph_storage(context, d->radiance);
-    } else {
-        push.entries = graph_address(context, d->list.entries);
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
-static void execute_ranges(const struct graph_context *context, const void *data) {
-    const struct visible_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_visible_ranges_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_visible_push push = push_of(d);
-    push.sums = graph_address(context, d->list.sums);
-    push.entries = graph_address(context, d->list.entries);
-    push.ranges = graph_address(context, d->list.ranges);
-    push.dispatches = graph_address(context, d->list.dispatches);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, 1, 1, 1);
-}
-
-static void use_ids(struct graph_pass *pass, const struct visibility *visibility) {
-    if (visibility->ids.id) graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
-    if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
+    push.ids = push.ids_high = GPU_TEXTURE_NONE;
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = name,
+                              .pipeline = pipeline,
+                              .groups = {DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_row_if(v->ids.id, graph_samples(&push.ids, v->ids)),
+                                         graph_row_if(v->ids_high.id, graph_samples(&push.ids_high, v->ids_high)),
+                                         graph_buffer_row(&push.sums, d->list.sums, use),
+                                         graph_row_if(d->list.words.id, graph_buffer_row(&push.words, d->list.words, use)),
+                                         graph_row_if(counts && several, graph_changes(&push.counts, d->list.counts)),
+                                         graph_row_if(counts && !several, graph_stores(&push.radiance, d->radiance)),
+                                         graph_row_if(!counts, graph_writes(&push.entries, d->list.entries)))});
 }
 
 static struct visible_data data_of(struct graph *graph, const struct shade_input *input, graph_image radiance) {
@@ -101,33 +81,13 @@ static void create_counts(struct graph *graph, struct visible_data *data) {
     graph_add_clear(graph, "visible clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data->list.counts}});
 }
 
-static void add_counting(struct graph *graph, struct visible_data *data) {
-    data->shader = &shader_visible_count_comp;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "visible count", GRAPH_QUEUE_GRAPHICS, execute_pixels, data, sizeof *data);
-    use_ids(pass, &data->visibility);
-    graph_use_buffer(pass, data->list.sums, GRAPH_WRITE_COMPUTE);
-    if (data->samples > 1) {
-        graph_use_buffer(pass, data->list.words, GRAPH_WRITE_COMPUTE);
-        graph_use_buffer(pass, data->list.counts, GRAPH_READ_WRITE_COMPUTE);
-    } else {
-        graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
-    }
-}
-
 /* Sums up what has been counted, and lists it. */
 static void add_entries(struct graph *graph, struct visible_data *data) {
     uint32_t places = places_of(data);
     bool sorts = data->list.listed == VISIBLE_SORTED;
     prefix_sum_add(graph, "visible", GRAPH_QUEUE_GRAPHICS, data->list.sums, places + 1);
     data->list.entries = graph_create_buffer(graph, "visible entries", (uint64_t)data->list.capacity * (sorts ? 8 : 4));
-    data->shader = &shader_visible_fill_comp;
-    struct graph_pass *pass =
-        graph_add_pass(graph, "visible fill", GRAPH_QUEUE_GRAPHICS, execute_pixels, data, sizeof *data);
-    use_ids(pass, &data->visibility);
-    graph_use_buffer(pass, data->list.sums, GRAPH_READ_COMPUTE);
-    if (data->list.words.id) graph_use_buffer(pass, data->list.words, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->list.entries, GRAPH_WRITE_COMPUTE);
+    add_pixels(graph, "visible fill", data, &shader_visible_fill_comp);
     if (sorts)
         data->list.entries = radix_sort_add(graph, &(struct radix_sort_params){.what = "visible",
                                                                                .queue = GRAPH_QUEUE_GRAPHICS,
@@ -138,11 +98,17 @@ static void add_entries(struct graph *graph, struct visible_data *data) {
                                                                                .count_offset = places * 4ull});
     data->list.ranges = graph_create_buffer(graph, "visible ranges", GPU_CLASSES * 8ull);
     data->list.dispatches = graph_create_buffer(graph, "visible dispatches", GPU_CLASSES * 12ull);
-    pass = graph_add_pass(graph, "visible ranges", GRAPH_QUEUE_GRAPHICS, execute_ranges, data, sizeof *data);
-    graph_use_buffer(pass, data->list.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->list.entries, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->list.ranges, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data->list.dispatches, GRAPH_WRITE_COMPUTE);
+    struct gpu_compute_params pipeline = {.shader = &shader_visible_ranges_comp};
+    set_constants(data, &pipeline.constant_count, pipeline.constants);
+    struct gpu_visible_push push = push_of(data);
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "visible ranges",
+                                                   .pipeline = pipeline,
+                                                   .groups = {1},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, data->list.sums),
+                                                              graph_reads(&push.entries, data->list.entries),
+                                                              graph_writes(&push.ranges, data->list.ranges),
+                                                              graph_writes(&push.dispatches, data->list.dispatches))});
 }
 
 struct visible_list visible_list_add(struct graph *graph, const struct shade_input *input,
@@ -159,7 +125,7 @@ struct visible_list visible_list_add(struct graph *graph, const struct shade_inp
     data.list.listed = sorts ? VISIBLE_SORTED : VISIBLE_LIST;
     data.list.classes = sorts ? input->scene->material_classes : 1;
     create_counts(graph, &data);
-    add_counting(graph, &data);
+    add_pixels(graph, "visible count", &data, &shader_visible_count_comp);
     add_entries(graph, &data);
     return data.list;
 }
