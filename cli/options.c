@@ -89,6 +89,18 @@ bool options_set_text(fnl_frame *frame, const char *option, const char *text, co
 
 /* ---- printing ---- */
 
+bool options_print_values(const char *key, const char *value) {
+    fnl_option option;
+    const char *name;
+    if (!value || strcmp(value, "help") != 0 || !fnl_option_find(key, &option) || option.kind != FNL_OPTION_NAME) return false;
+    for (uint32_t i = 0; (name = fnl_value_name(option.names, i)); i++) {
+        const char *help = fnl_value_help(option.names, i);
+        if (help) printf("%-15s %s\n", name, help);
+        else puts(name);
+    }
+    return true;
+}
+
 static void add(char *text, size_t capacity, const char *more) {
     size_t length = strlen(text);
     if (length < capacity) snprintf(text + length, capacity - length, "%s", more);

@@ -31,4 +31,7 @@ void options_print(enum options_form form);
 /** The value of each option by its key. */
 json_t *options_json(const fnl_frame *frame);
 
+/** Where the value given to an option is "help" and the option takes names: prints these, with a line about each if there is one, and returns true. */
+bool options_print_values(const char *key, const char *value);
+
 #endif

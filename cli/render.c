@@ -81,7 +81,8 @@ static void print_help(void) {
          "Method (with --msaa and without --shading: forward-prepass)");
     print_named();
     puts("  --set KEY=VALUE            any option of a frame; can be given several times. 'fanal render --options' prints\n"
-         "                             all of them, with what they take and who heeds them; with --json for programs\n"
+         "                             all of them, with what they take and who heeds them; with --json for programs.\n"
+         "                             'help' as the value lists the names that an option takes, as in --debug help\n"
          "\n"
          "Run\n"
          "  --frames N                 renders N frames and reports medians (1); 0: only the picture, as fast as possible\n"
@@ -484,6 +485,9 @@ int command_render(int argc, char **argv) {
             fputs("fanal: see 'fanal render --help'\n", stderr);
             return 2;
         }
+        const char *key = NULL;
+        if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg))
+            return 0;
         if (option == O_OPTIONS) prints_options = true;
         if (option == O_JSON) form = OPTIONS_JSON;
         if (option == O_MARKDOWN) form = OPTIONS_MARKDOWN;

@@ -52,6 +52,8 @@ typedef enum fnl_enum {
 
 /** The name of a value, such as "forward-prepass" for FNL_SHADING_FORWARD_PREPASS; NULL where there is none. */
 FNL_API const char *fnl_value_name(fnl_enum type, uint32_t value);
+/** One line that says what a value is; NULL for values that only the headers and pages describe. Today debug views have one. */
+FNL_API const char *fnl_value_help(fnl_enum type, uint32_t value);
 /** The value with a name; false where there is none. `out` may be NULL. */
 FNL_API bool fnl_value_find(fnl_enum type, const char *name, uint32_t *out);
 

@@ -9,9 +9,47 @@ struct names {
     const char *type; /* in C */
     uint32_t count;
     const char *const *names;
+    const char *const *helps; /* a line about each; NULL: none */
 };
 /* More names than values do not compile; values_test finds a value without one. */
-#define NAMES(type, number, ...) {#type, number, (const char *const[number]){__VA_ARGS__}}
+#define NAMES(type, number, ...) {#type, number, (const char *const[number]){__VA_ARGS__}, NULL}
+
+#define NAME_OF(name, help) name,
+#define HELP_OF(name, help) help,
+
+/* A row for each debug view: its name, and what it shows. */
+#define DEBUG_VIEWS(ROW)                                                                                                        \
+    ROW("none", "the picture itself")                                                                                           \
+    ROW("albedo", "base colour")                                                                                                \
+    ROW("normal", "world-space normal, 0 to 1 for -1 to 1")                                                                     \
+    ROW("depth", "view depth z as 1 / (1 + 0.05 z): nearer is brighter")                                                        \
+    ROW("roughness", "perceptual roughness")                                                                                    \
+    ROW("lights", "heat map of the lights that each pixel visits, without directional ones, with a legend")                     \
+    ROW("cells", "the tiles of the light list, or its depth slices in colours")                                                 \
+    ROW("overdraw", "opaque fragments per pixel, occluded ones too, with a legend")                                             \
+    ROW("tile-normals", "backface lists: the mean normal of each tile")                                                         \
+    ROW("backfaces", "backface lists: heat map of the lights that each tile drops, with a legend")                              \
+    ROW("overshading", "fragment shader invocations per pixel of visible surfaces, helper lanes too, with a legend")            \
+    ROW("layers", "heat map of the blended surfaces in each pixel, with a legend")                                              \
+    ROW("decals", "heat map of the box and volume decals that contain the surface, with a legend")                              \
+    ROW("gbuffer-0", "the fields of the first render target of the G-buffer, a quarter of the picture each")                    \
+    ROW("gbuffer-1", "those of the second render target")                                                                       \
+    ROW("gbuffer-2", "those of the third")                                                                                      \
+    ROW("gbuffer-3", "those of the fourth")                                                                                     \
+    ROW("gbuffer-4", "those of the fifth")                                                                                      \
+    ROW("material-id", "a colour for each material id in the G-buffer, with layouts that have them")                            \
+    ROW("lit-forward", "white where the layout cannot hold the material, which is therefore shaded forward")                    \
+    ROW("edges", "MSAA: pixels that show several things: blue one surface and sky, green 2 surfaces, yellow 3, red more")       \
+    ROW("motion", "motion vectors: hue is direction, saturation is speed; grey stands still")                                   \
+    ROW("halos", "metals blue; metalness from 0.1 to 0.9 red, brighter where the colour is bright: the cause of halos")         \
+    ROW("coarse", "green where a block is shaded once")                                                                         \
+    ROW("coarse-reason", "why other blocks are not: depth or triangle red, normal blue, material yellow")                       \
+    ROW("dais-addresses", "a colour for each stored triangle; white where there was no room for it")                            \
+    ROW("dais-triangles", "different triangles in a pixel: 1 grey, 2 green, 3 yellow, more red")                                \
+    ROW("dais-failures", "red where a triangle was stored again because its cache bucket stayed locked")                        \
+    ROW("clusters", "a colour for each cluster of triangles; grey what has none")                                               \
+    ROW("atlas", "the base colours in the atlas of virtual texturing; hatched where it is empty")                               \
+    ROW("pages", "a colour for each page of virtual texturing, darker where coarser, striped where a finer one was wanted")
 
 static const struct names enums[] = {
     [FNL_ENUM_SHADING] = NAMES(fnl_shading, FNL_SHADING_COUNT, "forward", "forward-prepass", "deferred", "deferred-volumes", "light-prepass",
@@ -53,11 +91,8 @@ static const struct names enums[] = {
     [FNL_ENUM_MOBILE_LIGHTS] = NAMES(fnl_mobile_lights, FNL_MOBILE_LIGHTS_COUNT, "lists", "volumes"),
     [FNL_ENUM_TONEMAP] = NAMES(fnl_tonemap, FNL_TONEMAP_COUNT, "none", "khronos-neutral", "aces", "agx"),
     [FNL_ENUM_EXPOSURE] = NAMES(fnl_exposure, FNL_EXPOSURE_NONE + 1, "auto", "ev", "none"),
-    [FNL_ENUM_DEBUG_VIEW] =
-        NAMES(fnl_debug_view, FNL_DEBUG_COUNT, "none", "albedo", "normal", "depth", "roughness", "lights", "cells", "overdraw", "tile-normals",
-              "backfaces", "overshading", "layers", "decals", "gbuffer-0", "gbuffer-1", "gbuffer-2", "gbuffer-3", "gbuffer-4",
-              "material-id", "lit-forward", "edges", "motion", "halos", "coarse", "coarse-reason", "dais-addresses",
-              "dais-triangles", "dais-failures", "clusters", "atlas", "pages"),
+    [FNL_ENUM_DEBUG_VIEW] = {"fnl_debug_view", FNL_DEBUG_COUNT, (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(NAME_OF)},
+                             (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(HELP_OF)}},
     [FNL_ENUM_LIGHT_KIND] = NAMES(fnl_light_kind, FNL_LIGHT_KIND_COUNT, "directional", "point", "spot", "capsule", "wedge", "box"),
     [FNL_ENUM_DECAL_KIND] = NAMES(fnl_decal_kind, FNL_DECAL_KIND_COUNT, "box", "volume", "mesh", "redraw", "baked"),
     [FNL_ENUM_DECAL_BLEND] = NAMES(fnl_decal_blend, FNL_DECAL_BLEND_COUNT, "alpha", "multiply", "add", "screen", "overlay"),
@@ -68,6 +103,11 @@ _Static_assert(COUNT_OF(enums) == FNL_ENUM_COUNT, "each enum has its names");
 const char *fnl_value_name(fnl_enum type, uint32_t value) {
     if ((uint32_t)type >= FNL_ENUM_COUNT || value >= enums[type].count) return NULL;
     return enums[type].names[value];
+}
+
+const char *fnl_value_help(fnl_enum type, uint32_t value) {
+    if ((uint32_t)type >= FNL_ENUM_COUNT || value >= enums[type].count || !enums[type].helps) return NULL;
+    return enums[type].helps[value];
 }
 
 uint32_t value_count(fnl_enum type) { return enums[type].count; }

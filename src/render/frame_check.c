@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** What a frame may ask for. */
+#include "render/debug_views.h"
 #include "render/options.h"
 #include "render/shading.h"
 
@@ -19,30 +20,6 @@ static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame)
     if (frame->gbuffer.chroma && frame->gbuffer.layout != FNL_GBUFFER_DEFAULT)
         return unsupported(call, "layout %s has no base colour that chroma could make smaller",
                            fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
-    return FNL_OK;
-}
-
-/* Views of the G-buffer need one that holds what they show. */
-static fnl_result check_gbuffer_view(const struct call *call, const fnl_frame *frame) {
-    if (frame->debug < FNL_DEBUG_GBUFFER_0 || frame->debug > FNL_DEBUG_LIT_FORWARD) return FNL_OK;
-    if (frame->shading == FNL_SHADING_AUTO || !shading_is(frame->shading, SHADING_LAYOUTS) || frame->msaa > 1)
-        return unsupported(call, "the view %s shows the G-buffer of deferred shading with 1 sample",
-                           fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
-    fnl_gbuffer_info info;
-    TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
-    uint32_t index = (uint32_t)(frame->debug - FNL_DEBUG_GBUFFER_0);
-    if (index <= 4 && index >= info.target_count + (frame->gbuffer.normals == FNL_NORMALS_FLOAT))
-        return unsupported(call, "layout %s has no render target %u", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout), index);
-    if (frame->debug == FNL_DEBUG_MATERIAL_ID && info.material_count == 0)
-        return unsupported(call, "layout %s has no material ID", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
-    return FNL_OK;
-}
-
-static fnl_result check_coarse(const struct call *call, const fnl_frame *frame) {
-    bool view = frame->debug == FNL_DEBUG_COARSE || frame->debug == FNL_DEBUG_COARSE_REASON;
-    if (view && frame->shading != FNL_SHADING_COARSE)
-        return unsupported(call, "the view %s shows the blocks of coarse shading, not of %s",
-                           fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug), fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     return FNL_OK;
 }
 
@@ -82,8 +59,6 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(lists_check(call, &frame->clusters));
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));
-    TRY(check_gbuffer_view(call, frame));
-    TRY(check_coarse(call, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_lists_supported(frame->shading, frame->lists))
         return unsupported(call, "%s lists do not go with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
@@ -95,17 +70,7 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
         return unsupported(call, "this device cannot render with %u samples a pixel, but with 1%s%s%s", frame->msaa,
                            counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
     if (frame->shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, frame));
-    if (frame->debug >= FNL_DEBUG_DAIS_ADDRESSES && frame->debug <= FNL_DEBUG_DAIS_FAILURES && frame->shading != FNL_SHADING_DAIS)
-        return unsupported(call, "the view %s shows what dais shading stores", fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
-    if (frame->debug == FNL_DEBUG_ATLAS || frame->debug == FNL_DEBUG_PAGES) {
-        if (frame->shading != FNL_SHADING_VIRTUAL_TEXTURING)
-            return unsupported(call, "the view %s shows what virtual-texturing shading has",
-                               fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug));
-        if (frame->debug == FNL_DEBUG_PAGES && frame->msaa > 1)
-            return unsupported(call, "the view pages takes 1 sample a pixel, not %u", frame->msaa);
-    }
-    if (frame->debug == FNL_DEBUG_CLUSTERS && !gpu_info(r->device)->primitive_ids)
-        return unsupported(call, "this device cannot number triangles, which the view of clusters needs");
+    TRY(debug_views_check(call, r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1)
         return unsupported(call, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
     return FNL_OK;

@@ -27,6 +27,8 @@ static const struct order *const orders[FNL_SHADING_AUTO] = {
     [FNL_SHADING_MOBILE] = &order_mobile,
 };
 
+const struct order *shading_order(fnl_shading shading) { return orders[shading]; }
+
 bool shading_is(fnl_shading shading, uint32_t traits) {
     return (uint32_t)shading < FNL_SHADING_AUTO && (orders[shading]->traits & traits) == traits;
 }

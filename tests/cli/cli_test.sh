@@ -256,6 +256,9 @@ expect 2 "--transparency is 'x', must be one of sorted, weighted, linked" render
 for kind in sorted weighted linked; do
     expect 0 '' render "builtin:glass?crossing=1&lights=8" $small --transparency $kind -o "$work/glass-$kind.png" --quiet
 done
+expect 0 'coarse-reason +why other blocks are not' render --debug help
+expect 0 '^zbin$' render --lists help
+expect 2 'coarse' render "builtin:glass?lights=8" $small --shading deferred --debug coarse -o "$work/c.png"
 expect 0 'blended fragments [0-9]+, at most [0-9]+ in a pixel' render "builtin:glass?lights=8" $small --transparency linked --debug layers -o "$work/c.png"
 for kind in weighted linked; do cmp -s "$work/glass-sorted.png" "$work/glass-$kind.png" && fail "$kind gives the same picture as sorted"; done
 [ $failures = 0 ] && echo 'all checks of the command passed'

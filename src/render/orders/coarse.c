@@ -23,7 +23,18 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     f->coarse_words = coarse.words;
 }
 
+static void add_view(struct frame_state *f, bool swap) {
+    debug_views_add_counts(f, (struct debug_counts){f->coarse_words, 1}, swap);
+}
+
+static const struct debug_view views[] = {
+    {FNL_DEBUG_COARSE, .surfaces = true, .add = add_view},
+    {FNL_DEBUG_COARSE_REASON, .surfaces = true, .add = add_view},
+};
+
 const struct order order_coarse = {
     .traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE,
     .check = check,
-    .add = add};
+    .add = add,
+    .views = views,
+    .view_count = COUNT_OF(views)};

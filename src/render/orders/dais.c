@@ -53,8 +53,21 @@ static void query(const fnl_renderer *r, const struct frame_counts *frame_counts
                  (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
 }
 
+static void add_view(struct frame_state *f, bool swap) {
+    const struct shade_input input = {.scene = &f->scene->geometry, .view = f->view_address};
+    dais_view_add(f->graph, &input, &f->dais, (uint32_t)(f->frame->debug - FNL_DEBUG_DAIS_ADDRESSES), f->color, swap);
+}
+
+static const struct debug_view views[] = {
+    {FNL_DEBUG_DAIS_ADDRESSES, .add = add_view},
+    {FNL_DEBUG_DAIS_TRIANGLES, .add = add_view},
+    {FNL_DEBUG_DAIS_FAILURES, .add = add_view},
+};
+
 const struct order order_dais = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW | SHADING_SAMPLES |
                                            SHADING_APPROXIMATE,
                                  .check = check,
                                  .add = add,
+                                 .views = views,
+                                 .view_count = COUNT_OF(views),
                                  .query = query};

@@ -6,6 +6,7 @@
 #include "passes/shade/deferred.h"
 #include "passes/shade/deferred_msaa.h"
 #include "passes/shade/deferred_screen.h"
+#include "passes/shade/gbuffer_view.h"
 
 _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT == MSAA_COMPACT &&
                    (uint32_t)FNL_MSAA_AGGREGATE == MSAA_AGGREGATE && FNL_MSAA_METHOD_COUNT == FNL_MSAA_AGGREGATE + 1,
@@ -114,6 +115,53 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
     if (!has_lists) order_count_volumes(f, &volumes);
 }
 
+/* ---- views of what the G-buffer holds ---- */
+
+static fnl_result check_view(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->msaa == 1) return FNL_OK;
+    return unsupported(call, "the view %s shows a G-buffer of 1 sample, not of %u",
+                       fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug), frame->msaa);
+}
+
+static fnl_result check_target(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    fnl_gbuffer_info info;
+    uint32_t index = (uint32_t)(frame->debug - FNL_DEBUG_GBUFFER_0);
+    TRY(check_view(call, r, frame));
+    TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
+    if (index < info.target_count + (frame->gbuffer.normals == FNL_NORMALS_FLOAT)) return FNL_OK;
+    return unsupported(call, "layout %s has no render target %u", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout), index);
+}
+
+static fnl_result check_material(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    fnl_gbuffer_info info;
+    TRY(check_view(call, r, frame));
+    TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
+    if (info.material_count) return FNL_OK;
+    return unsupported(call, "layout %s has no material ID", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
+}
+
+static void add_target(struct frame_state *f, bool swap) {
+    gbuffer_view_target_add(f->graph, &f->gbuffer, (uint32_t)(f->frame->debug - FNL_DEBUG_GBUFFER_0), f->color, swap);
+}
+static void add_material(struct frame_state *f, bool swap) {
+    gbuffer_view_field_add(f->graph, &f->gbuffer, GBUFFER_SEEN_MATERIAL, f->color, swap);
+}
+static void add_forward(struct frame_state *f, bool swap) {
+    gbuffer_view_field_add(f->graph, &f->gbuffer, GBUFFER_SEEN_FORWARD, f->color, swap);
+}
+
+static const struct debug_view views[] = {
+    {FNL_DEBUG_GBUFFER_0, .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_1, .add = add_target, .check = check_target},
+    {FNL_DEBUG_GBUFFER_2, .add = add_target, .check = check_target},   {FNL_DEBUG_GBUFFER_3, .add = add_target, .check = check_target},
+    {FNL_DEBUG_GBUFFER_4, .add = add_target, .check = check_target},   {FNL_DEBUG_MATERIAL_ID, .add = add_material, .check = check_material},
+    {FNL_DEBUG_LIT_FORWARD, .add = add_forward, .check = check_view},
+};
+
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
-const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
-const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES, .add = add_with_volumes};
+const struct order order_deferred = {
+    .traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add, .views = views, .view_count = COUNT_OF(views)};
+const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES,
+                                             .add = add_with_volumes,
+                                             .views = views,
+                                             .view_count = COUNT_OF(views)};

@@ -7,6 +7,7 @@
 #define FNL_RENDER_ORDER_H
 
 #include "passes/shade/volumes.h"
+#include "render/debug_views.h"
 #include "render/shading.h"
 
 struct order {
@@ -21,6 +22,9 @@ struct order {
     void (*begin)(struct frame_state *f);
     /* Declares lists and opaque surfaces and fills f->radiance; f->depth is complete with `prepass`. `input` is a copy that it may change. */
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
+    /* The debug views that only orders which have them offer. */
+    const struct debug_view *views;
+    uint32_t view_count;
     /* Once a frame is on its way to the device: what it made lasts. */
     void (*submitted)(fnl_renderer *r);
     /* From what the GPU counted to the stats. */
@@ -30,6 +34,9 @@ struct order {
 extern const struct order order_forward, order_forward_prepass, order_deferred, order_deferred_volumes, order_light_prepass,
     order_pre_lighting, order_low_res, order_inferred, order_light_indexed, order_zioma, order_visibility, order_texturing,
     order_virtual_texturing, order_coarse, order_dais, order_mobile;
+
+/** The row of an order; not of auto. */
+const struct order *shading_order(fnl_shading shading);
 
 /* ---- what they share ---- */
 

@@ -2,6 +2,7 @@
 #include "render/orders/order.h"
 
 #include "passes/texturing/texturing.h"
+#include "passes/texturing/virtual_view_shared.h"
 
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->msaa > 1 &&
@@ -49,6 +50,22 @@ static void add_virtual(struct frame_state *f, struct shade_input *input, bool p
     f->opaque_draws = (r->atlas.fresh ? 2 : 1) * f->opaque_draws + geometry_draw_count(input->scene, GEOMETRY_NOT_IN(VIRTUAL_FORWARD));
 }
 
+static void add_atlas(struct frame_state *f, bool swap) {
+    uint32_t mode = f->frame->debug == FNL_DEBUG_ATLAS ? VIRTUAL_VIEW_ATLAS : VIRTUAL_VIEW_PAGES;
+    virtual_view_add(f->graph, &f->texturing.pages, mode, f->texturing.targets[1], f->depth, f->view_address, f->color, swap);
+}
+
+static fnl_result check_pages(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(r);
+    if (frame->msaa == 1) return FNL_OK;
+    return unsupported(call, "the view pages takes 1 sample a pixel, not %u", frame->msaa);
+}
+
+static const struct debug_view virtual_views[] = {
+    {FNL_DEBUG_ATLAS, .add = add_atlas},
+    {FNL_DEBUG_PAGES, .add = add_atlas, .check = check_pages},
+};
+
 /* Approximate as visibility is, and because normals are rounded. */
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
 const struct order order_texturing = {.traits = TRAITS | SHADING_POSITIONS, .check = check, .add = add};
@@ -56,4 +73,6 @@ const struct order order_virtual_texturing = {.traits = TRAITS,
                                               .check = check,
                                               .prepare = prepare_virtual,
                                               .add = add_virtual,
+                                              .views = virtual_views,
+                                              .view_count = COUNT_OF(virtual_views),
                                               .submitted = submitted_virtual};

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/debug_views.h"
+
+#include "render/decals.h"
+#include "render/orders/order.h"
+
+/* ---- views that go with every order ---- */
+
+static void add_view(struct frame_state *f, struct debug_counts counts, graph_image metal, bool swap) {
+    debug_view_add(f->graph, (uint32_t)f->frame->debug, &f->aov, &f->lights, counts, metal, f->view_address, f->color, swap);
+}
+
+void debug_views_add_counts(struct frame_state *f, struct debug_counts counts, bool swap) {
+    add_view(f, counts, (graph_image){0}, swap);
+}
+
+static void add_plain(struct frame_state *f, bool swap) { debug_views_add_counts(f, (struct debug_counts){0}, swap); }
+
+static void add_lights(struct frame_state *f, bool swap) {
+    bool volumes = shading_shows_volumes(f->frame);
+    debug_views_add_counts(f, volumes ? (struct debug_counts){f->counters, 2} : (struct debug_counts){0}, swap);
+}
+
+/* What passes of their own count for each pixel. */
+typedef graph_buffer counting(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
+                              VkDeviceAddress view, uint32_t width, uint32_t height);
+static void add_counted(struct frame_state *f, counting *count, bool swap) {
+    graph_buffer counts = count(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
+    debug_views_add_counts(f, (struct debug_counts){counts, 1}, swap);
+}
+
+static void add_overdraw(struct frame_state *f, bool swap) { add_counted(f, overdraw_add, swap); }
+static void add_overshading(struct frame_state *f, bool swap) { add_counted(f, overshading_add, swap); }
+static void add_layers(struct frame_state *f, bool swap) { add_counted(f, layers_add, swap); }
+static void add_clusters(struct frame_state *f, bool swap) { add_counted(f, cluster_view_add, swap); }
+
+static void add_decals(struct frame_state *f, bool swap) {
+    debug_views_add_counts(f, (struct debug_counts){decals_count_add(f), 1}, swap);
+}
+
+static void add_edges(struct frame_state *f, bool swap) {
+    debug_views_add_counts(f, (struct debug_counts){f->surfaces, f->surfaces.id ? 1 : 0}, swap);
+}
+
+static void add_halos(struct frame_state *f, bool swap) {
+    graph_image metal = halos_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->frame->width, f->frame->height);
+    add_view(f, (struct debug_counts){0}, metal, swap);
+}
+
+static void add_motion(struct frame_state *f, bool swap) { motion_view_add(f->graph, f->temporal.motion, f->color, swap); }
+
+static fnl_result check_clusters(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    UNUSED(frame);
+    if (gpu_info(r->device)->primitive_ids) return FNL_OK;
+    return unsupported(call, "this device cannot number triangles, which the view of clusters needs");
+}
+
+static const struct debug_view views[] = {
+    {FNL_DEBUG_ALBEDO, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_NORMAL, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_DEPTH, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_ROUGHNESS, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_LIGHTS, .surfaces = true, .add = add_lights},
+    {FNL_DEBUG_CELLS, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_OVERDRAW, .surfaces = true, .add = add_overdraw},
+    {FNL_DEBUG_TILE_NORMALS, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_BACKFACES, .surfaces = true, .add = add_plain},
+    {FNL_DEBUG_OVERSHADING, .surfaces = true, .add = add_overshading},
+    {FNL_DEBUG_LAYERS, .surfaces = true, .add = add_layers},
+    {FNL_DEBUG_DECALS, .surfaces = true, .add = add_decals},
+    {FNL_DEBUG_EDGES, .surfaces = true, .add = add_edges},
+    {FNL_DEBUG_MOTION, .add = add_motion},
+    {FNL_DEBUG_HALOS, .surfaces = true, .add = add_halos},
+    {FNL_DEBUG_CLUSTERS, .surfaces = true, .add = add_clusters, .check = check_clusters},
+};
+
+/* ---- the view of a frame ---- */
+
+static const struct debug_view *find_among(const struct debug_view *rows, uint32_t count, fnl_debug_view view) {
+    for (uint32_t i = 0; i < count; i++)
+        if (rows[i].view == view) return &rows[i];
+    return NULL;
+}
+
+const struct debug_view *debug_views_find(fnl_shading shading, fnl_debug_view view) {
+    const struct debug_view *found = find_among(views, COUNT_OF(views), view);
+    if (found || shading == FNL_SHADING_AUTO) return found;
+    const struct order *order = shading_order(shading);
+    return find_among(order->views, order->view_count, view);
+}
+
+fnl_result debug_views_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
+    if (frame->debug == FNL_DEBUG_NONE) return FNL_OK;
+    const struct debug_view *view = debug_views_find(frame->shading, frame->debug);
+    if (view) return view->check ? view->check(call, r, frame) : FNL_OK;
+    const char *name = fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug), *others = "";
+    char paths[256] = "";
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) {
+        if (!debug_views_find((fnl_shading)i, frame->debug)) continue;
+        size_t length = strlen(paths);
+        snprintf(paths + length, sizeof paths - length, "%s%s", others, fnl_value_name(FNL_ENUM_SHADING, i));
+        others = ", ";
+    }
+    return unsupported(call, "%s shading has no view %s; it goes with %s", fnl_value_name(FNL_ENUM_SHADING, frame->shading), name, paths);
+}
+
+bool debug_views_need_surfaces(const fnl_frame *frame) {
+    return frame->debug != FNL_DEBUG_NONE && debug_views_find(frame->shading, frame->debug)->surfaces;
+}
+
+void debug_views_add(struct frame_state *f, bool swap) { debug_views_find(f->frame->shading, f->frame->debug)->add(f, swap); }

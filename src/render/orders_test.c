@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/** The tables of shading orders and debug views are complete, and the pages say what they say. Needs no device. */
+#include "render/orders/order.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const struct debug_view *view_with(fnl_shading shading, uint32_t view) {
+    return debug_views_find(shading, (fnl_debug_view)view);
+}
+
+static void test_orders_are_complete(void **state) {
+    UNUSED(state);
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) {
+        const struct order *order = shading_order((fnl_shading)i);
+        if (!order || !order->add) fail_msg("%s has no row", fnl_value_name(FNL_ENUM_SHADING, i));
+        for (uint32_t k = 0; k < i; k++) assert_ptr_not_equal(order, shading_order((fnl_shading)k));
+        assert_int_equal(order->views != NULL, order->view_count > 0);
+    }
+    assert_false(shading_is(FNL_SHADING_AUTO, 0));
+}
+
+/* Each view is offered by some order, has a name and a line of help, and is drawn. */
+static void test_views_are_complete(void **state) {
+    UNUSED(state);
+    for (uint32_t view = FNL_DEBUG_NONE + 1; view < FNL_DEBUG_COUNT; view++) {
+        const char *name = fnl_value_name(FNL_ENUM_DEBUG_VIEW, view), *help = fnl_value_help(FNL_ENUM_DEBUG_VIEW, view);
+        uint32_t offered = 0;
+        for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) {
+            const struct debug_view *row = view_with((fnl_shading)i, view);
+            offered += row != NULL;
+            if (row && (row->view != (fnl_debug_view)view || !row->add)) fail_msg("the row of the view %s is wrong", name);
+        }
+        if (!offered) fail_msg("no order has a row for the view %s", name);
+        if (!help || strlen(help) < 8) fail_msg("the view %s has no help", name);
+        /* auto may become any order: it takes what all of them offer. */
+        assert_int_equal(view_with(FNL_SHADING_AUTO, view) != NULL, offered == FNL_SHADING_AUTO);
+    }
+    assert_null(fnl_value_help(FNL_ENUM_DEBUG_VIEW, FNL_DEBUG_COUNT));
+    assert_null(fnl_value_help(FNL_ENUM_SHADING, 0));
+    assert_null(fnl_value_help(FNL_ENUM_COUNT, 0));
+}
+
+static void test_views_go_with_their_orders(void **state) {
+    UNUSED(state);
+    assert_non_null(view_with(FNL_SHADING_COARSE, FNL_DEBUG_COARSE));
+    assert_null(view_with(FNL_SHADING_DEFERRED, FNL_DEBUG_COARSE));
+    assert_non_null(view_with(FNL_SHADING_DEFERRED_VOLUMES, FNL_DEBUG_GBUFFER_4));
+    assert_null(view_with(FNL_SHADING_LIGHT_PREPASS, FNL_DEBUG_GBUFFER_4)); /* whose G-buffer is its own */
+    assert_null(view_with(FNL_SHADING_TEXTURING, FNL_DEBUG_PAGES));
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
+        for (uint32_t view = FNL_DEBUG_GBUFFER_0; view <= FNL_DEBUG_LIT_FORWARD; view++)
+            assert_int_equal(view_with((fnl_shading)i, view) != NULL, shading_is((fnl_shading)i, SHADING_LAYOUTS));
+}
+
+/* ---- the pages ---- */
+
+static char *read_page(const char *path) {
+    FILE *file = fopen(path, "rb");
+    if (!file) fail_msg("%s cannot be read", path);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    long size = ftell(file);
+    rewind(file);
+    char *text = calloc((size_t)size + 1, 1);
+    assert_int_equal(fread(text, 1, (size_t)size, file), (size_t)size);
+    fclose(file);
+    return text;
+}
+
+static const char *lists_of(fnl_shading shading) {
+    bool mesh = fnl_lists_supported(shading, FNL_LISTS_MESH), batches = fnl_lists_supported(shading, FNL_LISTS_BATCHES);
+    assert_int_equal(batches, fnl_lists_supported(shading, FNL_LISTS_MULTIPASS));
+    if (batches) return "all";
+    return mesh ? "all but `batches`, `multipass`" : "all but `mesh`, `batches`, `multipass`";
+}
+
+/* The row of an order in the table of docs/choosing.md. */
+static void print_row(fnl_shading shading, char *row, size_t capacity) {
+    const char *layouts = shading_is(shading, SHADING_LAYOUTS) ? "all" : "-";
+    const char *prepass = shading_is(shading, SHADING_PREPASS) ? "always" : shading_is(shading, SHADING_MAY_PREPASS) ? "if asked" : "never";
+    snprintf(row, capacity, "| `%s` | %s | %s | %s | %s | %s |\n", fnl_value_name(FNL_ENUM_SHADING, shading),
+             shading_is(shading, SHADING_APPROXIMATE) ? "close" : "equal", fnl_msaa_supported(shading) ? "yes" : "no", layouts,
+             prepass, lists_of(shading));
+}
+
+static void test_choosing_page_says_what_orders_do(void **state) {
+    UNUSED(state);
+    char *page = read_page(SOURCE_DIR "/docs/choosing.md"), row[256];
+    static const char head[] = "| path | picture | MSAA | `gbuffer.layout` | depth prepass | lists |\n|---|---|---|---|---|---|\n";
+    const char *at = strstr(page, head);
+    assert_non_null(at);
+    at += strlen(head);
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++, at += strlen(row)) {
+        print_row((fnl_shading)i, row, sizeof row);
+        if (strncmp(at, row, strlen(row)) != 0) fail_msg("docs/choosing.md should have here: %s", row);
+    }
+    assert_int_equal(*at, '\n'); /* and no more rows */
+    free(page);
+}
+
+/* The names in backquotes at the beginning of a table's row. */
+static void test_views_page_lists_all_views(void **state) {
+    UNUSED(state);
+    char *page = read_page(SOURCE_DIR "/docs/techniques/debug-views.md"), name[64];
+    bool told[FNL_DEBUG_COUNT] = {false};
+    for (char *line = strtok(page, "\n"); line; line = strtok(NULL, "\n")) {
+        if (strncmp(line, "| `", 3) != 0) continue;
+        char *end = strchr(line + 2, '|');
+        assert_non_null(end);
+        *end = 0;
+        for (const char *at = line; (at = strchr(at, '`'));) {
+            size_t length = strcspn(++at, "`");
+            uint32_t view;
+            snprintf(name, sizeof name, "%.*s", (int)length, at);
+            at += length + 1;
+            if (!fnl_value_find(FNL_ENUM_DEBUG_VIEW, name, &view)) fail_msg("debug-views.md has %s, which is no view", name);
+            if (told[view]) fail_msg("debug-views.md has %s twice", name);
+            told[view] = true;
+        }
+    }
+    for (uint32_t view = FNL_DEBUG_NONE + 1; view < FNL_DEBUG_COUNT; view++)
+        if (!told[view]) fail_msg("debug-views.md lacks %s", fnl_value_name(FNL_ENUM_DEBUG_VIEW, view));
+    free(page);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_orders_are_complete),
+        cmocka_unit_test(test_views_are_complete),
+        cmocka_unit_test(test_views_go_with_their_orders),
+        cmocka_unit_test(test_choosing_page_says_what_orders_do),
+        cmocka_unit_test(test_views_page_lists_all_views),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
