@@ -320,3 +320,31 @@ size_t fnl_frame_get(const fnl_frame *frame, const char *key, char *text, size_t
     }
     return (size_t)length;
 }
+
+/* ---- defaults ---- */
+
+fnl_frame fnl_frame_default(void) {
+    return (fnl_frame){.width = 1280,
+                       .height = 720,
+                       .camera = fnl_camera_default(),
+                       .shading = FNL_SHADING_DEFERRED,
+                       .lists = FNL_LISTS_AUTO,
+                       .msaa = 1,
+                       .tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL,
+                       .exposure = FNL_EXPOSURE_AUTO,
+                       .outputs = FNL_OUTPUT_COLOR,
+                       .timers = true,
+                       .decals = FNL_DECALS_LISTS,
+                       .decal_mip_fix = true,
+                       .list = {.frustum_cull = true, .cone_tests = true, .tree_hybrid = true, .normal_cones = true},
+                       .tiles = {.size = 16, .bounds = FNL_TILE_BOUNDS_BOX, .min_depth = true, .max_depth = true},
+                       .clusters = {.size = 64, .slices = 32, .near = INFINITY, .far = INFINITY},
+                       .fine = {.pruning = true, .masks = 1},
+                       .deferred = {.msaa_method = FNL_MSAA_COMPACT, .msaa_groups = 2},
+                       .light_buffer = {.scale = 2},
+                       .light_indexed = {.layers = 4},
+                       .texturing = {.atlas_size = 8192},
+                       .coarse = {.size = 2, .depth_factor = 1, .normal_degrees = 2, .tolerance = 0.05f, .albedo_tolerance = 1},
+                       .dais = {.cache_buckets = 1 << 16},
+                       .mobile = {.range = 8}};
+}

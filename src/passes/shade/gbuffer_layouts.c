@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/shade/gbuffer_layouts.h"
 
+#include "base/check.h"
+
 _Static_assert((uint32_t)FNL_GBUFFER_COUNT == GBUFFER_LAYOUTS && (uint32_t)FNL_GBUFFER_DESTINY == GBUFFER_DESTINY &&
                    (uint32_t)FNL_NORMALS_COUNT == NORMALS_COUNT && (uint32_t)FNL_NORMALS_FLOAT == NORMALS_FLOAT,
                "gbuffer_shared.h has the values of fnl_gbuffer and fnl_normal_encoding");
@@ -224,4 +226,23 @@ struct gpu_material_entry gbuffer_entry(const struct gbuffer_material *m) {
     entry.second = (m->specular_texture ? GBUFFER_SECOND_STRENGTH : 0) |
                    (m->metallic_texture && m->metallic > 0 ? GBUFFER_SECOND_METALLIC : 0);
     return entry;
+}
+
+fnl_result fnl_gbuffer_query_info(fnl_gbuffer layout, fnl_gbuffer_info *out) {
+    const fnl_host host = fnl_host_default();
+    TRY(check_enum(CALL(&host), "layout", (int)layout, FNL_GBUFFER_COUNT, "fnl_gbuffer"));
+    TRY(check_pointer(CALL(&host), "out", out));
+    const struct gbuffer_layout *l = &gbuffer_layouts[layout];
+    *out = (fnl_gbuffer_info){.target_count = l->target_count,
+                              .published_bits = l->published_bits,
+                              .material_count = l->id_count,
+                              .normals = l->own,
+                              .encodings = l->encodings | 1u << FNL_NORMALS_LAYOUT,
+                              .field_count = l->field_count,
+                              .fields = l->fields};
+    for (uint32_t i = 0; i < l->target_count; i++) {
+        out->target_bits[i] = gbuffer_format_bits(l->targets[i].format);
+        out->bits += out->target_bits[i];
+    }
+    return FNL_OK;
 }
