@@ -23,7 +23,7 @@ enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 static void print_help(FILE *out) {
     fputs("Fanal renders scenes with thousands of lights on Vulkan.\n\nUsage: fanal COMMAND [OPTIONS] …\n\n", out);
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
-    fputs("\n'fanal COMMAND --help' tells more; 'fanal --version' prints the version.\n\n"
+    fputs("\n'fanal COMMAND --help' describes a command and its options; 'fanal --version' prints the version.\n\n"
           "Example:\n  fanal render \"builtin:city?lights=4096\" --size 1280x720 -o city.png\n",
           out);
 }

@@ -225,10 +225,10 @@ static void print_markdown(const fnl_frame *usual) {
          "\n"
          "`fanal render --set KEY=VALUE` and `fanal bench --set` and `--vary` take each of these by its key; so does `fnl_frame_set()` in a\n"
          "program, where the key with dots and underscores is the member of `fnl_frame`. The last column names the shading paths and light lists\n"
-         "that heed an option; with others it has no effect, and the command says so. This page is what `fanal render --options --markdown`\n"
+         "that use an option; with others it has no effect, and the command says so. This page is what `fanal render --options --markdown`\n"
          "prints.\n"
          "\n"
-         "| key | default | takes | | heeded by |\n"
+         "| key | default | takes | | used by |\n"
          "|---|---|---|---|---|");
     for (uint32_t i = 0; fnl_option_query(i, &o); i++) print_row(&o, usual);
 }

@@ -17,15 +17,15 @@ typedef struct fnl_device_params {
     int32_t index; /**< as `fanal devices` numbers them; -1 (default) picks the best: discrete, integrated, virtual, CPU */
     const char *name; /**< part of a device name, case-insensitive; used when index is -1; NULL (default): any */
     bool validate;    /**< Vulkan validation and synchronisation validation; messages go to the log; default false */
-    const char *
-        cache_folder; /**< pipelines are kept here between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": nowhere */
+    /** Folder in which pipelines are kept between runs; NULL (default): $XDG_CACHE_HOME/fanal or ~/.cache/fanal; "": none. */
+    const char *cache_folder;
 } fnl_device_params;
 
 FNL_API fnl_device_params fnl_device_params_default(void);
 
-/** Creates a device; `params` may be NULL. FNL_ERROR_DEVICE when none fits, with the reason for each in the log. */
+/** Creates a device; `params` may be NULL. FNL_ERROR_DEVICE if none can be used; the log gives the reason for each. */
 FNL_API fnl_result fnl_device_create(const fnl_device_params *params, fnl_device **out);
-/** Waits for its work, and for a pipeline that is being made in the background. Renderers of the device must be destroyed first. */
+/** Waits for its work, and for a pipeline that is being compiled in the background. Renderers of the device must be destroyed first. */
 FNL_API void fnl_device_destroy(fnl_device **device);
 
 typedef enum fnl_device_type {
@@ -35,7 +35,6 @@ typedef enum fnl_device_type {
     FNL_DEVICE_CPU,
     FNL_DEVICE_OTHER
 } fnl_device_type;
-
 
 typedef struct fnl_device_info {
     char name[256], driver[256];
@@ -47,17 +46,17 @@ typedef struct fnl_device_info {
     uint32_t msaa_counts;  /**< sample counts that work for colour and depth, as bits: 1, 2, 4, 8 */
     uint32_t max_msaa;     /**< highest sample count for colour and depth */
     bool async_compute;    /**< has a second queue that can compute */
-    bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate,
-        multiview,
-        primitive_ids; /**< optional features; primitive_ids: fragment shaders know the number of their triangle */
-    bool minmax_samplers; /**< samplers can give the least and the greatest of four texels */
+    /* Optional features; `fanal devices` says what uses each. */
+    bool timestamps, ray_query, mesh_shader, conservative_raster, barycentrics, sample_locations, fragment_shading_rate, multiview;
+    bool primitive_ids;       /**< fragment shaders know the number of their triangle */
+    bool minmax_samplers;     /**< samplers can return the minimum and the maximum of four texels */
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
-    bool quad_operations;     /**< fragment shaders share values in squares of four pixels */
+    bool quad_operations;     /**< fragment shaders can share values within 2x2 squares of pixels */
     uint32_t subgroup_size;
 } fnl_device_info;
 
 FNL_API fnl_result fnl_device_query_info(const fnl_device *device, fnl_device_info *out);
-/** Number of Vulkan devices of this machine; 0 when there is no loader. Then query each by index. `host` may be NULL. */
+/** Describes at most `capacity` Vulkan devices of this machine and counts all of them: 0 without a Vulkan loader. `host` may be NULL. */
 FNL_API fnl_result fnl_enumerate_devices(const fnl_host *host, fnl_device_info *out, uint32_t capacity, uint32_t *out_count);
 
 /** Number of validation messages (warnings and errors) so far; 0 without validation. */

@@ -67,7 +67,7 @@ typedef enum fnl_exposure {
     FNL_EXPOSURE_NONE      /**< radiance is shown as it is */
 } fnl_exposure;
 
-/** Pictures of what goes on inside a frame. docs/debug-views.md shows them. */
+/** Pictures of what goes on inside a frame. docs/techniques/debug-views.md shows them. */
 typedef enum fnl_debug_view {
     FNL_DEBUG_NONE = 0,
     FNL_DEBUG_ALBEDO,

@@ -15,13 +15,13 @@ typedef enum fnl_light_lists {
     FNL_LISTS_TILED,         /**< tiles of the screen with depth bounds, built on the GPU */
     FNL_LISTS_CLUSTERED,     /**< tiles of the screen times depth slices, built on the GPU */
     FNL_LISTS_CLUSTERED_CPU, /**< the same clusters, built by threads on the CPU */
-    FNL_LISTS_MESH,          /**< a list for each drawn primitive; forward paths only */
+    FNL_LISTS_MESH,          /**< a list for each drawn primitive; forward, forward-prepass, visibility and dais only */
     FNL_LISTS_BATCHES,       /**< the same; primitives with similar light counts are drawn by shaders with fixed loops; forward-prepass only */
     FNL_LISTS_MULTIPASS,     /**< one pass over the geometry for each light, added up; forward-prepass only */
     FNL_LISTS_GRID2D,        /**< a world-space grid, seen from above */
     FNL_LISTS_WORLD,         /**< world-space clusters, kept while the camera moves */
     FNL_LISTS_HALFZ,         /**< tiles split in two at the middle of their depth range */
-    FNL_LISTS_25D,           /**< tiles with bit masks of the depth cells that hold surfaces */
+    FNL_LISTS_25D,           /**< tiles with bit masks of the depth slices that contain surfaces */
     FNL_LISTS_ENHANCED,      /**< tiles whose entries carry a depth range that each pixel tests */
     FNL_LISTS_TREE,          /**< tiles with a tree over the depth ranges of their lights, built on the CPU */
     FNL_LISTS_BACKFACE,      /**< tiles that drop lights behind all of their surfaces */

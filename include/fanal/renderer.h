@@ -14,33 +14,33 @@ extern "C" {
 typedef struct fnl_renderer fnl_renderer;
 struct fnl_vulkan_target;
 
-/** Both must outlive the renderer. The scene is uploaded by the first frame. */
+/** The device and the scene must outlive the renderer. The first frame uploads the scene. */
 FNL_API fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out);
 FNL_API void fnl_renderer_destroy(fnl_renderer **renderer);
 
-/** Submits one frame; `frame` NULL means defaults. Changes of the scene since the last frame are taken along. */
+/** Submits one frame, with all changes of the scene since the last one. `frame` NULL: defaults. */
 FNL_API fnl_result fnl_renderer_render(fnl_renderer *renderer, const fnl_frame *frame);
 /**
- * Makes the pipelines of frames like `frame` ahead of them, on as many threads as the device has for jobs (eight at most), so that the first
- * such frame compiles none (fnl_frame_stats.pipelines_made is 0). Nothing is rendered and the results of the last frame stay; the scene is
- * uploaded if it has changed. What counts of the frame is what is rendered and how (size and camera do not), `auto` being what it is with
- * pin_choice. `target` (fanal/vulkan.h; or NULL): frames for fnl_renderer_render_to images of its format; nothing else of it is read.
- * With `wait` it returns when all are made. Otherwise they are made in the background, and `out_pending` (may be NULL) is how many are
- * missing: ask again until it is 0. A frame that is rendered before makes what it needs itself.
+ * Compiles the pipelines of frames like `frame` ahead of time, on the device's job threads (at most eight), so that the first such frame
+ * compiles none (fnl_frame_stats.pipelines_made is 0). Nothing is rendered and the results of the last frame stay; the scene is uploaded
+ * if it has changed. Size and camera of the frame do not matter; `auto` is resolved as with pin_choice. `target` (fanal/vulkan.h; or
+ * NULL): for frames that fnl_renderer_render_to will draw to images of its format; its other fields are not read. With `wait` the call
+ * returns when all pipelines are there. Otherwise they are compiled in the background, and `out_pending` (may be NULL) says how many are
+ * missing: call again until it is 0. A frame that is rendered earlier compiles what it needs itself.
  */
 FNL_API fnl_result fnl_renderer_warm(fnl_renderer *renderer, const fnl_frame *frame, const struct fnl_vulkan_target *target,
                                      bool wait, uint32_t *out_pending);
 /**
- * Waits for the last frame and hands out one of its outputs (exactly one bit); free with fnl_image_free. The pictures of a frame with several views
- * stand one below the other, the first view at the top: the image is fnl_frame.view_count times as high as the frame.
+ * Waits for the last frame and returns one of its outputs (exactly one bit); free it with fnl_image_free. The pictures of a frame with several
+ * views stand one below the other, the first view at the top: the image is fnl_frame.view_count times as high as the frame.
  */
 FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, fnl_image *out);
 
 /** Waits for the last frame and describes it. */
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
-/** The compiled frame graph of the last frame as text, zero-terminated; returns the length it wants. */
+/** Writes the compiled frame graph of the last frame as text, zero-terminated; returns the length of the whole text. */
 FNL_API size_t fnl_renderer_print_plan(const fnl_renderer *renderer, char *text, size_t capacity);
-/** The same way: what the passes of the last frame move between images and memory, as a table. */
+/** In the same way: a table of what the passes of the last frame move between images and memory. */
 FNL_API size_t fnl_renderer_print_traffic(const fnl_renderer *renderer, char *text, size_t capacity);
 
 #ifdef __cplusplus
