@@ -602,12 +602,12 @@ static void test_unsupported_frames(void **state) {
         SAYS_OF(FNL_ERROR_UNSUPPORTED, "fnl_renderer_render", words, fnl_renderer_render(w.renderer, &frame));              \
         frame = small_frame();                                                                                              \
     } while (0)
-    UNSUPPORTED("mesh lists do not go with deferred shading", frame.lists = FNL_LISTS_MESH);
+    UNSUPPORTED("mesh lists do not work with deferred shading", frame.lists = FNL_LISTS_MESH);
     UNSUPPORTED("mobile shading has no MSAA; use another path, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
-    UNSUPPORTED("deferred lighting in a fragment pass has no classes and 1 sample a pixel", frame.deferred.pass = FNL_DEFERRED_FRAGMENT,
+    UNSUPPORTED("deferred.pass=fragment needs deferred.class-blocks=0 and 1 sample per pixel", frame.deferred.pass = FNL_DEFERRED_FRAGMENT,
                 frame.deferred.class_blocks = 8);
-    UNSUPPORTED("the view dais-addresses shows what dais shading stores", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
-    UNSUPPORTED("motion vectors and temporal antialiasing take one sample per pixel, not 4", frame.aa = FNL_ANTIALIASING_TAA,
+    UNSUPPORTED("the debug view dais-addresses needs dais shading", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
+    UNSUPPORTED("motion vectors and temporal antialiasing need 1 sample per pixel, not 4", frame.aa = FNL_ANTIALIASING_TAA,
                 frame.msaa = 4);
 }
 

@@ -24,9 +24,9 @@ static void tell_of_lists(struct frame_state *f) {
     if (frame->decals != FNL_DECALS_GBUFFER || decals_of(f)->count == 0 || decals_in_gbuffer(f) || f->r->told_of_decals) return;
     f->r->told_of_decals = true;
     if (frame->msaa > 1)
-        log_warning(&f->r->host, "decals get into G-buffers of one sample a pixel alone: with %u they come by lists", frame->msaa);
+        log_warning(&f->r->host, "decals=gbuffer needs 1 sample per pixel: with %u samples, lists are used", frame->msaa);
     else
-        log_warning(&f->r->host, "decals cannot get into what %s shading leaves: they come by lists",
+        log_warning(&f->r->host, "decals=gbuffer does not work with %s shading: lists are used",
                     fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 

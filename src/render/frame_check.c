@@ -15,10 +15,11 @@ static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame)
     fnl_gbuffer_info info;
     TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
     if (!(info.encodings >> frame->gbuffer.normals & 1))
-        return unsupported(call, "the normals of layout %s cannot hold encoding %s", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout),
+        return unsupported(call, "the normals of G-buffer layout %s cannot hold encoding %s",
+                           fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout),
                            fnl_value_name(FNL_ENUM_NORMALS, frame->gbuffer.normals));
     if (frame->gbuffer.chroma && frame->gbuffer.layout != FNL_GBUFFER_DEFAULT)
-        return unsupported(call, "layout %s has no base colour that chroma could make smaller",
+        return unsupported(call, "gbuffer.chroma needs the default G-buffer layout, not %s",
                            fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
     return FNL_OK;
 }
@@ -26,9 +27,9 @@ static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame)
 static fnl_result check_geometry(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
     if (!gpu_info(r->device)->mesh_shader || r->no_meshes)
-        return unsupported(call, "this device has no mesh shaders; use geometry vertex or auto");
+        return unsupported(call, "this device has no mesh shaders; use geometry=vertex or geometry=auto");
     if (frame->culling == FNL_CULLING_INSTANCES)
-        return unsupported(call, "mesh shaders draw what culling by clusters or by triangles leaves, not that by instances");
+        return unsupported(call, "geometry=mesh needs culling=clusters or culling=triangles, not instances");
     return FNL_OK;
 }
 
@@ -61,17 +62,17 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(check_geometry(call, r, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
     if (!fnl_lists_supported(frame->shading, frame->lists))
-        return unsupported(call, "%s lists do not go with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
+        return unsupported(call, "%s lists do not work with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
                            fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     if (!fnl_msaa_supported(frame->shading) && frame->msaa > 1)
         return unsupported(call, "%s shading has no MSAA; use another path, or 1 sample", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     uint32_t counts = gpu_info(r->device)->msaa_counts;
     if (!(counts & frame->msaa))
-        return unsupported(call, "this device cannot render with %u samples a pixel, but with 1%s%s%s", frame->msaa,
+        return unsupported(call, "this device cannot render with %u samples per pixel, only with 1%s%s%s", frame->msaa,
                            counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
     if (frame->shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, frame));
     TRY(debug_views_check(call, r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1)
-        return unsupported(call, "motion vectors and temporal antialiasing take one sample per pixel, not %u", frame->msaa);
+        return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);
     return FNL_OK;
 }

@@ -121,7 +121,7 @@ void order_count_volumes(struct frame_state *f, const struct volumes *volumes) {
 
 fnl_result order_check_primitive_ids(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
-    return unsupported(call, "this device cannot number triangles, which %s shading needs",
+    return unsupported(call, "this device has no primitive_ids, which %s shading needs",
                        fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 

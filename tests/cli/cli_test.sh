@@ -53,7 +53,7 @@ echo '{"asset": {"version": "2.0"' >"$work/cut.gltf"
 expect 2 'cut.gltf' render "$work/cut.gltf" -o "$work/a.png"
 expect 2 'mobile shading has no MSAA' render builtin:spheres $small --shading mobile --msaa 4 -o "$work/a.png"
 expect 2 "set: coarse.tolerance is 2, must be 0 .. 1" render builtin:spheres $small --set coarse.tolerance=2 -o "$work/a.png"
-expect 2 'visibility.grid takes 1 sample' render builtin:spheres $small --shading visibility --set visibility.grid=on --msaa 4 -o "$work/a.png"
+expect 2 'visibility.grid needs 1 sample' render builtin:spheres $small --shading visibility --set visibility.grid=on --msaa 4 -o "$work/a.png"
 expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
 
@@ -229,7 +229,7 @@ expect 2 'belong to --options' render --json
 expect 0 'tiles.size has no effect with --lists clustered' render builtin:spheres $small --lists clustered --set tiles.size=8 -o "$work/unused.png"
 expect 2 "set: 'tiles.size' is not KEY=VALUE" render builtin:spheres --set tiles.size -o "$work/b.png"
 expect 2 "set: clusters.near is '1e99', must be a number or auto" render builtin:spheres --set clusters.near=1e99 -o "$work/b.png"
-expect 2 'mesh lists do not go with deferred' render builtin:spheres --lists mesh -o "$work/b.png"
+expect 2 'mesh lists do not work with deferred' render builtin:spheres --lists mesh -o "$work/b.png"
 expect 2 "set: deferred.class-blocks is 5, must be 0, 4 or 8" render builtin:spheres --set deferred.class-blocks=5 -o "$work/b.png"
 expect 0 'tonemap' render builtin:spheres $small --plan
 expect 0 'size' compare "$work/a.png" "$work/b.png"

@@ -5,7 +5,7 @@
 
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->coarse.criterion == FNL_COARSE_CRITERION_ID && !gpu_info(r->device)->primitive_ids)
-        return unsupported(call, "this device cannot number triangles, which coarse.criterion id needs; use z");
+        return unsupported(call, "this device has no primitive_ids, which coarse.criterion=id needs; use z");
     return FNL_OK;
 }
 

@@ -15,9 +15,9 @@ _Static_assert((uint32_t)FNL_MSAA_ALL == MSAA_ALL && (uint32_t)FNL_MSAA_COMPACT 
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
     if (frame->deferred.pass == FNL_DEFERRED_FRAGMENT && (frame->deferred.class_blocks || frame->msaa > 1))
-        return unsupported(call, "deferred lighting in a fragment pass has no classes and 1 sample a pixel");
+        return unsupported(call, "deferred.pass=fragment needs deferred.class-blocks=0 and 1 sample per pixel");
     if (frame->msaa > 1 && frame->deferred.class_blocks)
-        return unsupported(call, "blocks of pixels cannot be classified with MSAA; use class_blocks 0 or 1 sample");
+        return unsupported(call, "deferred.class-blocks needs 1 sample per pixel; use 0 with MSAA");
     return FNL_OK;
 }
 

@@ -17,9 +17,9 @@ static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_visibility_options *o = &frame->visibility;
     if (o->grid && (frame->msaa > 1 || o->barycentrics || !visibility_grid_supported(r->device)))
-        return unsupported(call, "visibility.grid takes 1 sample a pixel, no visibility.barycentrics, and a device with 4 samples");
+        return unsupported(call, "visibility.grid needs 1 sample per pixel, no visibility.barycentrics, and a device with 4x MSAA");
     if (o->barycentrics && frame->msaa > 1)
-        return unsupported(call, "visibility.barycentrics takes 1 sample a pixel, not %u", frame->msaa);
+        return unsupported(call, "visibility.barycentrics needs 1 sample per pixel, not %u", frame->msaa);
     return order_check_primitive_ids(call, r, frame);
 }
 
