@@ -52,7 +52,7 @@ static void add_motion(struct frame_state *f, bool swap) { motion_view_add(f->gr
 static fnl_result check_clusters(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(frame);
     if (gpu_info(r->device)->primitive_ids) return FNL_OK;
-    return unsupported(call, "this device cannot number triangles, which the view of clusters needs");
+    return unsupported(call, "this device has no primitive_ids, which the debug view clusters needs");
 }
 
 static const struct debug_view views[] = {

@@ -120,7 +120,7 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
 static fnl_result check_view(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
     if (frame->msaa == 1) return FNL_OK;
-    return unsupported(call, "the view %s shows a G-buffer of 1 sample, not of %u",
+    return unsupported(call, "the debug view %s needs 1 sample per pixel, not %u",
                        fnl_value_name(FNL_ENUM_DEBUG_VIEW, frame->debug), frame->msaa);
 }
 
@@ -130,7 +130,7 @@ static fnl_result check_target(const struct call *call, const fnl_renderer *r, c
     TRY(check_view(call, r, frame));
     TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
     if (index < info.target_count + (frame->gbuffer.normals == FNL_NORMALS_FLOAT)) return FNL_OK;
-    return unsupported(call, "layout %s has no render target %u", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout), index);
+    return unsupported(call, "G-buffer layout %s has no render target %u", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout), index);
 }
 
 static fnl_result check_material(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
@@ -138,7 +138,7 @@ static fnl_result check_material(const struct call *call, const fnl_renderer *r,
     TRY(check_view(call, r, frame));
     TRY(fnl_gbuffer_query_info(frame->gbuffer.layout, &info));
     if (info.material_count) return FNL_OK;
-    return unsupported(call, "layout %s has no material ID", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
+    return unsupported(call, "G-buffer layout %s has no material ID", fnl_value_name(FNL_ENUM_GBUFFER, frame->gbuffer.layout));
 }
 
 static void add_target(struct frame_state *f, bool swap) {

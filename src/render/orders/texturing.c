@@ -58,7 +58,7 @@ static void add_atlas(struct frame_state *f, bool swap) {
 static fnl_result check_pages(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     UNUSED(r);
     if (frame->msaa == 1) return FNL_OK;
-    return unsupported(call, "the view pages takes 1 sample a pixel, not %u", frame->msaa);
+    return unsupported(call, "the debug view pages needs 1 sample per pixel, not %u", frame->msaa);
 }
 
 static const struct debug_view virtual_views[] = {
