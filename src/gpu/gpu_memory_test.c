@@ -276,6 +276,42 @@ static void test_memory_is_accounted(void **state) {
     assert_int_equal(memory.wrong_sizes, 0);
 }
 
+/* The set takes what it holds and no more. Where the layer visits all of it at each draw, it holds a sixteenth. */
+static void test_the_bindless_set_fills(void **state) {
+    UNUSED(state);
+    struct test_memory memory = {0};
+    fnl_device_params params = fnl_device_params_default();
+    params.host = test_host(&memory);
+    params.cache_folder = "";
+    gpu_device *fast, *device = test_device_create(&memory);
+    assert_int_equal(fnl_device_create(&params, &fast), FNL_OK);
+    const uint32_t version = device->instance.layer_version, share = version < VK_MAKE_API_VERSION(0, 1, 3, 270) ? 16 : 1;
+    for (uint32_t i = 0; i < GPU_BINDING_COUNT; i++)
+        assert_int_equal(fast->bindless.pools[i].capacity, device->bindless.pools[i].capacity * (i == GPU_BINDING_SAMPLER ? 1 : share));
+    test_device_destroy(&fast);
+
+    struct gpu_image_params small = {.name = "small", .format = VK_FORMAT_R8G8B8A8_UNORM, .width = 1, .height = 1, .layers = 1, .mips = 1,
+                                     .samples = 1, .usage = VK_IMAGE_USAGE_SAMPLED_BIT};
+    struct gpu_image image;
+    assert_int_equal(gpu_image_create(device, &small, &image), FNL_OK);
+    struct gpu_index_pool *pool = &device->bindless.pools[GPU_BINDING_SAMPLED];
+    uint32_t added = 1, index, first = GPU_NO_INDEX;
+    while (share > 1 && gpu_bindless_add(device, GPU_BINDING_SAMPLED, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, &index) == FNL_OK) {
+        if (first == GPU_NO_INDEX) first = index;
+        added++;
+    }
+    if (share > 1) {
+        assert_int_equal(added, pool->capacity);
+        assert_int_equal(index, GPU_NO_INDEX);
+        gpu_bindless_remove(device, GPU_BINDING_SAMPLED, first);
+        assert_int_equal(gpu_bindless_add(device, GPU_BINDING_SAMPLED, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, &index), FNL_OK);
+        assert_int_equal(index, first);
+    }
+    gpu_image_destroy(device, &image);
+    test_device_destroy(&device);
+    assert_int_equal(memory.live_bytes, 0);
+}
+
 static void test_a_heap_holds_images_and_buffers(void **state) {
     UNUSED(state);
     gpu_device *device = test_device_create(NULL);
@@ -367,6 +403,7 @@ const struct CMUnitTest memory_tests[] = {
     cmocka_unit_test(test_images_bigger_than_the_ring_go_in_slices),
     cmocka_unit_test(test_images_that_cannot_be_are_refused),
     cmocka_unit_test(test_memory_is_accounted),
+    cmocka_unit_test(test_the_bindless_set_fills),
     cmocka_unit_test(test_a_heap_holds_images_and_buffers),
     cmocka_unit_test(test_what_is_destroyed_right_after_its_upload),
     cmocka_unit_test(test_mapping_that_failed_is_no_success),
