@@ -88,6 +88,12 @@ int harness_end(void **state) {
 
 int test_group_end(void **state) { return harness_end(state); }
 
+struct renderer_tests *harness_hooks(fnl_renderer *renderer) {
+    if (!renderer->tests) renderer->tests = host_allocate_zero(&renderer->host, sizeof *renderer->tests);
+    assert_non_null(renderer->tests);
+    return renderer->tests;
+}
+
 fnl_device *harness_device(void) { return test_device; }
 
 double harness_seconds(void) {
@@ -301,7 +307,7 @@ struct stage stage_open_scene(fnl_scene *scene) {
     while (place < COUNT_OF(open_stages) && open_stages[place].scene) place++;
     assert_true(place < COUNT_OF(open_stages));
     assert_int_equal(fnl_renderer_create(test_device, scene, &stage.renderer), FNL_OK);
-    stage.renderer->poison = true; /* nobody may read what nobody wrote */
+    harness_hooks(stage.renderer)->poison = true; /* nobody may read what nobody wrote */
     open_stages[place] = stage;
     stage.frame.width = 161;
     stage.frame.height = 91;
@@ -324,7 +330,7 @@ struct stage stage_open(const char *source, uint32_t scattered) {
 
 void harness_set_pool(struct stage *stage, uint32_t entries) {
     stage->renderer->pool_capacity = entries;
-    stage->renderer->fixed_pools = true;
+    harness_hooks(stage->renderer)->fixed_pools = true;
     memset(stage->renderer->slot_views, 0, sizeof stage->renderer->slot_views);
 }
 

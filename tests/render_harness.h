@@ -31,6 +31,9 @@ int harness_end(void **state);
 int harness_check(void **state);
 fnl_device *harness_device(void);
 
+/** What a renderer does for tests; lives as long as it. */
+struct renderer_tests *harness_hooks(fnl_renderer *renderer);
+
 struct stage {
     fnl_scene *scene;
     fnl_renderer *renderer;

@@ -9,9 +9,9 @@ static void test_async_lists_give_the_same_bytes(void **state) {
     s.frame.lists = FNL_LISTS_CLUSTERED;
     for (int shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
         s.frame.shading = (fnl_shading)shading;
-        s.renderer->force_async = false;
+        harness_hooks(s.renderer)->force_async = false;
         struct shot plain = stage_shoot(&s, &s.frame);
-        s.renderer->force_async = true;
+        harness_hooks(s.renderer)->force_async = true;
         for (int frame = 0; frame < 3; frame++) { /* frames in flight reuse each other's memory */
             struct shot async = stage_shoot(&s, &s.frame);
             assert_int_equal(count_differing(&plain.radiance, &async.radiance), 0);

@@ -15,16 +15,18 @@ static bool culls_hidden(const fnl_frame *frame) {
  * the opaque scene in a frame goes one way or the other. So no pass may have vertex shaders of its own, or a geometry shader.
  */
 bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
+    const struct renderer_tests tests = renderer_tests(r);
     bool regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
          redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene.decals.draw_count > 0;
     bool wanted = frame->geometry == FNL_GEOMETRY_MESH ||
-                  (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || r->auto_meshes));
-    return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !r->no_meshes &&
+                  (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || tests.auto_meshes));
+    return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !tests.no_meshes &&
            !frame_is(frame, SHADING_VERTICES) && !regrouped && !redrawn && !temporal_needs_motion(frame);
 }
 
 void frame_cull(struct frame_state *f) {
     const fnl_frame *frame = f->frame;
+    const struct renderer_tests tests = renderer_tests(f->r);
     const struct geometry_scene *scene = &f->scene->geometry;
     struct hierarchy occluders = {0};
     if (culls_hidden(frame))
@@ -39,8 +41,8 @@ void frame_cull(struct frame_state *f) {
                                      .centers = true,
                                      .cluster_capacity = f->r->cluster_capacity,
                                      .meshes = f->r->meshes,
-                                     .mesh_row = f->r->mesh_row ? f->r->mesh_row : 65535,
-                                     .mesh_rows = f->r->mesh_rows ? f->r->mesh_rows : 64,
+                                     .mesh_row = tests.mesh_row ? tests.mesh_row : 65535,
+                                     .mesh_rows = tests.mesh_rows ? tests.mesh_rows : 64,
                                      .occluders = occluders.levels.id ? &occluders : NULL};
     clusters_add(f->graph, f->r->device, scene, &f->view, f->view_address, &params, &f->draws);
 }

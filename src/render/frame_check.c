@@ -26,7 +26,7 @@ static fnl_result check_gbuffer(const struct call *call, const fnl_frame *frame)
 
 static fnl_result check_geometry(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     if (frame->geometry != FNL_GEOMETRY_MESH) return FNL_OK;
-    if (!gpu_info(r->device)->mesh_shader || r->no_meshes)
+    if (!gpu_info(r->device)->mesh_shader || renderer_tests(r).no_meshes)
         return unsupported(call, "this device has no mesh shaders; use geometry=vertex or geometry=auto");
     if (frame->culling == FNL_CULLING_INSTANCES)
         return unsupported(call, "geometry=mesh needs culling=clusters or culling=triangles, not instances");

@@ -23,7 +23,7 @@ static void grow_pool(fnl_renderer *r, const struct frame_counts *counts) {
     if (needed > r->pool_capacity) r->pool_capacity = (uint32_t)MIN(needed + needed / 4, pool_limit(r));
 }
 
-uint32_t pools_list_limit(const fnl_renderer *r) { return r->fixed_pools ? r->pool_capacity : (uint32_t)pool_limit(r); }
+uint32_t pools_list_limit(const fnl_renderer *r) { return renderer_tests(r).fixed_pools ? r->pool_capacity : (uint32_t)pool_limit(r); }
 
 /* So does what holds decals: entries of their list, or fragments of the G-buffer's way. */
 static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) {
@@ -36,7 +36,7 @@ static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) 
 /* So do the pools of culling, as far as the scene can fill them. */
 void pools_grow_clusters(fnl_renderer *r, const struct frame_counts *counts) {
     const struct device_scene *d = &r->device_scene;
-    if (r->cluster_limit) return;
+    if (renderer_tests(r).cluster_limit) return;
     uint64_t limit = MAX(gpu_info(r->device)->memory_bytes / 128, (uint64_t)CLUSTER_POOL_START);
     uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);
     uint64_t triangles =

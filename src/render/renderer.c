@@ -158,6 +158,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     array_free(&r->host, &r->pass_times);
     gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
     fnl_host host = r->host;
+    host_free(&host, r->tests, sizeof *r->tests);
     host_free(&host, r, sizeof *r);
     *handle = NULL;
 }
@@ -228,8 +229,8 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
     bool timed = wants_time(r, frame);
     struct graph_execute_params execute = {.record_threads = frame->record_threads,
                                            .timers = frame->timers || timed,
-                                           .force_async_on_graphics = r->force_async,
-                                           .poison = r->poison,
+                                           .force_async_on_graphics = renderer_tests(r).force_async,
+                                           .poison = renderer_tests(r).poison,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
     shading_submitted(r, frame);

@@ -59,6 +59,25 @@ struct renderer_view {
     uint32_t entry_bytes, blend_entry_bytes;
 };
 
+/** What tests ask of a renderer. */
+struct renderer_tests {
+    bool poison;      /* transient buffers begin each frame full of rubbish */
+    bool force_async; /* passes for the compute queue go through it even where it is the graphics queue */
+    /* As on devices without something: mesh shaders; scopes large enough for the order mobile; blending of 32-bit targets, for weighted
+     * transparency; samplers that reduce, for the criterion minmax; coverage after the depth test and values shared by four pixels. */
+    bool no_meshes, cannot_merge, weighted_half, no_minmax, dais_plain;
+    bool auto_meshes;             /* geometry auto as on devices that are no CPU */
+    uint32_t mesh_row, mesh_rows; /* work groups of a draw by mesh shaders; 0: as many as every device takes */
+    bool fixed_pools;             /* pools of lists have pool_capacity entries, whatever the lights of the frame are thought to need */
+    bool cluster_limit;           /* pools of culling stay as they are */
+    uint32_t visibility_bits;     /* ids of the visibility buffer are at least so wide */
+    uint32_t dais_probe;          /* DAIS_SHOW_… */
+    bool dais_impatient;          /* nobody locks a bucket, so that each fragment stores its triangle */
+    bool show_levels;             /* virtual texturing gives levels of detail in place of radiance */
+    struct gpu_buffer *mobile_tap; /* takes the targets of the order mobile as they are in the end, one after the other; NULL: nothing does */
+    const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
+};
+
 struct fnl_renderer {
     fnl_host host;
     gpu_device *device;
@@ -76,32 +95,16 @@ struct fnl_renderer {
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
     struct virtual_atlas atlas; /* of virtual texturing */
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
-    bool fixed_pools;         /* tests: so many, whatever the lights of the frame are thought to need */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
     uint32_t decal_capacity;  /* of what holds decals */
     uint32_t decal_tree;      /* from so many boxes on a tree fills the clusters of their list; the entries are the same */
     uint32_t cluster_capacity, triangle_capacity; /* of culling; 0: before the first frame that needs them */
-    bool cluster_limit;       /* tests: these stay as they are */
     bool meshes;              /* mesh shaders draw the frame being made */
-    bool no_meshes;           /* tests: as on devices without mesh shaders */
-    bool auto_meshes;         /* tests: geometry auto as on devices that are no CPU */
-    uint32_t mesh_row, mesh_rows; /* tests: work groups of a draw by mesh shaders; 0: as many as every device takes */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
-    struct gpu_buffer
-        *mobile_tap;    /* tests: takes the targets of the order mobile as they are in the end, one after the other; NULL */
-    bool cannot_merge;  /* tests: as on devices whose scopes are too small for the order mobile */
-    bool weighted_half; /* tests: weighted transparency as on devices that cannot blend 32-bit targets */
-    uint32_t visibility_bits; /* tests: ids at least so wide */
-    bool no_minmax;           /* tests: criterion minmax as on devices whose samplers cannot reduce */
     uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
     uint64_t dais_bytes;                        /* of the last frame: what the pools do not hold */
-    uint32_t dais_probe;                        /* tests: DAIS_SHOW_… */
-    bool dais_impatient; /* tests: nobody locks a bucket, so that each fragment stores its triangle */
-    bool dais_plain; /* tests: as on devices without coverage after the depth test or values shared by four pixels */
-    const struct volumes_hook *volume_hook; /* of deferred-volumes with the shape stencil; NULL: none */
-    bool show_levels;         /* tests: virtual texturing gives levels of detail in place of radiance */
-    bool poison;              /* tests: transient buffers begin each frame full of rubbish */
-    bool force_async;         /* tests: passes for the compute queue go through it even where it is the graphics queue */
+
+    struct renderer_tests *tests; /* of the host; NULL outside of tests */
 
     /* The last frame, and where its results are. */
     fnl_frame frame; /* without the addresses of its views */
@@ -117,6 +120,11 @@ struct fnl_renderer {
 
 /** Views of a frame: 1 where it has no array of them. */
 static inline uint32_t frame_view_count(const fnl_frame *frame) { return MAX(frame->view_count, 1u); }
+
+/** What tests ask for: nothing outside of them. */
+static inline struct renderer_tests renderer_tests(const fnl_renderer *r) {
+    return r->tests ? *r->tests : (struct renderer_tests){0};
+}
 
 /** Where a frame goes besides the readback buffers: view i to layer i. */
 struct frame_target {

@@ -110,7 +110,7 @@ struct light_list order_add_fallback_lists(struct frame_state *f) {
 
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
     struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
-                                  f->r->volume_hook};
+                                  renderer_tests(f->r).volume_hook};
     return volumes_prepare(f->graph, f->r->device, &input);
 }
 
@@ -134,7 +134,7 @@ static void add_transparency(struct frame_state *f, const struct shade_input *in
         f->linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
         f->blend_bytes = f->linked.byte_count;
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
-        bool half = r->weighted_half || weighted_needs_half(r->device);
+        bool half = renderer_tests(r).weighted_half || weighted_needs_half(r->device);
         weighted_add(f->graph, input, half, f->radiance, f->depth);
         f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa * weighted_bytes(half);
     } else {

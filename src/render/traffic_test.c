@@ -85,7 +85,7 @@ static void check_barriers(const struct graph *graph) {
 static void test_orders(void **state) {
     struct stage stage = stage_open(*state, 0);
     bool glass = strstr(*state, "glass");
-    stage.renderer->poison = false; /* its barriers are not the plan's */
+    harness_hooks(stage.renderer)->poison = false; /* its barriers are not the plan's */
     stage.frame.record_threads = 1;
     stage.frame.width = 75;
     stage.frame.height = 53;

@@ -98,7 +98,7 @@ static void test_locked(void **state) {
         frame.dais.mode = (fnl_dais_mode)(i >> 1);
         fnl_image usual = shoot(renderer, &frame);
         uint32_t unique = stats_of(renderer).dais.unique, shaded = stats_of(renderer).dais.shaded;
-        renderer->dais_impatient = true;
+        harness_hooks(renderer)->dais_impatient = true;
         fnl_image locked = shoot(renderer, &frame);
         for (uint32_t turns = 0; stats_of(renderer).dais.overflow && turns < 12; turns++) {
             free_picture(&locked);
@@ -125,7 +125,7 @@ static void test_locked(void **state) {
         free_picture(&view);
         free_picture(&usual);
         free_picture(&locked);
-        renderer->dais_impatient = false;
+        harness_hooks(renderer)->dais_impatient = false;
     }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);

@@ -69,10 +69,10 @@ static void test_positions(void **state) {
         fnl_image shown[3];
         static const uint32_t probes[3] = {DAIS_SHOW_POSITION, DAIS_SHOW_NORMAL, DAIS_SHOW_DEPTH};
         for (int k = 0; k < 3; k++) {
-            renderer->dais_probe = probes[k];
+            harness_hooks(renderer)->dais_probe = probes[k];
             shown[k] = shoot(renderer, &frame);
         }
-        renderer->dais_probe = 0;
+        harness_hooks(renderer)->dais_probe = 0;
         fnl_image position = test_read(renderer, FNL_OUTPUT_POSITION), normal = test_read(renderer, FNL_OUTPUT_NORMAL);
         uint32_t surfaces = 0, far_off = 0, bent = 0, deep = 0;
         for (uint32_t y = 0; y < frame.height; y++)
@@ -176,7 +176,7 @@ static void test_levels(void **state) {
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = wide_frame(0);
     frame.outputs |= FNL_OUTPUT_POSITION;
-    renderer->dais_probe = DAIS_SHOW_UV;
+    harness_hooks(renderer)->dais_probe = DAIS_SHOW_UV;
     fnl_image shown = shoot(renderer, &frame), position = test_read(renderer, FNL_OUTPUT_POSITION);
     for (int k = 0; k < 2; k++) {
         uint32_t compared = 0, along_x = 0;
@@ -403,14 +403,14 @@ static void test_lists(void **state) {
         frame.dais.mode = FNL_DAIS_TARGET;
         fnl_image target = shoot(renderer, &frame);
         frame.dais.mode = FNL_DAIS_LIST;
-        renderer->dais_plain = i >= 4; /* an element for each sample */
+        harness_hooks(renderer)->dais_plain = i >= 4; /* an element for each sample */
         fnl_image list = shoot(renderer, &frame);
         fnl_frame_stats stats = stats_of(renderer);
         if (stats.dais.overflow) {
             free_picture(&list);
             list = shoot(renderer, &frame);
         }
-        renderer->dais_plain = false;
+        harness_hooks(renderer)->dais_plain = false;
         print_message("%u samples: %u elements\n", frame.msaa, stats.dais.list_elements);
         assert_true(frame.msaa == 1 || stats.dais.list_elements > 1000);
         assert_true(test_equal(&target, &list));
@@ -487,9 +487,9 @@ static void test_multirate(void **state) {
         fnl_image all = shoot(renderer, &frame), all_color = test_read(renderer, FNL_OUTPUT_COLOR);
         uint32_t shaded = stats_of(renderer).dais.shaded;
         frame.dais.multirate = true;
-        renderer->dais_plain = i >= 4; /* nobody shares */
+        harness_hooks(renderer)->dais_plain = i >= 4; /* nobody shares */
         fnl_image part = shoot(renderer, &frame), part_color = test_read(renderer, FNL_OUTPUT_COLOR);
-        renderer->dais_plain = false;
+        harness_hooks(renderer)->dais_plain = false;
         uint32_t samples = stats_of(renderer).dais.shading_samples;
         fnl_image_difference difference;
         assert_int_equal(fnl_image_compare(NULL, &all_color, &part_color, &difference), FNL_OK);
@@ -671,7 +671,7 @@ static void test_little(void **state) {
     UNUSED(state);
     fnl_scene *scene = test_scene();
     fnl_renderer *renderer = test_renderer(scene);
-    renderer->poison = true;
+    harness_hooks(renderer)->poison = true;
     for (uint32_t i = 0; i < 4; i++) {
         fnl_frame frame = wide_frame(0);
         frame.width = i & 1 ? 1 : 33;

@@ -130,7 +130,7 @@ static void test_orders(void **state) {
     UNUSED(state);
     fnl_scene *scene = crowd(90);
     fnl_renderer *renderer = test_renderer(scene);
-    renderer->poison = true;
+    harness_hooks(renderer)->poison = true;
     for (uint32_t shading = 0; shading < FNL_SHADING_AUTO; shading++) {
         check_order(renderer, (fnl_shading)shading, shading % VIEW_COUNT, 1);
         if (shading_is((fnl_shading)shading, SHADING_SAMPLES))
@@ -465,8 +465,8 @@ static void test_overflow(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(capacities); i++)
         for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {
             fnl_renderer *own = test_renderer(scene);
-            own->poison = true;
-            own->cluster_limit = true;
+            harness_hooks(own)->poison = true;
+            harness_hooks(own)->cluster_limit = true;
             own->cluster_capacity = capacities[i][0];
             own->triangle_capacity = capacities[i][1];
             frame.culling = (fnl_culling)culling;
@@ -476,7 +476,7 @@ static void test_overflow(void **state) {
             assert_true(stats.items_whole > 0);
             if (i == 0) assert_true(stats.items_whole > 20);
             free_picture(&culled);
-            own->cluster_limit = false;
+            harness_hooks(own)->cluster_limit = false;
             for (int k = 0; k < 3; k++) { /* its counts are heeded when its slot comes round */
                 culled = shoot(own, &frame);
                 assert_true(test_equal(&whole, &culled));
@@ -573,7 +573,7 @@ static void test_occlusion_moves(void **state) {
         uint32_t wall;
         fnl_scene *scene = walled_crowd(&wall);
         fnl_renderer *hides = test_renderer(scene), *shows = test_renderer(scene);
-        hides->poison = true;
+        harness_hooks(hides)->poison = true;
         fnl_frame frame = crowd_frame(VIEW_PLAIN);
         frame.culling = (fnl_culling)culling;
         compare_occlusion(hides, shows, frame, "the first frame");

@@ -149,7 +149,7 @@ static void test_orders(void **state) {
     if (!has_meshes()) skip();
     fnl_scene *scene = garden(60);
     fnl_renderer *renderer = test_renderer(scene);
-    renderer->poison = true;
+    harness_hooks(renderer)->poison = true;
     for (uint32_t shading = 0; shading < FNL_SHADING_AUTO; shading++)
         for (uint32_t samples = 1; samples <= 4; samples += 3) {
             if (samples > 1 && !shading_is((fnl_shading)shading, SHADING_SAMPLES)) continue;
@@ -261,8 +261,8 @@ static void test_overflow(void **state) {
         fnl_image expected = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &vertex);
         for (uint32_t i = 0; i < COUNT_OF(capacities); i++) {
             fnl_renderer *own = test_renderer(scene);
-            own->poison = true;
-            own->cluster_limit = true;
+            harness_hooks(own)->poison = true;
+            harness_hooks(own)->cluster_limit = true;
             own->cluster_capacity = capacities[i];
             own->triangle_capacity = 1; /* which mesh shaders do without */
             fnl_image drawn = shoot(own, frame, FNL_GEOMETRY_MESH, &mesh);
@@ -272,7 +272,7 @@ static void test_overflow(void **state) {
             assert_int_equal(mesh.triangles_drawn + mesh.triangles_outside + mesh.triangles_back + mesh.triangles_small,
                              mesh.triangles_total);
             free_picture(&drawn);
-            own->cluster_limit = false;
+            harness_hooks(own)->cluster_limit = false;
             for (int k = 0; k < 3; k++) { /* its counts are heeded when its slot comes round */
                 drawn = shoot(own, frame, FNL_GEOMETRY_MESH, &mesh);
                 assert_true(test_equal(&expected, &drawn));
@@ -296,8 +296,8 @@ static void test_many_groups(void **state) {
     fnl_renderer *renderer = test_renderer(scene);
     static const uint32_t rows[][2] = {{1, 1}, {3, 2}, {5, 64}};
     for (uint32_t i = 0; i < COUNT_OF(rows); i++) {
-        renderer->mesh_row = rows[i][0];
-        renderer->mesh_rows = rows[i][1];
+        harness_hooks(renderer)->mesh_row = rows[i][0];
+        harness_hooks(renderer)->mesh_rows = rows[i][1];
         fnl_frame frame = garden_frame(VIEW_PLAIN);
         frame.culling = i & 1 ? FNL_CULLING_CLUSTERS : FNL_CULLING_TRIANGLES;
         compare(renderer, frame, "short rows");
@@ -358,7 +358,7 @@ static void test_fallback(void **state) {
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = garden_frame(VIEW_PLAIN);
     fnl_frame_stats stats;
-    renderer->no_meshes = true;
+    harness_hooks(renderer)->no_meshes = true;
     fnl_image expected = shoot(renderer, frame, FNL_GEOMETRY_VERTEX, &stats),
               drawn = shoot(renderer, frame, FNL_GEOMETRY_AUTO, &stats);
     assert_true(test_equal(&expected, &drawn));
@@ -370,7 +370,7 @@ static void test_fallback(void **state) {
     assert_non_null(strstr(test_device_memory.last_error, "mesh shaders"));
     frame.geometry = FNL_GEOMETRY_COUNT;
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_INVALID);
-    renderer->no_meshes = false;
+    harness_hooks(renderer)->no_meshes = false;
     if (has_meshes()) {
         frame.geometry = FNL_GEOMETRY_MESH;
         frame.culling = FNL_CULLING_INSTANCES;
@@ -387,7 +387,7 @@ static void test_fallback(void **state) {
             assert_int_equal(stats.geometry, cpu ? FNL_GEOMETRY_VERTEX : FNL_GEOMETRY_MESH);
             assert_true(test_equal(&expected, &drawn));
             free_picture(&drawn);
-            renderer->auto_meshes = true;
+            harness_hooks(renderer)->auto_meshes = true;
         }
         for (int i = 0; i < 3; i++) {
             fnl_frame other = frame;

@@ -95,11 +95,11 @@ static uint8_t *tap(struct stage *stage, const fnl_frame *frame, bool separate) 
     const uint64_t size = 8ull * 4 * frame->width * frame->height;
     struct gpu_buffer buffer;
     assert_int_equal(gpu_buffer_create(harness_device(), "mobile tap", size, GPU_MEMORY_READBACK, &buffer), FNL_OK);
-    stage->renderer->mobile_tap = &buffer;
+    harness_hooks(stage->renderer)->mobile_tap = &buffer;
     fnl_frame tapped = *frame;
     tapped.mobile.separate = separate;
     struct shot shot = stage_shoot(stage, &tapped);
-    stage->renderer->mobile_tap = NULL;
+    harness_hooks(stage->renderer)->mobile_tap = NULL;
     uint8_t *copy = malloc(size);
     assert_non_null(copy);
     memcpy(copy, buffer.mapped, size);

@@ -474,7 +474,7 @@ static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
     fnl_frame frame = mobile_frame(&stage);
     struct shot merged = stage_shoot(&stage, &frame);
     assert_int_equal(stage.renderer->mobile_notes, 0);
-    stage.renderer->cannot_merge = true;
+    harness_hooks(stage.renderer)->cannot_merge = true;
     struct shot fallback = stage_shoot(&stage, &frame);
     assert_true(merged.stats.mobile_merged && !fallback.stats.mobile_merged);
     assert_int_equal(stage.renderer->mobile_notes, 2); /* and it said so */

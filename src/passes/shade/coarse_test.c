@@ -328,9 +328,9 @@ static void test_minmax_CP_14(void **state) {
         struct shot z = coarse_view(&stage, frame, FNL_DEBUG_COARSE_REASON);
         frame.coarse.criterion = FNL_COARSE_CRITERION_MINMAX;
         struct shot samplers = coarse_view(&stage, frame, FNL_DEBUG_COARSE_REASON);
-        stage.renderer->no_minmax = true;
+        harness_hooks(stage.renderer)->no_minmax = true;
         struct shot loads = coarse_view(&stage, frame, FNL_DEBUG_COARSE_REASON);
-        stage.renderer->no_minmax = false;
+        harness_hooks(stage.renderer)->no_minmax = false;
         uint32_t both = 0, z_alone = 0, beyond = 0;
         for (uint32_t y = 0; y < 91; y += size)
             for (uint32_t x = 0; x < 161; x += size) {

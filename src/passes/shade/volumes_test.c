@@ -551,7 +551,7 @@ static void test_one_light_at_a_time_ES_18(void **state) {
         for (uint32_t count = 1; !without && count <= HOOKED; count += HOOKED - 1) {
             struct volumes_hook hook = {keep_off, &keeper, count};
             keeper.next = 0;
-            stage.renderer->volume_hook = &hook;
+            harness_hooks(stage.renderer)->volume_hook = &hook;
             struct shot shot = stage_shoot(&stage, &stage.frame);
             assert_int_equal(keeper.next, count);
             bytes[count > 1] = graph_query_stats(stage.renderer->graph).transient_bytes;
@@ -569,7 +569,7 @@ static void test_one_light_at_a_time_ES_18(void **state) {
                 assert_non_null(at = strstr(at, name[0]));
                 assert_non_null(at = strstr(at, name[1]));
             }
-            stage.renderer->volume_hook = NULL;
+            harness_hooks(stage.renderer)->volume_hook = NULL;
         }
         if (without) shots[1] = stage_shoot(&stage, &stage.frame);
         stage_close(&stage);

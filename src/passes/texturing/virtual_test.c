@@ -203,7 +203,7 @@ static void test_levels(void **state) {
     frame.camera.position = (vec3){0.2f, -0.9f, 1.1f};
     frame.camera.target = (vec3){1.1f, 1.2f, 0};
     frame.outputs |= FNL_OUTPUT_POSITION;
-    stage.renderer->show_levels = true;
+    harness_hooks(stage.renderer)->show_levels = true;
     struct shot shot = stage_shoot(&stage, &frame);
     const float *levels = shot.radiance.pixels, *positions = shot.position.pixels;
     uint32_t seen = 0, inside[2] = {0}, seams = 0;

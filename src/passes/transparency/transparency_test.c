@@ -383,7 +383,7 @@ static void test_same_bytes(void **state) {
     fnl_image first[3][2] = {{{0}}};
     for (int run = 0; run < 3; run++) {
         fnl_renderer *renderer = test_renderer(scene);
-        renderer->poison = run == 1;
+        harness_hooks(renderer)->poison = run == 1;
         for (int t = 1; t < FNL_TRANSPARENCY_COUNT; t++)
             for (uint32_t k = 0; k < 2 && has_samples(4); k++) {
                 fnl_frame frame = square_frame((fnl_transparency)t);
@@ -484,7 +484,7 @@ static void test_weighted_single_layer(void **state) {
         assert_true(seen > 500);
         frame.transparency = FNL_TRANSPARENCY_WEIGHTED;
         for (int half = 0; half < 2; half++) {
-            renderer->weighted_half = half;
+            harness_hooks(renderer)->weighted_half = half;
             test_render_frame(renderer, &frame);
             fnl_image weighted = test_read(renderer, FNL_OUTPUT_COLOR);
             print_message("%u samples, %d-bit sums: off by %g/255\n", samples, half ? 16 : 32,
@@ -518,7 +518,7 @@ static void test_weighted_means(void **state) {
             frame.camera.near_distance = 0.1f;
             frame.camera.far_distance = 100;
             frame.msaa = samples;
-            renderer->weighted_half = half;
+            harness_hooks(renderer)->weighted_half = half;
             fnl_image image = shoot(renderer, &frame, NULL);
             /* Where the middle of a pixel is not covered drivers may take the depth elsewhere. */
             double tolerance = half ? 4e-3 : samples > 1 ? 1e-3 : 1e-4;

@@ -122,7 +122,7 @@ static void check_stored(fnl_scene *scene, fnl_frame frame, double allowed, uint
     fnl_image pictures[2];
     for (int k = 0; k < 2; k++) {
         frame.visibility.barycentrics = k;
-        renderer->poison = true;
+        harness_hooks(renderer)->poison = true;
         test_render_frame(renderer, &frame);
         pictures[k] = test_read(renderer, FNL_OUTPUT_RADIANCE);
         char plan[32768];
@@ -178,7 +178,7 @@ static void test_wide_ids(void **state) {
     fnl_image narrow = {0};
     static const uint32_t bits[] = {32, 48, 64};
     for (uint32_t i = 0; i < COUNT_OF(bits); i++) {
-        renderer->visibility_bits = bits[i];
+        harness_hooks(renderer)->visibility_bits = bits[i];
         test_render_frame(renderer, &frame);
         char plan[32768];
         assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);

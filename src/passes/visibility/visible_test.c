@@ -97,7 +97,7 @@ static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height
     fnl_image plain = {0};
     for (int sort = FNL_VISIBILITY_SORT_OFF; sort < FNL_VISIBILITY_SORT_COUNT; sort++) {
         frame.visibility.sort = (fnl_visibility_sort)sort;
-        renderer->poison = true;
+        harness_hooks(renderer)->poison = true;
         test_render_frame(renderer, &frame);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
         if (sort == FNL_VISIBILITY_SORT_OFF) {
@@ -352,8 +352,8 @@ static void check_samples(bool slopes) {
                         : way == FNL_VISIBILITY_SORT_COUNT ? FNL_SHADING_TEXTURING
                                                            : FNL_SHADING_VIRTUAL_TEXTURING;
         frame.visibility.sort = (fnl_visibility_sort)sort;
-        renderer->visibility_bits = sort == FNL_VISIBILITY_SORT_CLASS ? 64 : 32;
-        renderer->poison = true;
+        harness_hooks(renderer)->visibility_bits = sort == FNL_VISIBILITY_SORT_CLASS ? 64 : 32;
+        harness_hooks(renderer)->poison = true;
         test_render_frame(renderer, &frame);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
         fnl_frame_stats stats;
@@ -486,7 +486,7 @@ static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double 
     fnl_frame_stats stats;
     frame.shading = FNL_SHADING_VISIBILITY;
     frame.count_lights = true;
-    renderer->visibility_bits = bits;
+    harness_hooks(renderer)->visibility_bits = bits;
     for (uint32_t i = 0; i < 4; i++) {
         frame.jitter = places[i];
         test_render_frame(renderer, &frame);

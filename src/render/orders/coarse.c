@@ -12,7 +12,7 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     fnl_debug_view view = f->frame->debug;
     struct coarse_params params = {.options = f->frame->coarse,
-                                   .samplers = coarse_has_samplers(f->r->device) && !f->r->no_minmax,
+                                   .samplers = coarse_has_samplers(f->r->device) && !renderer_tests(f->r).no_minmax,
                                    .words = view == FNL_DEBUG_COARSE || view == FNL_DEBUG_COARSE_REASON};
     struct gbuffer gbuffer = coarse_gbuffer_add(f->graph, input, &params, prepass, f->radiance, f->depth);
     order_add_lists(f, f->depth, &gbuffer);

@@ -9,15 +9,16 @@ _Static_assert(FNL_DEBUG_DAIS_TRIANGLES - FNL_DEBUG_DAIS_ADDRESSES == DAIS_VIEW_
 
 static struct dais_params params_of(const fnl_renderer *r, const fnl_frame *frame) {
     const fnl_device_info *info = gpu_info(r->device);
+    const struct renderer_tests tests = renderer_tests(r);
     return (struct dais_params){.lists = frame->dais.mode == FNL_DAIS_LIST,
                                 .shared_samples = frame->dais.multirate,
-                                .each_sample = frame->msaa > 1 && (!info->post_depth_coverage || r->dais_plain),
-                                .quads = info->quad_operations && !r->dais_plain,
+                                .each_sample = frame->msaa > 1 && (!info->post_depth_coverage || tests.dais_plain),
+                                .quads = info->quad_operations && !tests.dais_plain,
                                 .buckets = frame->dais.cache_buckets,
                                 .capacity = MAX(r->dais_capacity, 64u),
                                 .node_capacity = MAX(r->dais_node_capacity, 2u),
-                                .probe = r->dais_probe,
-                                .attempts = r->dais_impatient ? 0 : DAIS_ATTEMPTS};
+                                .probe = tests.dais_probe,
+                                .attempts = tests.dais_impatient ? 0 : DAIS_ATTEMPTS};
 }
 
 static fnl_result check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {

@@ -76,7 +76,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
 
 /* For tests: what the scope leaves at each pixel. */
 static void add_tap(struct frame_state *f, const struct mobile_result *result) {
-    struct tap_data data = {.buffer = graph_import_buffer(f->graph, "mobile tap", f->r->mobile_tap),
+    struct tap_data data = {.buffer = graph_import_buffer(f->graph, "mobile tap", renderer_tests(f->r).mobile_tap),
                             .bytes = (uint64_t)f->frame->width * f->frame->height * 4,
                             .count = result->target_count};
     memcpy(data.targets, result->targets, sizeof data.targets);
@@ -117,8 +117,8 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     if (!f->frame->count_lights) blend_input.counters = (graph_buffer){0};
     const struct mobile_blend blend = {.input = &blend_input,
                                        .weighted = f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED,
-                                       .half = f->r->weighted_half || weighted_needs_half(f->r->device)};
-    params.separate |= f->r->cannot_merge;
+                                       .half = renderer_tests(f->r).weighted_half || weighted_needs_half(f->r->device)};
+    params.separate |= renderer_tests(f->r).cannot_merge;
     /* What is drawn over opaque surfaces comes before blended ones. */
     bool more = f->frame->light_lod > 0 || decals_redraws(f);
     f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
@@ -133,7 +133,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                                              prepass, f->depth, &params, decals_in_gbuffer(f) ? &decals : NULL, &finish);
     if (f->mobile_tonemapped) f->color = result.target;
     f->mobile_merged = result.merged;
-    if (f->r->mobile_tap) add_tap(f, &result);
+    if (renderer_tests(f->r).mobile_tap) add_tap(f, &result);
     if (!result.merged && !f->frame->mobile.separate)
         note_once(f->r, 1,
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");

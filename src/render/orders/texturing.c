@@ -42,7 +42,7 @@ static void add_virtual(struct frame_state *f, struct shade_input *input, bool p
     virtual_update_add(f->graph, &pages);
     f->page_commands = pages.commands;
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
-    texturing.shows_levels = r->show_levels;
+    texturing.shows_levels = renderer_tests(r).show_levels;
     f->texturing = texturing;
     shade(f, input, &texturing);
     texturing_forward_add(f->graph, input, f->radiance, f->depth);

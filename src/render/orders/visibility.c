@@ -26,7 +26,7 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     const fnl_visibility_options *options = &f->frame->visibility;
-    uint32_t bits = f->r->visibility_bits;
+    uint32_t bits = renderer_tests(f->r).visibility_bits;
     struct visibility visibility;
     if (options->grid && !decals_redraws(f)) /* which look for the very depth of pixels' centres */
         visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
