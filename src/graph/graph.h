@@ -286,7 +286,7 @@ fnl_result graph_ask_pipelines(struct graph *graph, uint64_t *out_ticket);
 /**
  * Timers of a frame, in pass order; false when there are none. Frame N - GPU_FRAMES_IN_FLIGHT, with N the latest executed,
  * is at hand; a later one is waited for; an earlier one is forgotten. Culled passes and those after the 1024th do not
- * appear. `out` is valid until the next execute. Names are those given to graph_add_pass.
+ * appear. `out` is valid until the next execute. Names are those of passes, with their scopes.
  */
 struct graph_timer {
     const char *name;
