@@ -169,7 +169,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     append_lights(into, from, &at);
     append_decals(into, from, &at);
     append_words(into, from);
-    into->structure_version++;
+    scene_materials_changed(into);
     arena_adopt(&into->arena, &from->arena);
     from->files.count = from->resources.count = 0; /* they are the scene's now */
 
