@@ -58,6 +58,7 @@ static void add_run(json_t *json, const struct render_options *o) {
     json_object_set_new(json, "traffic", json_boolean(o->traffic));
     json_object_set_new(json, "device", text(o->device));
     json_object_set_new(json, "validate", json_boolean(o->validate));
+    json_object_set_new(json, "no_cache", json_boolean(o->no_cache));
     json_object_set_new(json, "quiet", json_boolean(o->quiet));
 }
 
