@@ -99,9 +99,13 @@ static void maker_end(struct frame_maker *m) {
 }
 
 static VkDeviceAddress send_view(const struct gpu_view *view) {
-    struct gpu_slice slice = gpu_frame_allocate(test_device, sizeof *view);
-    assert_non_null(slice.data);
-    memcpy(slice.data, view, sizeof *view);
+    struct gpu_frame shared = {.hdr_max = FLT_MAX};
+    struct gpu_view sent = *view;
+    struct gpu_slice shared_slice = gpu_frame_allocate(test_device, sizeof shared), slice = gpu_frame_allocate(test_device, sizeof sent);
+    assert_true(shared_slice.data && slice.data);
+    memcpy(shared_slice.data, &shared, sizeof shared);
+    sent.frame = shared_slice.address;
+    memcpy(slice.data, &sent, sizeof sent);
     return slice.address;
 }
 
