@@ -344,6 +344,5 @@ int main(void) {
         {"ES-44: glass in three ways, and views", test_glass, NULL, harness_check, NULL},
         {"ES-10, ES-12, ES-13, FP-8: G-buffers with 4 samples", test_layouts, NULL, harness_check, NULL},
     };
-    if (getenv("F")) cmocka_set_test_filter(getenv("F"));
     return cmocka_run_group_tests_name("shading orders with samples", tests, harness_begin, harness_end);
 }
