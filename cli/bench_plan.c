@@ -50,9 +50,9 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
             strcmp(other->options, candidate->options) == 0)
             return true;
     }
-    if (!fnl_lists_supported(candidate->shading, candidate->lists))
+    if (!fnl_shading_supports(candidate->shading, candidate->lists, 1))
         return skip(plan, to, candidate, "these lists do not go with this shading path");
-    if (to->msaa > 1 && !fnl_msaa_supported(candidate->shading))
+    if (!fnl_shading_supports(candidate->shading, candidate->lists, to->msaa))
         return skip(plan, to, candidate, "this shading path has no MSAA");
     if (strstr(candidate->options, "visibility.barycentrics=on") && strstr(candidate->options, "visibility.grid=on"))
         return skip(plan, to, candidate, "the grid stores no barycentrics");

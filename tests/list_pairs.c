@@ -14,7 +14,7 @@ const char *pair_name(const fnl_frame *frame) {
 static uint32_t tried[2][FNL_SHADING_AUTO][FNL_LISTS_COUNT];
 
 static bool is_comparable(fnl_shading shading, fnl_light_lists lists, uint32_t msaa) {
-    if (!fnl_lists_supported(shading, lists) || (msaa > 1 && !fnl_msaa_supported(shading))) return false;
+    if (!fnl_shading_supports(shading, lists, msaa)) return false;
     /* Lists of blended surfaces alone, which all orders draw alike. */
     if (shading_is(shading, SHADING_VOLUMES)) return lists == FNL_LISTS_TILED || lists == FNL_LISTS_CLUSTERED;
     return msaa == 1 || (lists != FNL_LISTS_BATCHES && lists != FNL_LISTS_MULTIPASS); /* for which mesh lists stand in */
@@ -83,7 +83,7 @@ void pairs_check_orders(struct stage *stage, fnl_frame frame, uint32_t turns) {
     struct shot first = {0};
     for (uint32_t s = 0; s < ORDERS; s++) {
         frame.shading = (fnl_shading)s;
-        if (frame.msaa > 1 && !fnl_msaa_supported(frame.shading)) continue;
+        if (!fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, frame.msaa)) continue;
         struct shot all = shoot_all(stage, frame);
         for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_COUNT; l++)
             for (uint32_t t = now; t < now + turns; t++)

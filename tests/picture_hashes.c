@@ -53,7 +53,7 @@ static void print_lists(struct stage *s) {
     fnl_frame frame = s->frame;
     for (frame.shading = 0; frame.shading < FNL_SHADING_AUTO; frame.shading++)
         for (frame.lists = 0; frame.lists < FNL_LISTS_AUTO; frame.lists++)
-            if (fnl_lists_supported(frame.shading, frame.lists)) print_hash(s, &frame, "plain");
+            if (fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) print_hash(s, &frame, "plain");
 }
 
 /* What goes with most orders, one after the other. */
@@ -64,7 +64,7 @@ static void print_ways(struct stage *s) {
         plain.lists = FNL_LISTS_CLUSTERED;
         fnl_frame frame = plain;
         frame.msaa = 4;
-        if (fnl_msaa_supported(shading)) print_hash(s, &frame, "msaa");
+        if (fnl_shading_supports(shading, FNL_LISTS_AUTO, 4)) print_hash(s, &frame, "msaa");
         frame = plain;
         frame.transparency = FNL_TRANSPARENCY_LINKED;
         print_hash(s, &frame, "linked");

@@ -364,9 +364,9 @@ void shot_free(struct shot *shot) {
 }
 
 bool harness_tries(fnl_shading shading, fnl_light_lists lists, uint32_t step) {
-    if (!fnl_lists_supported(shading, lists)) return false;
+    if (!fnl_shading_supports(shading, lists, 1)) return false;
     if (shading == FNL_SHADING_DEFERRED || ((uint32_t)lists + (uint32_t)shading) % step == 0) return true;
-    return shading < FNL_SHADING_DEFERRED && !fnl_lists_supported(FNL_SHADING_DEFERRED, lists);
+    return shading < FNL_SHADING_DEFERRED && !fnl_shading_supports(FNL_SHADING_DEFERRED, lists, 1);
 }
 
 uint64_t count_differing(const fnl_image *a, const fnl_image *b) {

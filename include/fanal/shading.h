@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/** The shading paths. All give the same picture, except those that say otherwise. fnl_msaa_supported() says which have MSAA. */
+/** The shading paths. All give the same picture, except those that say otherwise. fnl_shading_supports() says which have MSAA. */
 typedef enum fnl_shading {
     FNL_SHADING_FORWARD = 0,     /**< one pass over the geometry */
     FNL_SHADING_FORWARD_PREPASS, /**< depth first, then each visible fragment once */
@@ -49,10 +49,12 @@ typedef enum fnl_shading {
     FNL_SHADING_COUNT
 } fnl_shading;
 
-/** Whether a path can use a kind of light list; a frame that asks for a pair that cannot fails with FNL_ERROR_UNSUPPORTED. */
-FNL_API bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists);
-/** Whether a path has MSAA (fnl_frame.msaa). FNL_SHADING_AUTO has: it chooses a path that does. */
-FNL_API bool fnl_msaa_supported(fnl_shading shading);
+/**
+ * Whether a path can use a kind of light list with `msaa` samples per pixel (1, 2, 4 or 8; false for other numbers); a frame that asks for what it
+ * cannot fails with FNL_ERROR_UNSUPPORTED. FNL_LISTS_AUTO: whether some lists can, so this asks for the path and the samples alone.
+ * FNL_SHADING_AUTO: whether some path can. The device may have fewer samples: fnl_device_info.msaa_counts.
+ */
+FNL_API bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t msaa);
 /** Whether FNL_SHADING_AUTO measures this path. */
 FNL_API bool fnl_shading_likely(fnl_shading shading);
 /**

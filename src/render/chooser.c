@@ -20,7 +20,7 @@ static bool is_deferred(fnl_shading shading) { return shading_is(shading, SHADIN
 
 /* Whether a pair is worth a try in this case, and gives the very same picture. */
 static bool worth(const struct choice_case *at, struct choice c) {
-    if (!fnl_lists_supported(c.shading, c.lists)) return false;
+    if (!fnl_shading_supports(c.shading, c.lists, at->msaa)) return false;
     /* Edges are lit at other points of their pixels than with forward shading: taken only if asked for. */
     if (is_deferred(c.shading) && at->msaa > 1 && at->asked.shading == FNL_SHADING_AUTO) return false;
     bool splits = c.lists == FNL_LISTS_HALFZ || c.lists == FNL_LISTS_25D || c.lists == FNL_LISTS_BACKFACE;
@@ -59,7 +59,7 @@ static fnl_light_lists likely_lists(const struct choice_case *at, fnl_shading sh
     for (uint32_t i = 0; i < count; i++)
         if ((lists[i] != FNL_LISTS_ALL || at->light_count <= 8) && worth(at, (struct choice){shading, lists[i]}))
             return lists[i];
-    return fnl_lists_supported(shading, FNL_LISTS_CLUSTERED) ? FNL_LISTS_CLUSTERED : FNL_LISTS_ALL;
+    return fnl_shading_supports(shading, FNL_LISTS_CLUSTERED, at->msaa) ? FNL_LISTS_CLUSTERED : FNL_LISTS_ALL;
 }
 
 static const fnl_shading orders[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_FORWARD};
@@ -86,7 +86,7 @@ struct choice chooser_guess(const struct choice_case *at) {
         c.shading = FNL_SHADING_FORWARD_PREPASS;
         for (uint32_t i = COUNT_OF(orders); i-- > 0;) {
             struct choice pair = {orders[i], c.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : c.lists};
-            if (fnl_lists_supported(pair.shading, pair.lists) && !(is_deferred(pair.shading) && at->msaa > 1))
+            if (fnl_shading_supports(pair.shading, pair.lists, at->msaa) && !(is_deferred(pair.shading) && at->msaa > 1))
                 c.shading = pair.shading;
         }
     }
@@ -104,7 +104,7 @@ static void add_candidate(struct chooser *c, struct choice choice) {
 static void add_orders(struct chooser *c, const struct choice_case *at) {
     for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
         struct choice pair = {orders[i], at->asked.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : at->asked.lists};
-        if (fnl_lists_supported(pair.shading, pair.lists) && !(is_deferred(pair.shading) && at->msaa > 1))
+        if (fnl_shading_supports(pair.shading, pair.lists, at->msaa) && !(is_deferred(pair.shading) && at->msaa > 1))
             add_candidate(c, pair);
     }
 }
@@ -440,7 +440,7 @@ struct choice chooser_pick(struct chooser *c, const struct choice_case *at, bool
     if (other) {
         chooser_keep(c);
         const struct remembered_choice *known = recall(c, chooser_key(at));
-        if (known && fnl_lists_supported(known->choice.shading, known->choice.lists)) {
+        if (known && fnl_shading_supports(known->choice.shading, known->choice.lists, at->msaa)) {
             c->at = *at;
             c->choice = known->choice;
             c->milliseconds = known->milliseconds;

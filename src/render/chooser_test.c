@@ -134,6 +134,10 @@ static void test_likely_pairs_are_those_that_are_tried(void **state) {
             struct choice_case at = some_case(counts[n / 2]);
             at.msaa = n % 2 ? 4 : 1;
             at.asked.shading = (fnl_shading)shading;
+            if (!fnl_shading_supports(at.asked.shading, FNL_LISTS_AUTO, at.msaa)) { /* such frames are refused */
+                assert_false(fnl_lists_likely(at.asked.shading, FNL_LISTS_TILED, at.light_count, at.msaa));
+                continue;
+            }
             settle(&m, &at);
             uint32_t tried = 0;
             for (uint32_t l = 0; l < FNL_LISTS_AUTO; l++) {

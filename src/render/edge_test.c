@@ -58,7 +58,7 @@ static void assert_lists_agree(struct stage *s) {
         assert_int_equal(count_broken(&all.radiance), 0);
         for (int lists = 1; lists < FNL_LISTS_COUNT; lists++) {
             s->frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(s->frame.shading, s->frame.lists)) continue;
+            if (!fnl_shading_supports(s->frame.shading, s->frame.lists, s->frame.msaa)) continue;
             struct shot shot = stage_shoot(s, &s->frame);
             assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
             shot_free(&shot);

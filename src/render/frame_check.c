@@ -61,10 +61,10 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     TRY(check_gbuffer(call, frame));
     TRY(check_geometry(call, r, frame));
     TRY(check_count(call, "outputs", frame->outputs, 0, (1u << OUTPUT_COUNT) - 1));
-    if (!fnl_lists_supported(frame->shading, frame->lists))
+    if (!fnl_shading_supports(frame->shading, frame->lists, 1))
         return unsupported(call, "%s lists do not work with %s shading", fnl_value_name(FNL_ENUM_LISTS, frame->lists),
                            fnl_value_name(FNL_ENUM_SHADING, frame->shading));
-    if (!fnl_msaa_supported(frame->shading) && frame->msaa > 1)
+    if (!fnl_shading_supports(frame->shading, frame->lists, frame->msaa))
         return unsupported(call, "%s shading has no MSAA; use another path, or 1 sample", fnl_value_name(FNL_ENUM_SHADING, frame->shading));
     uint32_t counts = gpu_info(r->device)->msaa_counts;
     if (!(counts & frame->msaa))

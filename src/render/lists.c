@@ -356,12 +356,14 @@ static const struct builder {
     [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
 };
 
-bool fnl_lists_supported(fnl_shading shading, fnl_light_lists lists) {
+bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t msaa) {
     if (shading == FNL_SHADING_AUTO) { /* some order */
         bool any = false;
-        for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) any = any || fnl_lists_supported((fnl_shading)i, lists);
+        for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) any = any || fnl_shading_supports((fnl_shading)i, lists, msaa);
         return any;
     }
+    if (msaa != 1 && msaa != 2 && msaa != 4 && msaa != 8) return false;
+    if (msaa > 1 && !shading_is(shading, SHADING_SAMPLES)) return false;
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
     if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
     if (builders[lists].flags & FORWARD_ONLY) return shading_is(shading, SHADING_ITEMS);

@@ -35,7 +35,7 @@ static void test_reaches_for_those_who_use_them(void **state) {
     uint32_t with = 0, without = 0;
     for (uint32_t l = FNL_LISTS_TILED; l < FNL_LISTS_AUTO; l++) {
         frame.lists = (fnl_light_lists)l;
-        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
         for (uint32_t v = 0; v < 3; v++) {
             frame.list = fnl_frame_default().list;
             frame.list.cone_tests = v == 0;
@@ -69,7 +69,7 @@ static void check_overflow(struct stage *stage, fnl_frame frame, uint32_t capaci
         frame.lists = (fnl_light_lists)l;
         /* These count before they store, and need no pool. */
         if (l == FNL_LISTS_TREE || l == FNL_LISTS_CLUSTERED_CPU || l == FNL_LISTS_GRID2D || l == FNL_LISTS_WORLD) continue;
-        if (l == FNL_LISTS_AUTO || !fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (l == FNL_LISTS_AUTO || !fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
         uint32_t small = l == FNL_LISTS_ZBIN ? capacity / 40 : capacity; /* entries of z-bins are words of 32 lights */
         harness_set_pool(stage, 1u << 22);
         struct shot fits = stage_shoot(stage, &frame);
@@ -151,7 +151,7 @@ static void test_two_runs_and_threads(void **state) {
                 stage.frame.shading = orders[s];
                 stage.frame.lists = (fnl_light_lists)l;
                 shots[run][s][l] = (struct shot){0};
-                if (!fnl_lists_supported(orders[s], stage.frame.lists)) continue;
+                if (!fnl_shading_supports(orders[s], stage.frame.lists, 1)) continue;
                 stage.frame.record_threads = run == 0 ? 1 : 4;
                 shots[run][s][l] = stage_shoot(&stage, &stage.frame);
             }

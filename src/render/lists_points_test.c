@@ -283,7 +283,7 @@ static void test_stats_ES_41(void **state) {
     uint64_t quads = (uint64_t)stage.frame.width * stage.frame.height * 256;
     for (uint32_t l = FNL_LISTS_ALL; l < FNL_LISTS_COUNT; l++) {
         stage.frame.lists = (fnl_light_lists)l;
-        if (!fnl_lists_supported(stage.frame.shading, stage.frame.lists)) continue;
+        if (!fnl_shading_supports(stage.frame.shading, stage.frame.lists, stage.frame.msaa)) continue;
         struct shot shot = stage_shoot(&stage, &stage.frame);
         assert_true(shot.stats.evaluations_counted && shot.stats.evaluations > 0);
         if (l == FNL_LISTS_ALL)

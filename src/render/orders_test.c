@@ -73,8 +73,8 @@ static char *read_page(const char *path) {
 }
 
 static const char *lists_of(fnl_shading shading) {
-    bool mesh = fnl_lists_supported(shading, FNL_LISTS_MESH), batches = fnl_lists_supported(shading, FNL_LISTS_BATCHES);
-    assert_int_equal(batches, fnl_lists_supported(shading, FNL_LISTS_MULTIPASS));
+    bool mesh = fnl_shading_supports(shading, FNL_LISTS_MESH, 1), batches = fnl_shading_supports(shading, FNL_LISTS_BATCHES, 1);
+    assert_int_equal(batches, fnl_shading_supports(shading, FNL_LISTS_MULTIPASS, 1));
     if (batches) return "all";
     return mesh ? "all but `batches`, `multipass`" : "all but `mesh`, `batches`, `multipass`";
 }
@@ -84,8 +84,8 @@ static void print_row(fnl_shading shading, char *row, size_t capacity) {
     const char *layouts = shading_is(shading, SHADING_LAYOUTS) ? "all" : "-";
     const char *prepass = shading_is(shading, SHADING_PREPASS) ? "always" : shading_is(shading, SHADING_MAY_PREPASS) ? "if asked" : "never";
     snprintf(row, capacity, "| `%s` | %s | %s | %s | %s | %s |\n", fnl_value_name(FNL_ENUM_SHADING, shading),
-             shading_is(shading, SHADING_APPROXIMATE) ? "close" : "equal", fnl_msaa_supported(shading) ? "yes" : "no", layouts,
-             prepass, lists_of(shading));
+             shading_is(shading, SHADING_APPROXIMATE) ? "close" : "equal",
+             fnl_shading_supports(shading, FNL_LISTS_AUTO, 4) ? "yes" : "no", layouts, prepass, lists_of(shading));
 }
 
 static void test_choosing_page_says_what_orders_do(void **state) {
@@ -128,6 +128,30 @@ static void test_views_page_lists_all_views(void **state) {
     free(page);
 }
 
+/* Facts of choosing.md, what AUTO means, and values that no frame can have. */
+static void test_supported_triples(void **state) {
+    UNUSED(state);
+    static const struct {
+        fnl_shading shading;
+        fnl_light_lists lists;
+        uint32_t msaa;
+        bool supported;
+    } cases[] = {
+        {FNL_SHADING_FORWARD, FNL_LISTS_MESH, 4, true},          {FNL_SHADING_FORWARD, FNL_LISTS_BATCHES, 1, false},
+        {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_BATCHES, 8, true}, {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, 2, true},
+        {FNL_SHADING_DEFERRED, FNL_LISTS_MESH, 1, false},        {FNL_SHADING_MOBILE, FNL_LISTS_TILED, 1, true},
+        {FNL_SHADING_MOBILE, FNL_LISTS_TILED, 2, false},         {FNL_SHADING_MOBILE, FNL_LISTS_AUTO, 1, true},
+        {FNL_SHADING_MOBILE, FNL_LISTS_AUTO, 4, false},          {FNL_SHADING_AUTO, FNL_LISTS_AUTO, 8, true},
+        {FNL_SHADING_AUTO, FNL_LISTS_MULTIPASS, 4, true},        {FNL_SHADING_COUNT, FNL_LISTS_TILED, 1, false},
+        {FNL_SHADING_DEFERRED, FNL_LISTS_COUNT, 1, false},       {FNL_SHADING_AUTO, FNL_LISTS_COUNT, 1, false},
+    };
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++)
+        assert_int_equal(fnl_shading_supports(cases[i].shading, cases[i].lists, cases[i].msaa), cases[i].supported);
+    for (uint32_t samples = 0; samples < 20; samples++)
+        assert_int_equal(fnl_shading_supports(FNL_SHADING_FORWARD, FNL_LISTS_TILED, samples),
+                         samples == 1 || samples == 2 || samples == 4 || samples == 8);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_orders_are_complete),
@@ -135,6 +159,7 @@ int main(void) {
         cmocka_unit_test(test_views_go_with_their_orders),
         cmocka_unit_test(test_choosing_page_says_what_orders_do),
         cmocka_unit_test(test_views_page_lists_all_views),
+        cmocka_unit_test(test_supported_triples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

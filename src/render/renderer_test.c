@@ -102,7 +102,7 @@ static double record_time(fnl_scene *scene, const fnl_frame *frame, fnl_frame_st
 /* Clusters and trees of the CPU are its work by definition. */
 static bool measures_recording(uint32_t lists) {
     return lists != FNL_LISTS_CLUSTERED_CPU && lists != FNL_LISTS_TREE &&
-           fnl_lists_supported(FNL_SHADING_DEFERRED, (fnl_light_lists)lists);
+           fnl_shading_supports(FNL_SHADING_DEFERRED, (fnl_light_lists)lists, 1);
 }
 
 /* The least of several attempts is compared: the work of other programs only adds to it, while work for each light is in
@@ -214,7 +214,7 @@ static fnl_frame edit_frame(uint32_t step) {
     fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE | FNL_OUTPUT_POSITION);
     frame.shading = (fnl_shading)(step % (FNL_SHADING_DEFERRED + 1));
     frame.lists = (fnl_light_lists)(step % FNL_LISTS_COUNT);
-    if (!fnl_lists_supported(frame.shading, frame.lists)) frame.lists = FNL_LISTS_CLUSTERED;
+    if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) frame.lists = FNL_LISTS_CLUSTERED;
     return frame;
 }
 
@@ -675,7 +675,7 @@ static void test_device_memory_comes_back(void **state) {
         for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
             frame.shading = FNL_SHADING_DEFERRED;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
             test_render_frame(renderer, &frame);
         }
         fnl_frame_stats stats;

@@ -41,8 +41,6 @@ bool frame_is(const fnl_frame *frame, uint32_t traits) {
     return (has & traits) == traits;
 }
 
-bool fnl_msaa_supported(fnl_shading shading) { return shading == FNL_SHADING_AUTO || shading_is(shading, SHADING_SAMPLES); }
-
 fnl_result shading_check(const struct call *call, const fnl_renderer *r, const fnl_frame *frame) {
     const struct order *order = orders[frame->shading];
     return order->check ? order->check(call, r, frame) : FNL_OK;

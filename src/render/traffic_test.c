@@ -96,9 +96,9 @@ static void test_orders(void **state) {
             frame.shading = (fnl_shading)shading;
             frame.msaa = samples;
             frame.visibility.barycentrics = shading == FNL_SHADING_VISIBILITY && samples == 1;
-            if (samples > 1 && !fnl_msaa_supported(frame.shading)) continue;
+            if (!fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, samples)) continue;
             if (glass && shading % 5) continue; /* a few will do */
-            if (!fnl_lists_supported(frame.shading, frame.lists)) frame.lists = FNL_LISTS_ALL;
+            if (!fnl_shading_supports(frame.shading, frame.lists, samples)) frame.lists = FNL_LISTS_ALL;
             char what[64];
             snprintf(what, sizeof what, "%s, %u samples", fnl_value_name(FNL_ENUM_SHADING, frame.shading), samples);
             struct shot first = stage_shoot(&stage, &frame); /* uploads have barriers of their own */

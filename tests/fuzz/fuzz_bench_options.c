@@ -10,7 +10,7 @@ static void check_plan(const struct bench_plan *plan) {
         for (uint32_t k = 0; k < c->candidate_count; k++) {
             const struct bench_candidate *candidate = &c->candidates[k];
             fnl_frame frame = fnl_frame_default();
-            if (!fnl_lists_supported(candidate->shading, candidate->lists)) abort();
+            if (!fnl_shading_supports(candidate->shading, candidate->lists, 1)) abort();
             if (!bench_ways_apply("set", candidate->options, &frame)) abort();
         }
     }

@@ -27,7 +27,7 @@ static void check_choices(const uint8_t *bytes, size_t size) {
         if (!isfinite(a->milliseconds) || a->milliseconds < 0) abort();
         struct choice_case at = {.asked = {FNL_SHADING_AUTO, FNL_LISTS_AUTO}, .scene = a->key, .msaa = 1, .pixel_count = 100};
         struct choice choice = chooser_pick(&chooser, &at, i % 2, (struct chooser_background){0});
-        if (!fnl_lists_supported(choice.shading, choice.lists)) abort();
+        if (!fnl_shading_supports(choice.shading, choice.lists, 1)) abort();
     }
 }
 

@@ -150,7 +150,7 @@ static void test_light_counts(void **state) {
             fnl_frame frame = debug_frame(FNL_DEBUG_LIGHTS);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
             frame.count_lights = true;
             test_render_frame(renderer, &frame);
             fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
@@ -200,7 +200,7 @@ static void test_cells(void **state) {
         fnl_frame frame = debug_frame(FNL_DEBUG_CELLS);
         frame.shading = FNL_SHADING_DEFERRED;
         frame.lists = (fnl_light_lists)lists;
-        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
         test_render_frame(renderer, &frame);
         fnl_image image = test_read(renderer, FNL_OUTPUT_COLOR);
         bool tiles = is_one_of(frame.lists, tiled, COUNT_OF(tiled)),

@@ -156,7 +156,7 @@ static void test_glass(void **state) {
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
             test_render_frame(renderer, &frame);
             fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
             double worst = 0;
@@ -208,7 +208,7 @@ static void test_built_in_glass(void **state) {
             frame.height = 54;
             frame.shading = (fnl_shading)shading;
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
             frame.exposure = FNL_EXPOSURE_AUTO;
             frame.tonemap = FNL_TONEMAP_KHRONOS_NEUTRAL;
             assert_int_equal(fnl_scene_query_camera(scene, 0, &frame.camera), FNL_OK);
@@ -344,7 +344,7 @@ static void test_msaa_edges(void **state) {
     assert_true(edges > 100 && worst < 0.45 && sum / edges < 0.12 && sum < plain_sum / 2);
     frame.shading = FNL_SHADING_MOBILE;
     frame.msaa = 4;
-    assert_false(fnl_msaa_supported(frame.shading));
+    assert_false(fnl_shading_supports(frame.shading, FNL_LISTS_AUTO, frame.msaa));
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
     free_picture(&fine);
     free_picture(&plain);

@@ -165,7 +165,7 @@ static void test_mixed_lights(void **state) {
     fnl_renderer *renderer = test_renderer(scene);
     for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
         frame.lists = (fnl_light_lists)lists;
-        if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+        if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
         test_render_frame(renderer, &frame);
         uint32_t covered;
         double error = compare_with_reference(renderer, &frame.camera, &setup, 1e-4, &covered);
@@ -297,7 +297,7 @@ static void test_light_limits(void **state) {
         for (uint32_t lists = 0; lists < FNL_LISTS_COUNT; lists++) {
             fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
             frame.lists = (fnl_light_lists)lists;
-            if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+            if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
             test_render_frame(renderer, &frame);
             fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
             double brightest, error = 0;

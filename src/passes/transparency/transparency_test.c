@@ -715,7 +715,7 @@ static void test_glass_lights(void **state) {
                 /* All lists where they know depth; elsewhere a tile and a cluster will do. */
                 bool depth = shading == FNL_SHADING_FORWARD_PREPASS || shading == FNL_SHADING_DEFERRED;
                 if (!depth && lists != FNL_LISTS_ALL && lists != FNL_LISTS_TILED && lists != FNL_LISTS_CLUSTERED) continue;
-                if (!fnl_lists_supported(frame.shading, frame.lists)) continue;
+                if (!fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) continue;
                 fnl_image radiance = shoot(renderer, &frame, NULL);
                 double worst = glass_error(&radiance, lights, COUNT_OF(lights), t != FNL_TRANSPARENCY_WEIGHTED);
                 /* Where there is a G-buffer the wall's colour has 8 bits, off by half a per cent. */

@@ -179,7 +179,7 @@ static void test_free_places_are_in_no_list(void **state) {
     s.frame.lists = packed.frame.lists = FNL_LISTS_ALL;
     struct shot all = stage_shoot(&s, &s.frame);
     for (uint32_t lists = 0; lists < FNL_LISTS_AUTO; lists++) {
-        if (!fnl_lists_supported(s.frame.shading, (fnl_light_lists)lists)) continue;
+        if (!fnl_shading_supports(s.frame.shading, (fnl_light_lists)lists, 1)) continue;
         s.frame.lists = packed.frame.lists = (fnl_light_lists)lists;
         struct shot shot = stage_shoot(&s, &s.frame), other = stage_shoot(&packed, &packed.frame);
         assert_int_equal(count_differing(&shot.radiance, &all.radiance), 0);
