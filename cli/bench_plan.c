@@ -70,7 +70,7 @@ bool bench_plan_candidate(struct bench_plan *plan, struct bench_case *to, const 
 
 /*
  * The likely ways, where no orders or lists are named: the pairs that `auto` would measure in a scene of so many lights. Its rules, which are
- * the library's (fnl_shading_likely, fnl_lists_likely), are the one table of them. Brute force, which `auto` tries with few lights alone, joins as
+ * the library's (fnl_shading_likely), are the one table of them. Brute force, which `auto` tries with few lights alone, joins as
  * what the others are to be compared with, as long as it takes no more than a few times as long: of the orders that `auto` takes, with the default
  * one; of orders that are named, with each.
  */
@@ -80,7 +80,7 @@ static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_
     if (lists == FNL_LISTS_ALL && lights <= BRUTE_LIGHTS &&
         (m->shading_count || m->every_shading || shading == fnl_frame_default().shading))
         return true;
-    return fnl_lists_likely(shading, lists, lights, msaa);
+    return fnl_shading_likely(shading, lists, lights, msaa) & FNL_LIKELY_LISTS;
 }
 
 /* Times and pictures of these are the same with all lists but for transparent surfaces: one stands for all. */
@@ -151,10 +151,12 @@ static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, con
     struct bench_case *to = bench_plan_case(plan, wanted);
     for (uint32_t s = 0; to && s < order_count; s++) {
         fnl_shading shading = (fnl_shading)orders[s];
-        if (!m->shading_count && !m->every_shading && !fnl_shading_likely(shading)) continue;
         bool one = false;
         for (uint32_t l = 0; l < lists_count; l++) {
             fnl_light_lists kind = (fnl_light_lists)lists[l];
+            if (!m->shading_count && !m->every_shading &&
+                !(fnl_shading_likely(shading, kind, lights, wanted->msaa) & FNL_LIKELY_SHADING))
+                continue;
             if (!m->lists_count && !m->every_lists && !lists_likely(m, shading, kind, lights, wanted->msaa)) continue;
             if (!m->lists_count && !lists_matter(shading) && one) continue;
             one = true;

@@ -410,7 +410,7 @@ static void test_likely_ways_are_those_of_auto(void **state) {
         assert_true(plan.likely);
         for (uint32_t s = 0; s < FNL_SHADING_COUNT; s++)
             for (uint32_t l = 0; l < FNL_LISTS_COUNT; l++) {
-                bool likely = fnl_shading_likely((fnl_shading)s) && fnl_lists_likely((fnl_shading)s, (fnl_light_lists)l, count, 1);
+                bool likely = fnl_shading_likely((fnl_shading)s, (fnl_light_lists)l, count, 1) == (FNL_LIKELY_SHADING | FNL_LIKELY_LISTS);
                 if (s == FNL_SHADING_DEFERRED && l == FNL_LISTS_ALL) likely = likely || count <= 4096;
                 assert_int_equal(planned(plan.cases, (fnl_shading)s, (fnl_light_lists)l), likely);
                 wanted += likely;

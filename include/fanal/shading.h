@@ -55,13 +55,17 @@ typedef enum fnl_shading {
  * FNL_SHADING_AUTO: whether some path can. The device may have fewer samples: fnl_device_info.msaa_counts.
  */
 FNL_API bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t msaa);
-/** Whether FNL_SHADING_AUTO measures this path. */
-FNL_API bool fnl_shading_likely(fnl_shading shading);
+/** What fnl_shading_likely() finds; bits. */
+typedef enum fnl_likely {
+    FNL_LIKELY_SHADING = 1, /**< FNL_SHADING_AUTO chooses from paths with this one among them; with MSAA, from those that shade forward alone */
+    FNL_LIKELY_LISTS = 2    /**< FNL_LISTS_AUTO measures these lists with this path */
+} fnl_likely;
+
 /**
- * Whether FNL_LISTS_AUTO measures these lists with this path, in a scene with `light_count` point, spot and shaped lights and `msaa` samples per
- * pixel: a few dozen pairs of several hundred. False for pairs that do not go together, and for AUTO itself.
+ * What `auto` would try of this pair, in a scene with `light_count` point, spot and shaped lights and `msaa` samples per pixel; fnl_likely bits.
+ * Both are set for a few dozen pairs of several hundred. AUTO itself is never likely, nor are lists that do not go with the path.
  */
-FNL_API bool fnl_lists_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa);
+FNL_API uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa);
 
 /* ---- G-buffers: deferred, deferred-volumes ---- */
 

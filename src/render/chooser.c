@@ -64,20 +64,17 @@ static fnl_light_lists likely_lists(const struct choice_case *at, fnl_shading sh
 
 static const fnl_shading orders[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_FORWARD};
 
-bool fnl_shading_likely(fnl_shading shading) {
+uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa) {
+    uint32_t likely = 0;
     for (uint32_t i = 0; i < COUNT_OF(orders); i++)
-        if (orders[i] == shading) return true;
-    return false;
-}
-
-bool fnl_lists_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa) {
-    if ((uint32_t)shading >= FNL_SHADING_AUTO || (uint32_t)lists >= FNL_LISTS_AUTO) return false;
+        if (orders[i] == shading) likely |= FNL_LIKELY_SHADING;
+    if ((uint32_t)shading >= FNL_SHADING_AUTO || (uint32_t)lists >= FNL_LISTS_AUTO) return likely;
     struct choice_case at = {.asked = {shading, FNL_LISTS_AUTO}, .light_count = light_count, .msaa = msaa};
     uint32_t count;
     const fnl_light_lists *tried = lists_for(&at, &count);
     for (uint32_t i = 0; i < count; i++)
-        if (tried[i] == lists) return worth(&at, (struct choice){shading, lists});
-    return false;
+        if (tried[i] == lists && worth(&at, (struct choice){shading, lists})) likely |= FNL_LIKELY_LISTS;
+    return likely;
 }
 
 struct choice chooser_guess(const struct choice_case *at) {

@@ -135,21 +135,22 @@ static void test_likely_pairs_are_those_that_are_tried(void **state) {
             at.msaa = n % 2 ? 4 : 1;
             at.asked.shading = (fnl_shading)shading;
             if (!fnl_shading_supports(at.asked.shading, FNL_LISTS_AUTO, at.msaa)) { /* such frames are refused */
-                assert_false(fnl_lists_likely(at.asked.shading, FNL_LISTS_TILED, at.light_count, at.msaa));
+                assert_false(fnl_shading_likely(at.asked.shading, FNL_LISTS_TILED, at.light_count, at.msaa) & FNL_LIKELY_LISTS);
                 continue;
             }
             settle(&m, &at);
             uint32_t tried = 0;
             for (uint32_t l = 0; l < FNL_LISTS_AUTO; l++) {
-                assert_int_equal(m.tried[l], fnl_lists_likely((fnl_shading)shading, (fnl_light_lists)l, at.light_count, at.msaa));
+                uint32_t likely = fnl_shading_likely((fnl_shading)shading, (fnl_light_lists)l, at.light_count, at.msaa);
+                assert_int_equal(m.tried[l], (likely & FNL_LIKELY_LISTS) != 0);
+                assert_int_equal((likely & FNL_LIKELY_SHADING) != 0, shading < 3); /* as fnl_shading says */
                 tried += m.tried[l];
             }
             assert_true(tried >= 2 && tried <= CHOOSER_CANDIDATES);
         }
-    for (uint32_t shading = 0; shading < FNL_SHADING_COUNT; shading++)
-        assert_int_equal(fnl_shading_likely((fnl_shading)shading), shading < 3); /* as fnl_shading says */
-    assert_false(fnl_lists_likely(FNL_SHADING_AUTO, FNL_LISTS_TILED, 100, 1) ||
-                 fnl_lists_likely(FNL_SHADING_DEFERRED, FNL_LISTS_AUTO, 100, 1));
+    assert_int_equal(fnl_shading_likely(FNL_SHADING_AUTO, FNL_LISTS_TILED, 100, 1), 0);
+    assert_int_equal(fnl_shading_likely(FNL_SHADING_COUNT, FNL_LISTS_TILED, 100, 1), 0);
+    assert_int_equal(fnl_shading_likely(FNL_SHADING_DEFERRED, FNL_LISTS_AUTO, 100, 1), FNL_LIKELY_SHADING);
 }
 
 static void test_slow_candidates_get_fewer_turns(void **state) {
