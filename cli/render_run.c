@@ -351,11 +351,11 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
     return true;
 }
 
-static void print_text(const fnl_renderer *renderer, size_t (*print)(const fnl_renderer *, char *, size_t)) {
-    size_t length = print(renderer, NULL, 0);
+static void print_text(const fnl_renderer *renderer, fnl_print what) {
+    size_t length = fnl_renderer_print(renderer, what, NULL, 0);
     char *text = malloc(length + 1);
     if (!text) return;
-    print(renderer, text, length + 1);
+    fnl_renderer_print(renderer, what, text, length + 1);
     fputs(text, stdout);
     free(text);
 }
@@ -410,8 +410,8 @@ int render_run(const struct render_options *o) {
                 (unsigned long long)fnl_device_validation_count(device));
         good = false;
     }
-    if (good && o->plan) print_text(renderer, fnl_renderer_print_plan);
-    if (good && o->traffic) print_text(renderer, fnl_renderer_print_traffic);
+    if (good && o->plan) print_text(renderer, FNL_PRINT_PLAN);
+    if (good && o->traffic) print_text(renderer, FNL_PRINT_TRAFFIC);
     progress_end();
     bool table = good && !o->quiet && !o->plan && !o->traffic && !sequence;
     if (table && o->frame_count == 0) report_print_picture(&report, progress_seconds());

@@ -162,10 +162,8 @@ static fnl_loaded loaded;
       NULLED("scene", fnl_renderer_create(w.device, NULL, &made_renderer));                                                 \
       NULLED("out", fnl_renderer_create(w.device, w.scene, NULL)))                                                          \
     X(fnl_renderer_destroy, SILENT(fnl_renderer_destroy(NULL)))                                                             \
-    X(fnl_renderer_print_plan, GIVES("renderer", 0, fnl_renderer_print_plan(NULL, NULL, 0));                                \
-      SILENT(fnl_renderer_print_plan(w.renderer, NULL, 0)))                                                                 \
-    X(fnl_renderer_print_traffic, GIVES("renderer", 0, fnl_renderer_print_traffic(NULL, NULL, 0));                          \
-      SILENT(fnl_renderer_print_traffic(w.renderer, NULL, 0)))                                                              \
+    X(fnl_renderer_print, GIVES("renderer", 0, fnl_renderer_print(NULL, FNL_PRINT_PLAN, NULL, 0));                          \
+      SILENT(fnl_renderer_print(w.renderer, FNL_PRINT_TRAFFIC, NULL, 0)))                                                   \
     X(fnl_renderer_query_stats, NULLED("renderer", fnl_renderer_query_stats(NULL, &stats));                                 \
       NULLED("out", fnl_renderer_query_stats(w.renderer, NULL)))                                                            \
     X(fnl_renderer_read, NULLED("renderer", fnl_renderer_read(NULL, FNL_OUTPUT_COLOR, &difference_image));                  \
@@ -588,6 +586,10 @@ static void test_fields_of_frames(void **state) {
     frame.ev = NAN;
     SAYS("fnl_renderer_render", "ev is NaN, must be -64 .. 64 EV100", fnl_renderer_render(w.renderer, &frame));
     frame = small_frame();
+#define PRINTS(what, text, capacity) (fnl_renderer_print(w.renderer, what, text, capacity) ? FNL_OK : FNL_ERROR_INVALID)
+    SAYS("fnl_renderer_print", "what is 2, must be a value of fnl_print, 0 .. 1", PRINTS(FNL_PRINT_COUNT, NULL, 0));
+    SAYS("fnl_renderer_print", "what is -1, must be a value of fnl_print, 0 .. 1", PRINTS((fnl_print)-1, NULL, 0));
+    SAYS("fnl_renderer_print", "text is NULL, but capacity is 9", PRINTS(FNL_PRINT_TRAFFIC, NULL, 9));
     SAYS("fnl_renderer_read", "output is 3, must be one value of fnl_output",
          fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
 }

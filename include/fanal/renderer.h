@@ -38,10 +38,18 @@ FNL_API fnl_result fnl_renderer_read(fnl_renderer *renderer, fnl_output output, 
 
 /** Waits for the last frame and describes it. */
 FNL_API fnl_result fnl_renderer_query_stats(fnl_renderer *renderer, fnl_frame_stats *out);
-/** Writes the compiled frame graph of the last frame as text, zero-terminated; returns the length of the whole text. */
-FNL_API size_t fnl_renderer_print_plan(const fnl_renderer *renderer, char *text, size_t capacity);
-/** In the same way: a table of what the passes of the last frame move between images and memory. */
-FNL_API size_t fnl_renderer_print_traffic(const fnl_renderer *renderer, char *text, size_t capacity);
+/** What fnl_renderer_print() writes about the last frame. */
+typedef enum fnl_print {
+    FNL_PRINT_PLAN = 0, /**< the compiled frame graph */
+    FNL_PRINT_TRAFFIC,  /**< a table of what the passes move between images and memory */
+    FNL_PRINT_COUNT
+} fnl_print;
+
+/**
+ * Writes as much of the text as fits, zero-terminated; returns the length of the whole text, without the zero, and 0 on misuse. `text` may be NULL
+ * where `capacity` is 0.
+ */
+FNL_API size_t fnl_renderer_print(const fnl_renderer *renderer, fnl_print what, char *text, size_t capacity);
 
 #ifdef __cplusplus
 }

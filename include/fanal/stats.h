@@ -116,7 +116,7 @@ typedef struct fnl_frame_stats {
 
     /** What the passes move between images and memory, computed from formats and load and store operations, not measured: an attachment that is loaded or
         stored, and an image that a shader reads or writes, counts as a whole each time. Copies, textures and buffers are left out.
-        fnl_renderer_print_traffic() lists it by pass. */
+        fnl_renderer_print() with FNL_PRINT_TRAFFIC lists it by pass. */
     uint64_t image_bytes_read, image_bytes_written;
     /** Attachments that never leave tile memory on GPUs that have it; lazily allocated memory among them, and what the driver had to back. */
     uint64_t tile_bytes, lazy_bytes, lazy_committed_bytes;

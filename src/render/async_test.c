@@ -19,7 +19,7 @@ static void test_async_lists_give_the_same_bytes(void **state) {
             shot_free(&async);
         }
         char plan[65536];
-        assert_true(fnl_renderer_print_plan(s.renderer, plan, sizeof plan) < sizeof plan);
+        assert_true(fnl_renderer_print(s.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
         assert_non_null(strstr(plan, "compute:")); /* the plan really has a second queue */
         shot_free(&plain);
     }

@@ -47,7 +47,7 @@ static void test_reaches_for_those_who_use_them(void **state) {
             bool uses = (clusters && v == 0) || (tiles && v != 1);
             struct shot shot = stage_shoot(&stage, &frame);
             assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
-            assert_true(fnl_renderer_print_plan(stage.renderer, plan, sizeof plan) < sizeof plan);
+            assert_true(fnl_renderer_print(stage.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
             if ((strstr(plan, "light reaches") != NULL) != uses)
                 fail_msg("%s, variant %u: reaches %s", pair_name(&frame), v, uses ? "are missing" : "for nobody");
             with += uses;

@@ -381,7 +381,7 @@ static void test_misuse(void **state) {
     assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_ERROR_INVALID);
     fnl_renderer_destroy(NULL);
     fnl_renderer_destroy(&none);
-    assert_int_equal(fnl_renderer_print_plan(NULL, NULL, 0), 0);
+    assert_int_equal(fnl_renderer_print(NULL, FNL_PRINT_PLAN, NULL, 0), 0);
     assert_null(fnl_value_name(FNL_ENUM_SHADING, (fnl_shading)77));
     assert_null(fnl_value_name(FNL_ENUM_LISTS, FNL_LISTS_COUNT));
     assert_null(fnl_value_name(FNL_ENUM_TONEMAP, (fnl_tonemap)-1));

@@ -173,17 +173,12 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     return FNL_OK;
 }
 
-static bool can_print(const char *function, const fnl_renderer *r, const char *text, size_t capacity) {
-    if (check_handle(function, "renderer", r) != FNL_OK) return false;
-    if (text || !capacity) return true;
-    misuse(&(struct call){&r->host, function}, "text is NULL, but capacity is %zu", capacity);
-    return false;
-}
-
-size_t fnl_renderer_print_plan(const fnl_renderer *r, char *text, size_t capacity) {
-    return can_print(__func__, r, text, capacity) ? graph_print(r->graph, text, capacity) : 0;
-}
-
-size_t fnl_renderer_print_traffic(const fnl_renderer *r, char *text, size_t capacity) {
-    return can_print(__func__, r, text, capacity) ? graph_print_traffic(r->graph, text, capacity) : 0;
+size_t fnl_renderer_print(const fnl_renderer *r, fnl_print what, char *text, size_t capacity) {
+    if (check_handle(__func__, "renderer", r) != FNL_OK) return 0;
+    if (check_enum(CALL(&r->host), "what", (int32_t)what, FNL_PRINT_COUNT, "fnl_print") != FNL_OK) return 0;
+    if (!text && capacity) {
+        misuse(CALL(&r->host), "text is NULL, but capacity is %zu", capacity);
+        return 0;
+    }
+    return what == FNL_PRINT_PLAN ? graph_print(r->graph, text, capacity) : graph_print_traffic(r->graph, text, capacity);
 }

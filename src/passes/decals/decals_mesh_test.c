@@ -168,7 +168,7 @@ static void white_texel(uint32_t x, uint32_t y, uint8_t out[4]) {
 
 static uint32_t pass_count(fnl_renderer *r) {
     static char plan[1 << 16];
-    fnl_renderer_print_plan(r, plan, sizeof plan);
+    fnl_renderer_print(r, FNL_PRINT_PLAN, plan, sizeof plan);
     uint32_t count = 0;
     for (const char *c = plan; (c = strstr(c, "\n  pass ")) != NULL; c++) count++;
     return count;

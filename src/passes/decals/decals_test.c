@@ -479,7 +479,7 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
                 assert_int_equal(stats.decal_entries, entries);
                 assert_true(test_equal(&full, &same));
                 free_picture(&same);
-                fnl_renderer_print_plan(r, plan, sizeof plan);
+                fnl_renderer_print(r, FNL_PRINT_PLAN, plan, sizeof plan);
                 bool cells = strstr(plan, "'decals/clustered count'"), boxes = strstr(plan, "'decals/bvh count'");
                 assert_true(tree ? !cells : !boxes);
                 assert_true(boxes == (strstr(plan, "'decals/bvh keys'") != NULL));
@@ -504,13 +504,13 @@ static void test_none_cost_nothing(void **state) {
         fnl_frame frame = frame_with(FNL_SHADING_DEFERRED, (fnl_decals)way, FNL_OUTPUT_RADIANCE);
         fnl_renderer *r = test_renderer(scene);
         test_render_frame(r, &frame);
-        fnl_renderer_print_plan(r, plan, sizeof plan);
+        fnl_renderer_print(r, FNL_PRINT_PLAN, plan, sizeof plan);
         assert_null(strstr(plan, "decal"));
         fnl_image bare = test_read(r, FNL_OUTPUT_RADIANCE);
         fnl_decal_params p = plain(1, 0, 0, 1, box_at((vec3){0, 0, 0}, quat_identity(), (vec3){1, 1, 1}));
         fnl_decal_id id = add(scene, &p);
         test_render_frame(r, &frame);
-        fnl_renderer_print_plan(r, plan, sizeof plan);
+        fnl_renderer_print(r, FNL_PRINT_PLAN, plan, sizeof plan);
         assert_true((strstr(plan, "decal") != NULL) == (way != FNL_DECALS_OFF));
         assert_int_equal(fnl_scene_remove_decal(scene, id), FNL_OK);
         test_render_frame(r, &frame);

@@ -154,7 +154,7 @@ static void test_only_the_picture_is_stored_MB_2_MB_3_ES_68(void **state) {
         const uint64_t pixels = (uint64_t)frame.width * frame.height;
         struct shot merged = stage_shoot(&stage, &frame);
         char table[8192];
-        assert_true(fnl_renderer_print_traffic(stage.renderer, table, sizeof table) < sizeof table);
+        assert_true(fnl_renderer_print(stage.renderer, FNL_PRINT_TRAFFIC, table, sizeof table) < sizeof table);
         uint32_t stores = 0, loads = 0, in_tiles = 0;
         for (const char *at = table; (at = strstr(at, " store ")); at++) stores++;
         for (const char *at = strchr(table, '\n'); (at = strstr(at, " load ")); at++) loads++;

@@ -622,7 +622,7 @@ static void test_stencil_FP_15(void **state) {
                 frame.deferred.pass = FNL_DEFERRED_FRAGMENT;
                 struct shot fragment = stage_shoot(&stage, &frame);
                 char plan[65536];
-                assert_true(fnl_renderer_print_plan(stage.renderer, plan, sizeof plan) < sizeof plan);
+                assert_true(fnl_renderer_print(stage.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
                 assert_non_null(strstr(plan, "'deferred stencil'"));
                 assert_int_equal(count_differing(&compute.radiance, &fragment.radiance), 0);
                 assert_int_equal(compute.stats.evaluations, fragment.stats.evaluations);

@@ -98,7 +98,7 @@ static void test_deferred_equals_forward(void **state) {
             colors[i] = test_read(renderer, FNL_OUTPUT_COLOR);
             radiances[i] = test_read(renderer, FNL_OUTPUT_RADIANCE);
             char plan[32768];
-            assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+            assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
             assert_int_equal(strstr(plan, "depth prepass") != NULL, i == 1 || i == 3);
             if (i == 0) {
                 double error = position_error(renderer, &frame);

@@ -560,7 +560,7 @@ static void test_one_light_at_a_time_ES_18(void **state) {
                 continue;
             }
             shots[0] = shot;
-            fnl_renderer_print_plan(stage.renderer, plan, sizeof plan);
+            fnl_renderer_print(stage.renderer, FNL_PRINT_PLAN, plan, sizeof plan);
             const char *at = plan;
             for (uint32_t i = 0; i < count; i++) {
                 char name[2][32];

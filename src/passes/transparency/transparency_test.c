@@ -581,7 +581,7 @@ static void test_nothing_blended(void **state) {
         fnl_frame frame = square_frame((fnl_transparency)t);
         fnl_frame_stats stats;
         images[t] = shoot(renderer, &frame, &stats);
-        assert_true(fnl_renderer_print_plan(renderer, plans[t], sizeof plans[t]) < sizeof plans[t]);
+        assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plans[t], sizeof plans[t]) < sizeof plans[t]);
         assert_string_equal(plans[0], plans[t]);
         assert_true(test_equal(&images[0], &images[t]));
         assert_true(stats.blend_bytes == 0 && stats.blend_fragments == 0 && stats.blend_longest == 0);

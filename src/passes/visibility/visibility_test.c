@@ -126,7 +126,7 @@ static void check_stored(fnl_scene *scene, fnl_frame frame, double allowed, uint
         test_render_frame(renderer, &frame);
         pictures[k] = test_read(renderer, FNL_OUTPUT_RADIANCE);
         char plan[32768];
-        assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+        assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
         assert_int_equal(strstr(plan, "visibility weights") != NULL, k);
     }
     double worst = 0;
@@ -181,7 +181,7 @@ static void test_wide_ids(void **state) {
         harness_hooks(renderer)->visibility_bits = bits[i];
         test_render_frame(renderer, &frame);
         char plan[32768];
-        assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+        assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
         assert_int_equal(strstr(plan, "visibility high") != NULL, i > 0);
         fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE);
         if (i == 0) {

@@ -144,16 +144,16 @@ static void test_plan(void **state) {
     fnl_frame frame = patches_frame(40, 30);
     test_render_frame(renderer, &frame);
     char plan[32768];
-    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
     assert_null(strstr(plan, "visible sort"));
     frame.visibility.sort = FNL_VISIBILITY_SORT_CLASS;
     test_render_frame(renderer, &frame);
-    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
     assert_non_null(strstr(plan, "visible sort count 1"));
     assert_null(strstr(plan, "visible sort count 2"));
     frame.visibility.sort = FNL_VISIBILITY_SORT_MATERIAL; /* 31 materials: 5 bits more */
     test_render_frame(renderer, &frame);
-    assert_true(fnl_renderer_print_plan(renderer, plan, sizeof plan) < sizeof plan);
+    assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);
     assert_non_null(strstr(plan, "visible sort count 3"));
     assert_null(strstr(plan, "visible sort count 4"));
     fnl_renderer_destroy(&renderer);
