@@ -22,8 +22,18 @@ typedef struct fnl_image {
     void *pixels;
 } fnl_image;
 
-/** Bytes of one pixel of a format. */
-FNL_API size_t fnl_pixel_size(fnl_pixel_format format);
+/** Bytes of one pixel of a format; 0 for values that are none. */
+static inline size_t fnl_pixel_size(fnl_pixel_format format) {
+    switch (format) {
+    case FNL_PIXEL_FORMAT_RGBA8:
+        return 4;
+    case FNL_PIXEL_FORMAT_RGBA16:
+        return 8;
+    case FNL_PIXEL_FORMAT_RGBA32F:
+        return 16;
+    }
+    return 0;
+}
 
 /**
  * Reads a PNG (8 or 16 bits), JPEG, WebP, Radiance HDR or OpenEXR file, recognised by its contents. PNG of more than 8

@@ -4,18 +4,6 @@
 #include "base/file.h"
 #include "image/codec.h"
 
-size_t fnl_pixel_size(fnl_pixel_format format) {
-    switch (format) {
-    case FNL_PIXEL_FORMAT_RGBA8:
-        return 4;
-    case FNL_PIXEL_FORMAT_RGBA16:
-        return 8;
-    case FNL_PIXEL_FORMAT_RGBA32F:
-        return 16;
-    }
-    return 0;
-}
-
 static size_t image_bytes(const fnl_image *image) {
     return (size_t)image->width * image->height * fnl_pixel_size(image->format);
 }
