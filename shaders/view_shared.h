@@ -10,7 +10,7 @@ struct gpu_frame {
     vec3 ambient_sky;    /* cd/m^2 */
     float hdr_max;       /* largest value that the radiance target holds */
     vec3 ambient_ground;
-    uint shade_cost;     /* extra loop iterations per light evaluation */
+    uint shade_cost;     /* extra loop iterations each time a surface is lit */
     float light_scale;   /* the mobile order: what its accumulator holds of radiance 1 */
     float light_max;     /* and the most that it holds */
     float nothing;       /* 0, which shaders do not know */

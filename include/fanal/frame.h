@@ -176,8 +176,8 @@ typedef struct fnl_frame {
     /** Lights whose bounding sphere has a smaller radius on the screen, in pixels, >= 0, are drawn as points of equal brightness and light nothing;
         up to twice the size they fade. 0 (default): off. */
     float light_lod;
-    /** Extra loop iterations per light evaluation, 0 .. 100000, to imitate a more expensive material; the picture is the same. Paths that
-        separate light from materials, and mobile, ignore it. Default 0. */
+    /** Extra loop iterations each time a surface is lit, 0 .. 100000, to imitate a more expensive material; the picture is the same. inferred
+        ignores it; light-prepass, pre-lighting, low-res, zioma, multipass lists and mobile.lights=volumes do for opaque surfaces. Default 0. */
     uint32_t shade_cost;
 
     /** Of opaque and alpha-masked surfaces. Default instances, which adds no passes. Large scenes gain from triangles, most with occlusion. */

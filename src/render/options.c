@@ -71,8 +71,9 @@ static const struct row rows[] = {
           "threads that record commands; 0: as many as there are jobs", EXACT),
     NUMBER("light-lod", light_lod, 0, (double)FLT_MAX, "pixels", EVERY, EVERY,
            "lights whose radius on the screen is smaller are drawn as points and light nothing; 0: off"),
-    COUNT("shade-cost", shade_cost, 0, 100000, "iterations", EVERY, EVERY,
-          "extra loop iterations per light evaluation, to imitate a more expensive material", EXACT),
+    COUNT("shade-cost", shade_cost, 0, 100000, "iterations", ~PATH(INFERRED), EVERY,
+          "extra loop iterations each time a surface is lit, to imitate a more expensive material; light-prepass, pre-lighting, low-res "
+          "and zioma: blended surfaces alone", EXACT),
 
     /* what is drawn */
     NAME("culling", culling, FNL_ENUM_CULLING, EVERY, EVERY, "what is culled: instances, clusters or triangles", EXACT),
