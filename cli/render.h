@@ -94,8 +94,11 @@ char *report_text(const struct render_report *report, bool line);
 
 struct supersample;
 bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
-/** Lists of blended fragments learn by the first frame how long they have to be: what is saved is exact if memory lasts. */
-bool render_settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
+/**
+ * Renders again until the pools of blended fragments, and those of dais, hold what the frame needs: they learn by a frame how large they have
+ * to be. What is saved is exact if memory lasts.
+ */
+bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);
 /** Of the last frame; `view_count` 0: it has one view, and the paths of outputs are no patterns for the numbers of views. */
 bool render_save_outputs(const struct render_options *options, const fnl_host *host, fnl_renderer *renderer,
                          const struct supersample *mean, uint32_t view_count);

@@ -288,8 +288,17 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     return true;
 }
 
-bool render_settle_transparency(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
-    for (int i = 0; i < 2 && stats->blend_overflow > 0; i++)
+/* A pool of dais doubles from frame to frame: from the smallest to the largest in so many. */
+enum { BLEND_TURNS = 2, DAIS_TURNS = 12 };
+
+static bool overflows(const fnl_frame_stats *stats, int turn) {
+    bool does = (stats->blend_overflow > 0 && turn < BLEND_TURNS) || (stats->dais.overflow > 0 && turn < DAIS_TURNS);
+    for (uint32_t i = 0; i < stats->view_count && !does; i++) does = overflows(&stats->views[i], turn);
+    return does;
+}
+
+bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
+    for (int turn = 0; overflows(stats, turn); turn++)
         if (fnl_renderer_render(renderer, frame) != FNL_OK || fnl_renderer_query_stats(renderer, stats) != FNL_OK)
             return false;
     return true;
@@ -306,7 +315,7 @@ static bool run_picture(const struct render_options *o, fnl_renderer *renderer, 
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
     }
-    return render_settle_transparency(renderer, &frame, &report->stats);
+    return render_settle_pools(renderer, &frame, &report->stats);
 }
 
 /*
@@ -340,7 +349,7 @@ static bool run_frames(const struct render_options *o, fnl_renderer *renderer, f
         if (fnl_renderer_render(renderer, &frame) != FNL_OK || fnl_renderer_query_stats(renderer, &report->stats) != FNL_OK)
             return false;
     }
-    if (!render_settle_transparency(renderer, &frame, &report->stats)) return false;
+    if (!render_settle_pools(renderer, &frame, &report->stats)) return false;
     if (counts && frame.msaa > 1) {
         fnl_frame_stats plain;
         progress_show("rendering", total - 1, total);

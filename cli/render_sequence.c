@@ -68,7 +68,7 @@ static bool render(struct sequence *s, struct supersample *mean) {
         return false;
     if (fnl_renderer_query_stats(s->renderer, &s->stats) != FNL_OK) return false;
     if (earlier_pictures(&s->frame) > 0) return true; /* rendered again it would show no motion */
-    return s->o->supersample > 1 || render_settle_transparency(s->renderer, &s->frame, &s->stats);
+    return s->o->supersample > 1 || render_settle_pools(s->renderer, &s->frame, &s->stats);
 }
 
 static bool save(struct sequence *s, uint32_t index, const struct supersample *mean) {

@@ -98,7 +98,7 @@ typedef struct fnl_frame_stats {
         uint32_t triangles;       /**< stored, including those that the cache had forgotten */
         uint32_t unique;          /**< different ones among them; known with count_lights */
         uint32_t cache_failures;  /**< stored again because a cache bucket stayed locked */
-        uint32_t overflow;        /**< fragments that found a pool full and were shaded forward; the pool grows for the next frame */
+        uint32_t overflow;        /**< fragments that found a pool full; if any, the frame was shaded forward, and the pool grows for the next */
         uint32_t list_elements;   /**< FNL_DAIS_LIST: triangles that cover only part of their pixel */
         uint32_t shading_samples; /**< with multirate: places where ambient light was computed */
         uint32_t shaded;          /**< triangles of all pixels, each of which is shaded once; known with count_lights */

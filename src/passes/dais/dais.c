@@ -135,8 +135,8 @@ struct dais dais_add(struct graph *graph, const struct shade_input *input, const
         if (params->shared_samples) dais.shared = graph_create_image(graph, &target);
         dais.fixed_bytes += references * dais.sample_count;
     }
-    if (params->shared_samples) { /* rarely more than one a pixel: what finds no room shades for itself */
-        dais.sample_capacity = (uint32_t)pixels + pixels / 4 + 64;
+    if (params->shared_samples) { /* one a sample, and some where surfaces lie in one plane; with more than that nothing is shared */
+        dais.sample_capacity = (uint32_t)MIN(pixels * dais.sample_count + pixels / 4 + 64, UINT32_MAX / 2u);
         dais.samples = graph_create_buffer(graph, "dais samples", dais.sample_capacity * 8ull);
     }
     graph_add_clear(graph, "dais clear", GRAPH_QUEUE_GRAPHICS,
@@ -241,10 +241,8 @@ static void execute_shade(const struct graph_context *context, const void *data)
     set_constants(d, &params.constant_count, params.constants);
     struct gpu_dais_shade_push push = push_of(context, d);
     push.samples = address_or_zero(context, d->dais.samples);
-    if (d->counters.id) {
-        push.counters = graph_address(context, d->counters);
-        push.counts = graph_address(context, d->dais.counts);
-    }
+    push.counts = graph_address(context, d->dais.counts);
+    if (d->counters.id) push.counters = graph_address(context, d->counters);
     push.target = d->dais.sample_count == 1 ? graph_storage(context, d->radiance) : GPU_TEXTURE_NONE;
     if (d->dais.params.probe == DAIS_SHOW_DEPTH) push.depth = graph_sampled(context, d->dais.depth);
     gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
@@ -266,9 +264,8 @@ static void add_shade(struct graph *graph, const struct shade_input *input, cons
     } else {
         graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
     }
-    if (!input->counters.id) return;
-    graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, data->dais.counts, GRAPH_READ_WRITE_COMPUTE);
+    graph_use_buffer(pass, data->dais.counts, input->counters.id ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
+    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
 }
 
 static void execute_spread(const struct graph_context *context, const void *data) {
@@ -326,7 +323,7 @@ void dais_view_add(struct graph *graph, const struct shade_input *input, const s
     graph_use_image(pass, color, GRAPH_WRITE_COMPUTE);
 }
 
-/* ---- what had no room ---- */
+/* ---- frames that had no room ---- */
 
 struct gate_data {
     graph_buffer counts, from, to;
@@ -366,18 +363,14 @@ struct rest_data {
 
 static void execute_rest(const struct graph_context *context, const void *data) {
     const struct rest_data *d = data;
-    const struct dais *dais = &d->shade.dais;
-    struct gpu_dais_rest_push push = {.geometry = {.view = d->shade.view,
-                                                   .lights = d->shade.lights,
-                                                   .counters = address_or_zero(context, d->shade.counters)},
-                                      .pool = graph_address(context, dais->pool),
-                                      .heads = address_or_zero(context, dais->heads),
-                                      .nodes = address_or_zero(context, dais->nodes),
-                                      .references =
-                                          dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE};
-    geometry_draw_with(context, d->shade.scene, &d->draws, GEOMETRY_OPAQUE, &d->state, NULL, &push.geometry, sizeof push);
+    struct gpu_geometry_push push = {.view = d->shade.view,
+                                     .lights = d->shade.lights,
+                                     .counters = address_or_zero(context, d->shade.counters)};
+    const struct gpu_shader *mask_fragment = d->state.samples > 1 ? &shader_forward_known_frag : NULL;
+    geometry_draw(context, d->shade.scene, &d->draws, GEOMETRY_OPAQUE, &d->state, mask_fragment, push);
 }
 
+/* Forward shading of all that is opaque, as after a depth prepass. */
 static void add_rest(struct graph *graph, const struct shade_input *input, const struct shade_data *shade) {
     struct rest_data data = {.shade = *shade, .draws = *input->draws};
     if (input->scene->group_count > 0) {
@@ -391,19 +384,17 @@ static void add_rest(struct graph *graph, const struct shade_input *input, const
                                   .place = offsetof(struct gpu_mesh_draw, groups) / 4};
         if (input->draws->mesh_draws.id) data.draws.mesh_draws = add_gate(graph, "dais gate meshes", gate);
     }
-    data.state = (struct gpu_graphics_params){.fragment = &shader_dais_rest_frag,
+    data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
+                                              .constant_count = 2,
+                                              .constants = {shade->kind, shade->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {shade->format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
                                               .depth_test = true,
                                               .depth_compare = VK_COMPARE_OP_EQUAL,
                                               .samples = shade->dais.sample_count};
-    set_constants(shade, &data.state.constant_count, data.state.constants);
     struct graph_pass *pass = graph_add_pass(graph, "dais rest", GRAPH_QUEUE_GRAPHICS, execute_rest, &data, sizeof data);
     geometry_use(pass, input->scene, &data.draws, GEOMETRY_OPAQUE);
-    struct dais references = shade->dais;
-    references.shared.id = 0;
-    use_references(pass, &references, GRAPH_SAMPLE_FRAGMENT, GRAPH_READ_FRAGMENT);
     light_list_use(pass, input->lights, GRAPH_READ_FRAGMENT);
     if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_FRAGMENT);
     graph_color(pass, shade->radiance, VK_ATTACHMENT_LOAD_OP_LOAD, (float[4]){0});

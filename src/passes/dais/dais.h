@@ -41,8 +41,9 @@ bool dais_target_supported(const gpu_device *device, uint32_t samples);
 struct dais dais_add(struct graph *graph, const struct shade_input *input, const struct dais_params *params, graph_image depth);
 
 /**
- * Shades each triangle of each pixel once into `radiance`, single- or multisampled; what shows nothing gets the background. Samples whose
- * triangle had no room are shaded forward. With light counters it also counts the different triangles.
+ * Shades each triangle of each pixel once into `radiance`, single- or multisampled; what shows nothing gets the background. If
+ * anything had no room, the whole frame is shaded forward instead, to the bit as forward_add() does after a prepass: what finds room depends
+ * on the order of atomics. With light counters it also counts the different triangles.
  */
 void dais_shade_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, graph_image radiance);
 

@@ -26,7 +26,7 @@ struct dais_pixel {
 
 // Whether `a` was drawn after `b`, both of which pass the depth test.
 bool drawn_after(dais_source from, uint a, uint b) {
-    if (a == DAIS_NO_ROOM || b == DAIS_NO_ROOM) return a == DAIS_NO_ROOM; // forward shading tells who was last
+    if (a == DAIS_NO_ROOM || b == DAIS_NO_ROOM) return a == DAIS_NO_ROOM;
     uint item_a = from.pool.at[a - 1u], item_b = from.pool.at[b - 1u];
     return item_a != item_b ? item_a > item_b : from.pool.at[a] > from.pool.at[b];
 }
@@ -93,14 +93,6 @@ uint first_triangle(dais_source from, dais_pixel p, uint left) {
     for (uint i = 0u; i < SAMPLES; i++)
         if ((left >> i & 1u) != 0u && same_triangle(from, p.references[first], p.references[i])) found |= 1u << i;
     return found;
-}
-
-// Samples that the forward pass shades.
-uint rest_samples(dais_pixel p) {
-    uint mask = 0u;
-    for (uint i = 0u; i < SAMPLES; i++)
-        if (p.references[i] == DAIS_NO_ROOM) mask |= 1u << i;
-    return mask;
 }
 
 // Where in a pixel a triangle is shaded that covers these samples: in their middle, which is the pixel's if it covers all.

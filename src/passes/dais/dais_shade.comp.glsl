@@ -1,7 +1,8 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Shades each triangle that a pixel refers to, once. Where pixels show several, the threads of a tile share what there is to do.
+// Shades each triangle that a pixel refers to, once. Where pixels show several, the threads of a tile share what there is to do. In a frame
+// whose pools overflowed it shades nothing: which references found room is a race, and the forward pass draws all of the frame.
 #include "passes/dais/dais_surface.glsl"
 #include "passes/dais/dais_pixel.glsl"
 #include "passes/dais/log_luv.glsl"
@@ -40,7 +41,8 @@ vec3 shade(ivec2 pixel, uint mask, uint reference, uint shading) {
     material_array materials = push.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
     decals_on_surface(s, push.view, push.scene);
-    ambient_known = SHARED_SAMPLES == 1u && shading != 0u;
+    // All shading samples or none: which of them found room is a race.
+    ambient_known = SHARED_SAMPLES == 1u && shading != 0u && push.counts.at[DAIS_SAMPLES] < push.sample_capacity;
     ambient_light = vec3(0.0);
     if (ambient_known) ambient_light = log_luv_decode(push.samples.at[2u * shading]);
     vec3 radiance = shade_surface(s, push.view, push.lights, push.counters, uvec2(pixel), view_depth, in_ids.y);
@@ -61,7 +63,7 @@ void main() {
         ivec2 pixel = pixel_at(place);
         dais_source from = dais_source(push.pool, push.heads, push.nodes, push.references, push.shared_samples, size);
         dais_pixel p = dais_read(from, pixel);
-        uint word = 0xffffffffu, left = shaded_samples(p);
+        uint word = 0xffffffffu, left = push.counts.at[DAIS_OVERFLOW] != 0u ? 0u : shaded_samples(p);
         for (uint slot = 0u; slot < SAMPLES; slot++) {
             uint found = first_triangle(from, p, left), first = uint(findLSB(found));
             if (found == 0u) continue;

@@ -8,19 +8,19 @@
 
 /*
  * A reference stands for a stored triangle: the word of the pool where its record begins, plus one; 0 is nothing. DAIS_NO_ROOM: the pool
- * was full, and a forward pass shades the sample.
+ * was full.
  */
 #define DAIS_NO_ROOM 0x7fffffffu
 /* In lists: a head (or a `next`) with this bit is a reference that covers the whole pixel; else it is a node's number, 0 the end. */
 #define DAIS_FULL 0x80000000u
-/* A head with all bits set: the pixel is left to the forward pass. */
+/* A head with all bits set: there was no room for one of the pixel's elements. */
 #define DAIS_NO_LIST 0xffffffffu
 
 /* Words of the counters. */
 #define DAIS_WORDS 0u       /* of the pool that are taken */
 #define DAIS_STORED 1u      /* records */
 #define DAIS_FAILED 2u      /* records stored because a bucket stayed locked */
-#define DAIS_OVERFLOW 3u    /* fragments for whose triangle or list element there was no room */
+#define DAIS_OVERFLOW 3u    /* fragments for whose triangle or list element there was no room; if any, the frame is shaded forward */
 #define DAIS_NODES 4u       /* list elements asked for */
 #define DAIS_SAMPLES 5u     /* shading samples asked for */
 #define DAIS_UNIQUE 6u      /* different triangles among the records; counted with light evaluations */
@@ -104,14 +104,6 @@ struct gpu_dais_shade_push {
     uint depth;                        /* sampled: for DAIS_SHOW_DEPTH */
     vec3 background;
     uint sample_capacity;              /* of the shading samples; views: 1 where the target wants blue first */
-};
-
-struct gpu_dais_rest_push {
-    STRUCT(gpu_geometry_push) geometry;
-    ADDRESS(uint_array) pool;
-    ADDRESS(uint_array) heads;
-    ADDRESS(uint_array) nodes;
-    uint references;
 };
 
 /* Makes the forward pass's draws empty where nothing overflowed: copies words, or puts 0 for each `place`-th of `stride`. */
