@@ -608,7 +608,7 @@ static void test_unsupported_frames(void **state) {
     UNSUPPORTED("mobile shading has no MSAA; use another path, or 1 sample", frame.shading = FNL_SHADING_MOBILE, frame.msaa = 4);
     UNSUPPORTED("deferred.pass=fragment needs deferred.class-blocks=0 and 1 sample per pixel", frame.deferred.pass = FNL_DEFERRED_FRAGMENT,
                 frame.deferred.class_blocks = 8);
-    UNSUPPORTED("the debug view dais-addresses needs dais shading", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
+    UNSUPPORTED("the debug view dais-addresses needs dais shading, not deferred", frame.debug = FNL_DEBUG_DAIS_ADDRESSES);
     UNSUPPORTED("motion vectors and temporal antialiasing need 1 sample per pixel, not 4", frame.aa = FNL_ANTIALIASING_TAA,
                 frame.msaa = 4);
 }

@@ -99,9 +99,9 @@ fnl_result debug_views_check(const struct call *call, const fnl_renderer *r, con
         if (!debug_views_find((fnl_shading)i, frame->debug)) continue;
         size_t length = strlen(paths);
         snprintf(paths + length, sizeof paths - length, "%s%s", others, fnl_value_name(FNL_ENUM_SHADING, i));
-        others = ", ";
+        others = " or ";
     }
-    return unsupported(call, "%s shading has no view %s; it goes with %s", fnl_value_name(FNL_ENUM_SHADING, frame->shading), name, paths);
+    return unsupported(call, "the debug view %s needs %s shading, not %s", name, paths, fnl_value_name(FNL_ENUM_SHADING, frame->shading));
 }
 
 bool debug_views_need_surfaces(const fnl_frame *frame) {
