@@ -184,7 +184,7 @@ void graph_add_row(struct graph_pass *pass, struct graph_row row);
  *                                                    GRAPH_PUSH(push),
  *                                                    GRAPH_ROWS(graph_samples(&push.from, from), graph_stores(&push.to, to))});
  *
- * Rows may be added to the pass as long as `push` is in scope, and uses.
+ * While `push` is in scope, more rows and uses may be added to the pass.
  */
 struct graph_dispatch {
     const char *name;

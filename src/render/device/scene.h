@@ -173,10 +173,10 @@ static inline bool device_node_draws(const struct scene_node *node) {
     return node->active && !node->removed && node->mesh != SCENE_NONE;
 }
 
-/** Outside of frames: makes the buffers as large as the lights are many (lights.c). */
+/** Outside of frames: makes room in the buffers for all lights (lights.c). */
 fnl_result device_lights_prepare(struct device_scene *d);
 void device_lights_finish(struct device_scene *d);
-/** Declares the update of the light array: only the lights that changed are sent, and all directional ones where one of them did. */
+/** Declares the update of the light array: sends only the lights that changed, but all directional ones if any of those did. */
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
 /** The lights as one frame sees them; view, width and height are left to the caller. */
 struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights);

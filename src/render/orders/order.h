@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * A shading order: a file of this folder that ends in its row, or in several where they share most of their code. shading.c lists the rows and
- * calls them for frames of their own order alone.
+ * A shading order: a file in this folder that ends in its row, or in several rows if the orders share most of their code. shading.c lists the
+ * rows and calls each only for frames of its own order.
  */
 #ifndef FNL_RENDER_ORDER_H
 #define FNL_RENDER_ORDER_H
@@ -12,7 +12,7 @@
 
 struct order {
     uint32_t traits; /* enum shading_trait, whatever the options */
-    /* Takes traits away or adds some by the frame's options. Optional, as all that follow but `add`. */
+    /* Adds or removes traits according to the frame's options. This and everything below except `add` is optional. */
     uint32_t (*adjust)(const fnl_frame *frame, uint32_t traits);
     /* Fails, with a log line, where options do not go together or the device cannot do what they ask for. */
     fnl_result (*check)(const struct call *call, const fnl_renderer *r, const fnl_frame *frame);
@@ -25,7 +25,7 @@ struct order {
     /* The debug views that only orders which have them offer. */
     const struct debug_view *views;
     uint32_t view_count;
-    /* Once a frame is on its way to the device: what it made lasts. */
+    /* After a frame was submitted: what it made can be relied on from now on. */
     void (*submitted)(fnl_renderer *r);
     /* From what the GPU counted to the stats. */
     void (*query)(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out);
