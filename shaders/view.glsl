@@ -4,7 +4,7 @@
 
 #include "common.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block;
+layout(buffer_reference) buffer frame_block;
 #include "view_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block { gpu_frame frame; };
