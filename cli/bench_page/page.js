@@ -240,25 +240,28 @@ function logScale(values) {
   const span = Math.max(high - low, 0.4), nil = low - 0.17 * span, pad = 0.04 * span;
   return {zero, nil, low, gap: (low + nil) / 2, min: (zero ? nil : low) - pad, max: high + pad, place: (v) => (v > 0 ? Math.log10(v) : nil)};
 }
-/* Such an axis; `at`: values that carry numbers, else 1, 2 and 5 of each decade, or only 1 where there are many. */
+/* The numbers on such an axis, at least two: 1, 2 and 5 of each decade, or only 1 where there are many; in a narrow range, even steps. */
+function logMarks(log) {
+  const least = log.zero ? log.low : log.min, decades = log.max - log.low, marks = [];
+  const keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
+  for (let power = Math.floor(log.low); power <= Math.ceil(log.max); power++)
+    for (const digit of keep) marks.push(Number((digit * Math.pow(10, power)).toPrecision(3)));
+  const inside = marks.filter((mark) => Math.log10(mark) >= least && Math.log10(mark) <= log.max);
+  if (inside.length > 1) return inside;
+  /* The largest step of 1, 2 or 5 that fits twice into the range: two marks at least, whatever the range begins with. */
+  const from = Math.pow(10, least), to = Math.pow(10, log.max), half = (to - from) / 2, power = Math.pow(10, Math.floor(Math.log10(half)));
+  const step = power * ([5, 2].find((digit) => digit * power <= half) || 1), steps = [];
+  for (let mark = Math.ceil(from / step) * step; mark <= to; mark += step) steps.push(Number(mark.toPrecision(9)));
+  return steps;
+}
+/* A logarithmic axis; `at`: the values that carry numbers, if not those of logMarks(). */
 function logAxis(title, log, at, format) {
   const shown = format || ((value) => (value >= 1e4 ? value / 1000 + 'k' : String(Number(number(value)))));
   return axis(title, 'linear', {
     log, min: log.min, max: log.max,
     afterBuildTicks(scale) {
-      const ticks = log.zero ? [{value: log.nil}] : [], decades = log.max - log.low;
-      const keep = decades > 4 ? [1] : decades > 2 ? [1, 3] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
-      const marks = at ? at.filter((v) => v > 0) : [];
-      for (let power = Math.floor(log.low); !at && power <= Math.ceil(log.max); power++)
-        for (const digit of keep) marks.push(Number((digit * Math.pow(10, power)).toPrecision(3)));
-      const least = log.zero ? log.low : log.min, inside = (mark) => Math.log10(mark) >= least - 1e-9 && Math.log10(mark) <= log.max + 1e-9;
-      if (!at && marks.filter(inside).length < 2) { /* a narrow range: even steps of two digits that count */
-        const from = Math.pow(10, least), to = Math.pow(10, log.max), power = Math.pow(10, Math.floor(Math.log10((to - from) / 3)));
-        const step = power * [1, 2, 5, 10].find((digit) => digit * power >= (to - from) / 4);
-        for (let mark = Math.ceil(from / step) * step; mark <= to; mark += step) marks.push(Number(mark.toPrecision(6)));
-      }
-      for (const mark of unique(marks).filter(inside)) ticks.push({value: Math.log10(mark)});
-      scale.ticks = ticks;
+      const marks = at ? at.filter((v) => v > 0) : logMarks(log);
+      scale.ticks = (log.zero ? [{value: log.nil}] : []).concat(unique(marks).map((mark) => ({value: Math.log10(mark)})));
     },
     ticks: {color: variable('--soft'), maxRotation: 0, autoSkip: !!at, callback: (value) => (log.zero && value === log.nil ? '0' : shown(Number(Math.pow(10, value).toPrecision(6))))}
   });
@@ -772,6 +775,10 @@ function selftest() {
       labelled: !!tick && Math.abs(scale.getPixelForValue(tick.value) - at) < 0.5, points: points.length};
   }));
   report.bare = charts.flatMap((chart) => Object.values(chart.scales)).filter((scale) => scale.options.log && scale.ticks.length < 2).length;
+  /* Ranges of all widths and places: none may leave an axis with one number. */
+  report.ranges = 0;
+  for (let i = 0; i < 4000; i++)
+    report.ranges += logMarks(logScale([Math.pow(10, i % 1000 / 97 - 4), Math.pow(10, i % 1000 / 97 - 4 + Math.pow(i / 4000, 4) * 6)])).length < 2;
   report.text = document.body.innerText;
   report.lead = main.querySelector('section').textContent;
   for (const t of document.querySelectorAll('table')) {
