@@ -69,28 +69,32 @@ float unlike(sampled a, sampled b) {
            (a.s.emissive == b.s.emissive ? 0.0 : 1.0);
 }
 
+sampled surface_at(ivec2 pixel, uint word, uint surface_index) {
+    return sample_at(pixel, uint(findLSB(surface_samples(word, surface_index))));
+}
+
 // Leaves at most push.limit surfaces: the two that are least alike stay, then the one least like those, and so on; each of the others
-// joins the one that it is most alike.
+// joins the one that it is most alike. What samples store is read again for each comparison: an array of it would not fit into registers.
 uint merged(ivec2 pixel, uint word, uint count) {
-    sampled seen[8];
-    for (uint i = 0u; i < count; i++) seen[i] = sample_at(pixel, uint(findLSB(surface_samples(word, i))));
     uint kept = 0u;
     float widest = -1.0;
-    for (uint i = 0u; i < count; i++)
+    for (uint i = 1u; i < count; i++) {
+        sampled at_i = surface_at(pixel, word, i);
         for (uint j = 0u; j < i; j++) {
-            float d = unlike(seen[i], seen[j]);
+            float d = unlike(at_i, surface_at(pixel, word, j));
             if (!(d > widest)) continue;
             widest = d;
             kept = 1u << i | 1u << j;
         }
+    }
     while (uint(bitCount(kept)) < push.limit) {
         uint next = 0u;
         widest = -1.0;
         for (uint i = 0u; i < count; i++) {
-            float nearest = 1e30;
             if ((kept >> i & 1u) == 1u) continue;
-            for (uint j = 0u; j < count; j++)
-                if ((kept >> j & 1u) == 1u) nearest = min(nearest, unlike(seen[i], seen[j]));
+            float nearest = 1e30;
+            sampled at_i = surface_at(pixel, word, i);
+            for (uint rest = kept; rest != 0u; rest &= rest - 1u) nearest = min(nearest, unlike(at_i, surface_at(pixel, word, uint(findLSB(rest)))));
             if (nearest > widest) {
                 widest = nearest;
                 next = i;
@@ -98,23 +102,27 @@ uint merged(ivec2 pixel, uint word, uint count) {
         }
         kept |= 1u << next;
     }
-    uint joined[8];
+    uint joined = 0u; // by surface, four bits each: what it becomes
     for (uint i = 0u; i < count; i++) {
-        joined[i] = i;
+        uint to = i;
         float nearest = 1e30;
-        for (uint j = 0u; j < count; j++) {
-            float d = i == j ? -1.0 : unlike(seen[i], seen[j]);
-            if ((kept >> j & 1u) == 0u || !(d < nearest)) continue;
-            nearest = d;
-            joined[i] = j;
+        if ((kept >> i & 1u) == 0u) {
+            sampled at_i = surface_at(pixel, word, i);
+            for (uint rest = kept; rest != 0u; rest &= rest - 1u) {
+                float d = unlike(at_i, surface_at(pixel, word, uint(findLSB(rest))));
+                if (!(d < nearest)) continue;
+                nearest = d;
+                to = uint(findLSB(rest));
+            }
         }
+        joined |= to << (4u * i);
     }
     // Numbered anew by their first samples.
     uint result = 0xffffffffu, names = 0xffffffffu, found = 0u;
     for (uint s = 0u; s < SAMPLES; s++) {
         uint old = surface_of(word, s);
         if (old == SURFACE_NONE) continue;
-        uint root = joined[old], name = names >> (4u * root) & 15u;
+        uint root = joined >> (4u * old) & 15u, name = names >> (4u * root) & 15u;
         if (name == 15u) {
             name = found++;
             names ^= (15u ^ name) << (4u * root);
