@@ -8,7 +8,7 @@
 #include "surface.glsl"
 
 // 0: the surface is no metal in any part.
-layout(constant_id = 3) const uint HAS_METAL = 1u;
+layout(constant_id = HAS_METAL_ID) const uint HAS_METAL = 1u;
 
 // Smallest squared roughness: a perfect mirror would show a point light nowhere.
 const float ALPHA_MIN = 1e-3;

@@ -11,6 +11,7 @@
 #extension GL_EXT_shader_image_load_formatted : require
 
 #include "shared.h"
+#include "constants_shared.h"
 
 layout(set = 0, binding = 0) uniform texture2D textures[];
 layout(set = 0, binding = 0) uniform texture2DMS textures_multisampled[];

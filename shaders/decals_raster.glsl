@@ -9,12 +9,12 @@
 // in_bind: the position before the mesh deforms, in its own space. With MATERIAL_GRADIENTS (material.glsl) the shader fills it, what
 // follows it, and in_pixel.
 #ifdef MATERIAL_GRADIENTS
-layout(constant_id = 9) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(constant_id = FOUND_FEATURES_ID) const uint FEATURES = 0u; // GPU_FEATURE_…
 vec3 in_bind;
 vec3 in_position_dx, in_position_dy, in_bind_dx, in_bind_dy; // per pixel to the right and down
 uvec2 in_pixel;
 #else
-layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(constant_id = FEATURES_ID) const uint FEATURES = 0u; // GPU_FEATURE_…
 layout(location = 7) centroid in vec3 in_bind;
 #define in_position_dx dFdx(in_position)
 #define in_position_dy dFdy(in_position)

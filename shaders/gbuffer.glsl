@@ -7,7 +7,7 @@
 #include "gbuffer_layouts.glsl"
 
 // How the targets are packed, where the pipeline is made for one way (gbuffer_specialise of gbuffer.h); else gpu_gbuffer.form says it.
-layout(constant_id = 8) const uint GBUFFER_GIVEN = 0xffffffffu;
+layout(constant_id = GBUFFER_CONSTANT) const uint GBUFFER_GIVEN = 0xffffffffu;
 
 uint gbuffer_form(gpu_gbuffer from) { return GBUFFER_GIVEN == 0xffffffffu ? from.form : GBUFFER_GIVEN; }
 

@@ -14,10 +14,10 @@ vec4 in_uv_dx, in_uv_dy; // of in_uv, per pixel to the right and down
 uvec3 in_ids;
 bool in_front_facing;
 // Above 1 where the driver filters explicit gradients without anisotropy: at most so many samples along the longer one instead.
-layout(constant_id = 8) const float GRADIENT_TAPS = 1.0;
+layout(constant_id = GRADIENT_TAPS_ID) const float GRADIENT_TAPS = 1.0;
 // Variants for materials that need less: 0 where none has a texture, or a normal map.
-layout(constant_id = 10) const uint HAS_TEXTURES = 1u;
-layout(constant_id = 11) const uint HAS_NORMAL_MAP = 1u;
+layout(constant_id = HAS_TEXTURES_ID) const uint HAS_TEXTURES = 1u;
+layout(constant_id = HAS_NORMAL_MAP_ID) const uint HAS_NORMAL_MAP = 1u;
 #else
 layout(location = 0) centroid in vec3 in_position;
 layout(location = 1) centroid in vec3 in_normal;

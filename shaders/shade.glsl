@@ -9,10 +9,10 @@
 
 // Counts are written where this is 1: two per pixel, lights visited and lights that reach the surface; behind them, points that no cell of
 // their list served.
-layout(constant_id = 1) const uint COUNT_LIGHTS = 0u;
+layout(constant_id = COUNT_LIGHTS_ID) const uint COUNT_LIGHTS = 0u;
 
 // Variants for pixels that need less: 0 where no list holds a light; HAS_METAL of brdf.glsl.
-layout(constant_id = 2) const uint HAS_LIGHTS = 1u;
+layout(constant_id = HAS_LIGHTS_ID) const uint HAS_LIGHTS = 1u;
 
 vec3 ambient_radiance(view_block v, vec3 direction) {
     return mix(v.view.frame.frame.ambient_ground, v.view.frame.frame.ambient_sky, direction.y * 0.5 + 0.5);

@@ -24,11 +24,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer cell_array {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_list_block { gpu_light_list list; };
 
-layout(constant_id = 0) const uint LIST_BITS = GPU_LIST_ALL;
+layout(constant_id = LISTS_ID) const uint LIST_BITS = GPU_LIST_ALL;
 const uint LIST_KIND = LIST_BITS & ~GPU_LIST_SCATTERED;
 const bool LIST_SCATTERED = (LIST_BITS & GPU_LIST_SCATTERED) != 0u;
 // Items: turns of the loop, whatever the number of lights up to this; 0: as many as there are lights.
-layout(constant_id = 6) const uint FIXED_LIGHTS = 0u;
+layout(constant_id = FIXED_LIGHTS_ID) const uint FIXED_LIGHTS = 0u;
 
 // Who asks for lights: what a kind of list may find its cell by.
 struct light_point {

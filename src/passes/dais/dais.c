@@ -58,11 +58,11 @@ static void add_visibility(struct graph *graph, const struct shade_input *input,
         .scene = input->scene, .draws = *input->draws, .dais = *dais, .cache = cache, .view = input->view};
     data.state = (struct gpu_graphics_params){
         .fragment = visibility_shader(&dais->params),
-        .constant_count = 11,
-        .constants = {[7] = dais->params.shared_samples,
-                      [8] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
-                      [9] = dais->sample_count,
-                      [10] = dais->params.attempts},
+        .constant_count = DAIS_ATTEMPTS_ID + 1,
+        .constants = {[DAIS_STORE_SHARED_ID] = dais->params.shared_samples,
+                      [DAIS_COLORS_ID] = (input->scene->attributes & GEOMETRY_COLORS) != 0,
+                      [SAMPLES_ID] = dais->sample_count,
+                      [DAIS_ATTEMPTS_ID] = dais->params.attempts},
         .color_count = (dais->references.id != 0) + (dais->shared.id != 0),
         .color_formats = {dais->references.id ? REFERENCE_FORMAT : 0, dais->shared.id ? REFERENCE_FORMAT : 0},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -176,21 +176,21 @@ struct shade_data {
 
 static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t *constants) {
     const struct dais_params *params = &d->dais.params;
-    const uint32_t values[15] = {d->kind,
-                                 d->counters.id != 0,
-                                 1,
-                                 1,
-                                 d->dais.sample_count,
-                                 params->lists,
-                                 [9] = d->scene->features,
-                                 1,
-                                 1,
-                                 params->shared_samples,
-                                 d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
-                                 params->probe};
+    const uint32_t values[15] = {[LISTS_ID] = d->kind,
+                                 [COUNT_LIGHTS_ID] = d->counters.id != 0,
+                                 [HAS_LIGHTS_ID] = 1,
+                                 [HAS_METAL_ID] = 1,
+                                 [DAIS_SAMPLES_ID] = d->dais.sample_count,
+                                 [DAIS_LISTS_ID] = params->lists,
+                                 [FOUND_FEATURES_ID] = d->scene->features,
+                                 [HAS_TEXTURES_ID] = 1,
+                                 [HAS_NORMAL_MAP_ID] = 1,
+                                 [DAIS_SHARED_ID] = params->shared_samples,
+                                 [DAIS_FLOATS_ID] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 [DAIS_SHOW_ID] = params->probe};
     *count = COUNT_OF(values);
     memcpy(constants, values, sizeof values);
-    memcpy(&constants[8], &d->scene->gradient_taps, sizeof(float));
+    memcpy(&constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
 }
 
 static struct gpu_dais_shade_push push_of(const struct graph_context *context, const struct shade_data *d) {
@@ -304,7 +304,7 @@ static void execute_view(const struct graph_context *context, const void *data) 
     const struct view_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_dais_view_comp};
     set_constants(&d->shade, &params.constant_count, params.constants);
-    params.constants[14] = d->which;
+    params.constants[DAIS_SHOW_ID] = d->which;
     struct gpu_dais_shade_push push = push_of(context, &d->shade);
     push.target = graph_storage(context, d->shade.radiance);
     push.sample_capacity = d->swap;
@@ -386,7 +386,7 @@ static void add_rest(struct graph *graph, const struct shade_input *input, const
     }
     data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                               .constant_count = 2,
-                                              .constants = {shade->kind, shade->counters.id != 0},
+                                              .constants = {[LISTS_ID] = shade->kind, [COUNT_LIGHTS_ID] = shade->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {shade->format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,

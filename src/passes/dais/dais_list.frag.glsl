@@ -15,7 +15,7 @@ layout(post_depth_coverage) in;
 #endif
 #include "passes/dais/dais_store.glsl"
 
-layout(constant_id = 9) const uint SAMPLES = 1u;
+layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
 
 void append(uint pixel, uint reference, uint mask, uint shading) {
     uint number = atomicAdd(push.counts.at[DAIS_NODES], 1u) + 1u;

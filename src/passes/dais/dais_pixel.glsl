@@ -4,12 +4,12 @@
 #define DAIS_PIXEL_GLSL
 
 #include "passes/dais/dais.glsl"
-#define SAMPLES_ID 4
-#define FLOATS_ID 13
+#define SAMPLES_AT DAIS_SAMPLES_ID
+#define FLOATS_AT DAIS_FLOATS_ID
 #include "passes/shade/samples.glsl"
 
-layout(constant_id = 5) const uint LISTS = 0u;          // 1: pixels have lists
-layout(constant_id = 12) const uint SHARED_SAMPLES = 0u; // 1: there are shading samples
+layout(constant_id = DAIS_LISTS_ID) const uint LISTS = 0u;          // 1: pixels have lists
+layout(constant_id = DAIS_SHARED_ID) const uint SHARED_SAMPLES = 0u; // 1: there are shading samples
 
 layout(set = 0, binding = 0) uniform utexture2DMS textures_uint_multisampled[];
 

@@ -11,7 +11,7 @@ vec3 ambient_light;
 #define AMBIENT_DIFFUSE(v, normal) (ambient_known ? ambient_light : ambient_radiance(v, normal))
 #include "shade.glsl"
 
-layout(constant_id = 14) const uint PROBE = DAIS_SHOW_RADIANCE;
+layout(constant_id = DAIS_SHOW_ID) const uint PROBE = DAIS_SHOW_RADIANCE;
 
 layout(local_size_x = 64) in; // 8x8 pixels, in squares of four
 layout(push_constant, scalar) uniform push_block { gpu_dais_shade_push push; };

@@ -3,10 +3,10 @@
 #include "passes/dais/dais.glsl"
 #include "passes/visibility/triangle.glsl"
 
-layout(constant_id = 7) const uint SHARED_SAMPLES = 0u; // 1: shading samples are handed out
-layout(constant_id = 8) const uint COLORS = 1u;         // 1: some mesh has vertex colours
-layout(constant_id = 10) const uint LOCK_ATTEMPTS = 1024u;
-layout(constant_id = 31) const uint FEATURES = 0u;      // GPU_FEATURE_…
+layout(constant_id = DAIS_STORE_SHARED_ID) const uint SHARED_SAMPLES = 0u; // 1: shading samples are handed out
+layout(constant_id = DAIS_COLORS_ID) const uint COLORS = 1u;         // 1: some mesh has vertex colours
+layout(constant_id = DAIS_ATTEMPTS_ID) const uint LOCK_ATTEMPTS = 1024u;
+layout(constant_id = FEATURES_ID) const uint FEATURES = 0u;      // GPU_FEATURE_…
 
 layout(early_fragment_tests) in;
 layout(location = 5) flat in uvec3 in_ids; // material, item, 1 when the instance mirrors

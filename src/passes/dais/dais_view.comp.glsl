@@ -4,7 +4,7 @@
 // Views for people of what the samples of a pixel refer to: the mean of a colour for each, or one for the pixel.
 #include "passes/dais/dais_pixel.glsl"
 
-layout(constant_id = 14) const uint WHICH = DAIS_VIEW_ADDRESSES;
+layout(constant_id = DAIS_SHOW_ID) const uint WHICH = DAIS_VIEW_ADDRESSES;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_dais_shade_push push; };

@@ -9,7 +9,7 @@
 #include "passes/geometry/geometry_shared.h"
 
 layout(early_fragment_tests) in;
-layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(constant_id = FEATURES_ID) const uint FEATURES = 0u; // GPU_FEATURE_…
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 
 #include "passes/geometry/triangle_number.glsl"

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "passes/geometry/geometry.h"
 
+#include "constants_shared.h"
 #include "passes/geometry/clusters_shared.h"
 #include "shaders.h"
+
+_Static_assert(FEATURES_ID == GPU_FEATURES_ID, "src/gpu gives the features this id");
 
 static bool bucket_in_set(const struct geometry_bucket *bucket, enum geometry_set set) {
     bool wanted = set < GEOMETRY_NOT_IN_FIRST || bucket->forward_layouts >> ((int)set - GEOMETRY_NOT_IN_FIRST) & 1;

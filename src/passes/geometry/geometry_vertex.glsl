@@ -4,7 +4,7 @@
 #ifndef GEOMETRY_VERTEX_GLSL
 #define GEOMETRY_VERTEX_GLSL
 
-layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(constant_id = FEATURES_ID) const uint FEATURES = 0u; // GPU_FEATURE_…
 
 struct geometry_vertex {
     vec4 clip;

@@ -18,7 +18,6 @@ _Static_assert((uint32_t)FNL_MOBILE_GAMMA_SRGB == GPU_MOBILE_SRGB && (uint32_t)F
                    (uint32_t)FNL_MOBILE_GAMMA_POWER == GPU_MOBILE_POWER,
                "mobile_shared.h has the values of fnl_mobile_gamma");
 
-enum { GAMMA_ID = 12 }; /* of the specialisation constant in mobile.glsl */
 
 static const float FLOAT11_MOST = 64512.0f; /* the largest 10-bit float, the smaller one of the two kinds in B10G11R11 */
 static const float HALF_MOST = 65504.0f;
@@ -186,7 +185,7 @@ static void add_gbuffer(struct graph *graph, const struct shade_input *input, bo
     data.state =
         (struct gpu_graphics_params){.fragment = shaders[params->layout],
                                      .constant_count = GAMMA_ID + 1,
-                                     .constants = {0, 0, 1, 1, [GAMMA_ID] = (uint32_t)params->gamma},
+                                     .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [GAMMA_ID] = (uint32_t)params->gamma},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = !prepass,
@@ -233,7 +232,7 @@ static void add_decals(struct graph *graph, const struct shade_input *input, con
                              .state = screen_state(shaders[params->layout][merged])};
     data.push.view = input->view;
     data.state.constant_count = GAMMA_ID + 1;
-    data.state.constants[2] = data.state.constants[3] = 1;
+    data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     uint32_t changed[MOBILE_TARGETS], count = 0;
     for (uint32_t i = 0; i < layout->target_count; i++)
@@ -270,9 +269,9 @@ static void add_lights(struct graph *graph, const struct shade_input *input, con
     data.push.view = input->view;
     data.push.lights = input->lights->header;
     data.state.constant_count = GAMMA_ID + 1;
-    data.state.constants[0] = input->lights->kind;
-    data.state.constants[1] = input->counters.id != 0;
-    data.state.constants[2] = data.state.constants[3] = 1;
+    data.state.constants[LISTS_ID] = input->lights->kind;
+    data.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
+    data.state.constants[HAS_LIGHTS_ID] = data.state.constants[HAS_METAL_ID] = 1;
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
     set_formats(&data.state, layout, layout->lights, layout->light_count);
     struct graph_pass *pass =
@@ -326,13 +325,14 @@ static void add_volumes(struct graph *graph, const struct shade_input *input, co
                                .view = input->view,
                                .counters = input->counters,
                                .state = {.fragment = shaders[params->layout][merged],
-                                         .constant_count = 14,
-                                         .constants = {GPU_LIST_ALL, input->counters.id != 0, 1, 1},
+                                         .constant_count = VOLUME_BOUND_DEPTHS_ID + 1,
+                                         .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+                                                       [HAS_METAL_ID] = 1},
                                          .color_count = 1,
                                          .color_formats = {graph_image_info(graph, sum).format},
                                          .blends = {GPU_BLEND_ADD}}};
     data.state.constants[GAMMA_ID] = (uint32_t)params->gamma;
-    data.state.constants[13] = volumes->shape == VOLUME_DEPTH_BOUNDS;
+    data.state.constants[VOLUME_BOUND_DEPTHS_ID] = volumes->shape == VOLUME_DEPTH_BOUNDS;
     struct graph_pass *pass =
         graph_add_pass(graph, "mobile volumes", GRAPH_QUEUE_GRAPHICS, execute_volumes, &data, sizeof data);
     volumes_use(pass, volumes);
@@ -376,7 +376,7 @@ static void add_glass(struct graph *graph, const struct shade_input *input, grap
     data.state = (struct gpu_graphics_params){.fragment = layout->wide ? &shader_mobile_glass_wide_frag
                                                                        : &shader_mobile_glass_narrow_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .blends = {GPU_BLEND_ALPHA, GPU_BLEND_ALPHA},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
                                               .depth_test = true,

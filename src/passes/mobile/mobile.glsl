@@ -16,7 +16,7 @@
 #include "surface.glsl"
 #include "passes/mobile/mobile_shared.h"
 
-layout(constant_id = 12) const uint GAMMA = GPU_MOBILE_SRGB;
+layout(constant_id = GAMMA_ID) const uint GAMMA = GPU_MOBILE_SRGB;
 
 #if MOBILE_LAYOUT == GPU_MOBILE_METALLIC_128
 #define MOBILE_TARGETS 4

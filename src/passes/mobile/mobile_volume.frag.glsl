@@ -9,7 +9,7 @@
 #include "passes/mobile/mobile.glsl"
 #include "passes/mobile/mobile_volume_shared.h"
 
-layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
+layout(constant_id = VOLUME_BOUND_DEPTHS_ID) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
 
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_mobile_volume_push push; };

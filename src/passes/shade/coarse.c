@@ -106,7 +106,14 @@ static struct graph_pass *add_pass(struct graph *graph, const struct coarse_data
     struct gpu_compute_params pipeline = {
         .shader = shader,
         .constant_count = 10,
-        .constants = {d->kind, d->counters.id != 0, 1, 1, o->size, (uint32_t)o->criterion, 0, (uint32_t)o->split, 0, flags}};
+        .constants = {[LISTS_ID] = d->kind,
+                      [COUNT_LIGHTS_ID] = d->counters.id != 0,
+                      [HAS_LIGHTS_ID] = 1,
+                      [HAS_METAL_ID] = 1,
+                      [COARSE_SIZE_ID] = o->size,
+                      [COARSE_FIND_ID] = (uint32_t)o->criterion,
+                      [COARSE_SPLIT_ID] = (uint32_t)o->split,
+                      [COARSE_FLAGS_ID] = flags}};
     gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
     const graph_image *extras = d->gbuffer.extras;
     struct gpu_coarse_push push = {.lights = d->lights, .gbuffer = gbuffer_block(&d->gbuffer), .settings = d->settings};

@@ -6,7 +6,7 @@
 #include "shade.glsl"
 #include "passes/shade/coarse.glsl"
 
-layout(constant_id = 7) const uint SPLIT = COARSE_SPLIT_NONE;
+layout(constant_id = COARSE_SPLIT_ID) const uint SPLIT = COARSE_SPLIT_NONE;
 
 // What lighting makes of a base colour c: c * by_color + rest. `rest` alone where nothing is split by the base colour.
 struct coarse_light {

@@ -18,8 +18,8 @@
 #include "gbuffer.glsl"
 #include "passes/shade/coarse_shared.h"
 
-layout(constant_id = 4) const uint SIZE = 2u; // 1, 2, 4
-layout(constant_id = 9) const uint FLAGS = 0u;
+layout(constant_id = COARSE_SIZE_ID) const uint SIZE = 2u; // 1, 2, 4
+layout(constant_id = COARSE_FLAGS_ID) const uint FLAGS = 0u;
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_coarse_push push; };

@@ -7,7 +7,7 @@
 #include "lights/iterate.glsl"
 #include "passes/shade/coarse.glsl"
 
-layout(constant_id = 5) const uint CRITERION = COARSE_CRITERION_Z;
+layout(constant_id = COARSE_FIND_ID) const uint CRITERION = COARSE_CRITERION_Z;
 
 // The least and greatest of a single-channel image over the block.
 vec2 range_of(uint image, ivec2 first) {

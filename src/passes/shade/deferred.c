@@ -37,9 +37,9 @@ static void execute_deferred(const struct graph_context *context, const void *da
     struct gpu_deferred_push push = d->push;
     struct gpu_compute_params params = d->pipeline;
     for (push.class_index = 0; push.class_index < SHADE_CLASSES; push.class_index++) {
-        params.constants[2] = (push.class_index & SHADE_LIGHTS) != 0;
-        params.constants[3] = (push.class_index & SHADE_METAL) != 0;
-        params.constants[4] = (push.class_index & SHADE_FULL) != 0;
+        params.constants[HAS_LIGHTS_ID] = (push.class_index & SHADE_LIGHTS) != 0;
+        params.constants[HAS_METAL_ID] = (push.class_index & SHADE_METAL) != 0;
+        params.constants[IS_FULL_ID] = (push.class_index & SHADE_FULL) != 0;
         gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
         gpu_push(context->commands, &push, sizeof push);
         gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->dispatches), push.class_index * 12ull);
@@ -51,7 +51,9 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
     bool counts = input->counters.id;
     struct deferred_data data = {
         .push = {.view = input->view, .lights = input->lights->header, .gbuffer = gbuffer_block(gbuffer)},
-        .pipeline = {&shader_deferred_comp, 6, {input->lights->kind, counts, 1, 1, 0, 0}},
+        .pipeline = {&shader_deferred_comp,
+                     BLOCK_SIZE_ID + 1,
+                     {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1}},
         .width = input->width,
         .height = input->height,
         .light_count = input->light_count,
@@ -59,7 +61,7 @@ void deferred_add(struct graph *graph, const struct shade_input *input, const st
     if (classes) {
         data.dispatches = classes->dispatches;
         data.push.block_count = classes->block_count;
-        data.pipeline.constants[5] = classes->block_size;
+        data.pipeline.constants[BLOCK_SIZE_ID] = classes->block_size;
     }
     gbuffer_specialise(gbuffer, data.pipeline.constants, &data.pipeline.constant_count);
     struct graph_pass *pass = graph_add_pass(graph, "deferred", GRAPH_QUEUE_GRAPHICS, execute_deferred, &data, sizeof data);

@@ -8,8 +8,8 @@
 #include "gbuffer.glsl"
 #include "passes/shade/shade_shared.h"
 
-layout(constant_id = 4) const uint IS_FULL = 0u;    // every pixel of the blocks is to be shaded
-layout(constant_id = 5) const uint BLOCK_SIZE = 0u; // 0: not classified
+layout(constant_id = IS_FULL_ID) const uint IS_FULL = 0u;    // every pixel of the blocks is to be shaded
+layout(constant_id = BLOCK_SIZE_ID) const uint BLOCK_SIZE = 0u; // 0: not classified
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_deferred_push push; };

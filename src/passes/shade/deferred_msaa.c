@@ -16,8 +16,15 @@ struct msaa_data {
 
 static void set_constants(const struct msaa_data *d, uint32_t *count, uint32_t *constants) {
     bool floats = d->format == VK_FORMAT_R32G32B32A32_SFLOAT;
-    const uint32_t values[14] = {d->kind,  d->counters.id != 0, 1, 1, [9] = d->samples, d->method, floats, d->step,
-                                 d->merged};
+    const uint32_t values[14] = {[LISTS_ID] = d->kind,
+                                 [COUNT_LIGHTS_ID] = d->counters.id != 0,
+                                 [HAS_LIGHTS_ID] = 1,
+                                 [HAS_METAL_ID] = 1,
+                                 [SAMPLES_ID] = d->samples,
+                                 [MSAA_METHOD_ID] = d->method,
+                                 [FLOATS_ID] = floats,
+                                 [MSAA_STEP_ID] = d->step,
+                                 [MSAA_MERGED_ID] = d->merged};
     *count = COUNT_OF(values);
     memcpy(constants, values, sizeof values);
     gbuffer_specialise(&d->gbuffer, constants, count);

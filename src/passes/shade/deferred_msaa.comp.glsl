@@ -6,8 +6,8 @@
 #include "shade.glsl"
 #include "passes/shade/deferred_msaa.glsl"
 
-layout(constant_id = 12) const uint STEP = MSAA_STEP_FIRST;
-layout(constant_id = 13) const uint MERGED = 0u; // 1: samples of a surface may store different things
+layout(constant_id = MSAA_STEP_ID) const uint STEP = MSAA_STEP_FIRST;
+layout(constant_id = MSAA_MERGED_ID) const uint MERGED = 0u; // 1: samples of a surface may store different things
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant, scalar) uniform push_block { gpu_deferred_msaa_push push; };

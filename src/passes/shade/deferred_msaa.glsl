@@ -6,7 +6,7 @@
 #include "passes/shade/edges.glsl"
 #include "passes/shade/deferred_msaa_shared.h"
 
-layout(constant_id = 10) const uint METHOD = MSAA_ALL;
+layout(constant_id = MSAA_METHOD_ID) const uint METHOD = MSAA_ALL;
 
 // The surface that shows at most samples of a pixel, the first of several.
 uint widest_surface(uint word) {

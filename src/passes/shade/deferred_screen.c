@@ -53,8 +53,8 @@ graph_image deferred_screen_add(struct graph *graph, const struct shade_input *i
     data.state.stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_KEEP, 1};
     data.state.color_count = 1;
     data.state.color_formats[0] = params.format;
-    data.state.constants[0] = input->lights->kind;
-    data.state.constants[1] = input->counters.id != 0;
+    data.state.constants[LISTS_ID] = input->lights->kind;
+    data.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
     data.emission = radiance;
     data.lights = input->lights->header;
     data.counters = input->counters;

@@ -21,7 +21,7 @@ struct edges edges_add(struct graph *graph, const struct shade_input *input, con
                                   .tolerance = params->tolerance,
                                   .limit = params->limit,
                                   .lists = params->lists};
-    struct gpu_compute_params pipeline = {&shader_edges_find_comp, 10, {[9] = graph_image_info(graph, radiance).samples}};
+    struct gpu_compute_params pipeline = {&shader_edges_find_comp, SAMPLES_ID + 1, {[SAMPLES_ID] = graph_image_info(graph, radiance).samples}};
     gbuffer_specialise(gbuffer, pipeline.constants, &pipeline.constant_count);
     struct graph_pass *pass = graph_dispatch(
         graph, &(struct graph_dispatch){.name = "edges",

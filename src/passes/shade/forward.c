@@ -36,7 +36,7 @@ void forward_add(struct graph *graph, const struct shade_input *input, enum geom
     data.state =
         (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                      .constant_count = 2,
-                                     .constants = {input->lights->kind, input->counters.id != 0},
+                                     .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                      .color_count = 1,
                                      .color_formats = {target.format},
                                      .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},

@@ -87,8 +87,9 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
                                      .depth_compare = prepass ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER_OR_EQUAL,
                                      .samples = samples};
     gbuffer_specialise(&gbuffer, data.state.constants, &data.state.constant_count);
-    data.state.constants[data.state.constant_count++] = prepass && samples > 1; /* HOLES_ARE_CUT */
-    if (extras) data.state.constants[data.state.constant_count++] = extras->constant;
+    data.state.constants[HOLES_ARE_CUT_ID] = prepass && samples > 1;
+    data.state.constants[GBUFFER_EXTRA_CONSTANT] = extras ? extras->constant : 0;
+    data.state.constant_count = extras ? GBUFFER_EXTRA_CONSTANT + 1 : HOLES_ARE_CUT_ID + 1;
     graph_image images[GBUFFER_TARGETS + GBUFFER_EXTRAS + 1];
     uint32_t count = 0;
     for (; count < gbuffer.target_count; count++) images[count] = gbuffer.targets[count];
@@ -164,7 +165,7 @@ struct gpu_gbuffer gbuffer_handles(const struct graph_context *context, const st
 }
 
 void gbuffer_specialise(const struct gbuffer *gbuffer, uint32_t constants[GPU_MAX_CONSTANTS], uint32_t *count) {
-    for (uint32_t i = *count; i < GBUFFER_CONSTANT; i++) constants[i] = i == 2 || i == 3; /* HAS_LIGHTS, HAS_METAL */
+    for (uint32_t i = *count; i < GBUFFER_CONSTANT; i++) constants[i] = i == HAS_LIGHTS_ID || i == HAS_METAL_ID;
     constants[GBUFFER_CONSTANT] = gbuffer->form;
     *count = MAX(*count, GBUFFER_CONSTANT + 1);
 }

@@ -21,7 +21,7 @@ layout(location = 5) out vec4 out_4;
 layout(location = 6) out vec4 out_5;
 
 // 1: depth is complete, and what is left of a fragment is no hole (forward.frag.glsl tells more).
-layout(constant_id = 9) const uint HOLES_ARE_CUT = 0u;
+layout(constant_id = HOLES_ARE_CUT_ID) const uint HOLES_ARE_CUT = 0u;
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;

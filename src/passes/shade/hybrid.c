@@ -37,7 +37,7 @@ void hybrid_add(struct graph *graph, const struct shade_input *input, const stru
                                .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_hybrid_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {graph_image_info(graph, radiance).format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -45,7 +45,8 @@ void hybrid_add(struct graph *graph, const struct shade_input *input, const stru
                                               .depth_compare = VK_COMPARE_OP_EQUAL,
                                               .samples = MAX(graph_image_info(graph, radiance).samples, 1u)};
     gbuffer_specialise(gbuffer, data.state.constants, &data.state.constant_count);
-    data.state.constants[data.state.constant_count++] = data.state.samples;
+    data.state.constants[SAMPLES_ID] = data.state.samples;
+    data.state.constant_count = SAMPLES_ID + 1;
     struct graph_pass *pass = graph_add_pass(graph, "lit forward", GRAPH_QUEUE_GRAPHICS, execute_hybrid, &data, sizeof data);
     geometry_use(pass, input->scene, input->draws, set_of(gbuffer));
     gbuffer_use(pass, gbuffer, GRAPH_SAMPLE_FRAGMENT);

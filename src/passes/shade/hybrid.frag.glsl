@@ -9,7 +9,7 @@
 #include "gbuffer.glsl"
 #include "passes/shade/hybrid_shared.h"
 
-layout(constant_id = 9) const uint SAMPLES = 1u;
+layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
 
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_hybrid_push push; };

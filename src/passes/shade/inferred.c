@@ -17,8 +17,8 @@ struct surfaces_data {
 static void execute_surfaces(const struct graph_context *context, const void *data) {
     const struct surfaces_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_inferred_surfaces_frag,
-                                        .constant_count = 15,
-                                        .constants = {[13] = LIGHT_BUFFER_FOUR},
+                                        .constant_count = STIPPLED_ID + 1,
+                                        .constants = {[LIGHT_BUFFER_ID] = LIGHT_BUFFER_FOUR},
                                         .color_count = 2,
                                         .color_formats = {NORMAL_FORMAT, ITEM_FORMAT},
                                         .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -29,7 +29,7 @@ static void execute_surfaces(const struct graph_context *context, const void *da
     struct gpu_geometry_push push = {.view = d->view};
     geometry_draw(context, d->scene, &d->draws, GEOMETRY_OPAQUE, &state, NULL, push);
     if (!d->blend) return;
-    state.constants[14] = 1;
+    state.constants[STIPPLED_ID] = 1;
     geometry_draw(context, d->scene, &d->draws, GEOMETRY_BLEND, &state, NULL, push);
 }
 
@@ -94,9 +94,9 @@ void inferred_material_add(struct graph *graph, const struct shade_input *input,
                                  .set = set};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_inferred_material_frag,
-        .constant_count = 15,
-        .constants = {input->lights->kind, input->counters.id != 0, 1, 1, [9] = graph_image_info(graph, radiance).samples,
-                      [13] = sums->buffer, [14] = blends},
+        .constant_count = STIPPLED_ID + 1,
+        .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+                      [SAMPLES_ID] = graph_image_info(graph, radiance).samples, [LIGHT_BUFFER_ID] = sums->buffer, [STIPPLED_ID] = blends},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
         .blends = {blends ? GPU_BLEND_ALPHA : GPU_BLEND_NONE},

@@ -10,8 +10,8 @@
 #include "passes/shade/light_prepass.glsl"
 #include "passes/shade/inferred_shared.h"
 
-layout(constant_id = 9) const uint SAMPLES = 1u;
-layout(constant_id = 14) const uint STIPPLED = 0u;
+layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
+layout(constant_id = STIPPLED_ID) const uint STIPPLED = 0u;
 
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_inferred_material_push push; };

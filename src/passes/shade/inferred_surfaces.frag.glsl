@@ -8,7 +8,7 @@
 #include "passes/shade/light_prepass.glsl"
 #include "passes/shade/inferred_shared.h"
 
-layout(constant_id = 14) const uint STIPPLED = 0u;
+layout(constant_id = STIPPLED_ID) const uint STIPPLED = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 

@@ -17,7 +17,7 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     bool images = d->packing != INDEXED_IDS;
     struct gpu_graphics_params state = {.fragment = &shader_light_indexed_frag,
                                         .constant_count = 15,
-                                        .constants = {GPU_LIST_ALL, [9] = d->samples, [13] = d->packing, [14] = d->step},
+                                        .constants = {[LISTS_ID] = GPU_LIST_ALL, [SAMPLES_ID] = d->samples, [INDEXED_PACKING_ID] = d->packing, [INDEXED_STEP_ID] = d->step},
                                         .color_count = images,
                                         .color_formats = {images ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_UNDEFINED},
                                         .blends = {d->packing == INDEXED_SHIFT ? GPU_BLEND_QUARTER
@@ -166,7 +166,7 @@ void light_indexed_samples_add(struct graph *graph, const struct shade_input *in
                                 .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_light_indexed_samples_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {target.format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,

@@ -8,9 +8,9 @@
 #include "passes/shade/volumes.glsl"
 #include "passes/shade/light_indexed_shared.h"
 
-layout(constant_id = 9) const uint SAMPLES = 1u;
-layout(constant_id = 13) const uint PACKING = INDEXED_IDS;
-layout(constant_id = 14) const uint STEP = 0u; // of max: 1 is the second
+layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
+layout(constant_id = INDEXED_PACKING_ID) const uint PACKING = INDEXED_IDS;
+layout(constant_id = INDEXED_STEP_ID) const uint STEP = 0u; // of max: 1 is the second
 
 // What the depth test drops is neither counted nor blended.
 layout(early_fragment_tests) in;

@@ -38,8 +38,8 @@ struct light_surfaces light_surfaces_add(struct graph *graph, const struct shade
     struct surfaces_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_surfaces_frag,
-        .constant_count = 16,
-        .constants = {[2] = 1, [3] = 1, [15] = prepass && samples > 1},
+        .constant_count = SURFACE_HOLES_ARE_CUT_ID + 1,
+        .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [SURFACE_HOLES_ARE_CUT_ID] = prepass && samples > 1},
         .color_count = reflects ? 2 : 1,
         .color_formats = {VK_FORMAT_R16G16B16A16_UNORM, reflects ? VK_FORMAT_R8G8B8A8_UNORM : 0},
         .depth_format = GEOMETRY_DEPTH_FORMAT,
@@ -142,9 +142,10 @@ struct sums_data {
 static void execute_sums(const struct graph_context *context, const void *data) {
     const struct sums_data *d = data;
     struct gpu_compute_params params = {.shader = &shader_light_prepass_lights_comp,
-                                        .constant_count = 14,
-                                        .constants = {d->kind, d->counters.id != 0, 1, 1, [9] = d->surfaces.samples,
-                                                      [13] = d->sums.buffer}};
+                                        .constant_count = LIGHT_BUFFER_ID + 1,
+                                        .constants = {[LISTS_ID] = d->kind, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+                                                      [HAS_METAL_ID] = 1, [SAMPLES_ID] = d->surfaces.samples,
+                                                      [LIGHT_BUFFER_ID] = d->sums.buffer}};
     struct gpu_light_prepass_push push = {.view = d->view,
                                           .lights = d->lights,
                                           .counters = d->counters.id ? graph_address(context, d->counters) : 0,
@@ -232,9 +233,9 @@ void light_material_add(struct graph *graph, const struct shade_input *input, co
                                  .counters = filters ? input->counters : (graph_buffer){0}};
     data.state = (struct gpu_graphics_params){
         .fragment = &shader_light_prepass_material_frag,
-        .constant_count = 15,
-        .constants = {input->lights->kind, data.counters.id != 0, 1, 1, [9] = surfaces->samples, [13] = sums->buffer,
-                      [14] = sums->scale},
+        .constant_count = LIGHT_SCALE_ID + 1,
+        .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = data.counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+                      [SAMPLES_ID] = surfaces->samples, [LIGHT_BUFFER_ID] = sums->buffer, [LIGHT_SCALE_ID] = sums->scale},
         .color_count = 1,
         .color_formats = {graph_image_info(graph, radiance).format},
         .depth_format = GEOMETRY_DEPTH_FORMAT,

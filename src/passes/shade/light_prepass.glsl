@@ -10,7 +10,7 @@
 #include "scene.glsl"
 #include "passes/shade/light_prepass_shared.h"
 
-layout(constant_id = 13) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO;
+layout(constant_id = LIGHT_BUFFER_ID) const uint LIGHT_BUFFER = LIGHT_BUFFER_TWO;
 
 // LIGHT_BUFFER_FOUR: the four sums. TWO: at[0] diffuse light less what is reflected, at[1] reflected light. RGBA: at[0] diffuse light,
 // with the luminance of the specular lobe in its alpha.

@@ -10,7 +10,7 @@
 #include "passes/shade/light_samples.glsl"
 #include "passes/shade/light_scale.glsl"
 
-layout(constant_id = 14) const uint LIGHT_SCALE = 1u;
+layout(constant_id = LIGHT_SCALE_ID) const uint LIGHT_SCALE = 1u;
 
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_light_material_push push; };

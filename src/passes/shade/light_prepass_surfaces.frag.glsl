@@ -7,7 +7,7 @@
 #include "decals_raster.glsl"
 #include "passes/shade/light_prepass.glsl"
 
-layout(constant_id = 15) const uint HOLES_ARE_CUT = 0u; // by a prepass with several samples a pixel: see gbuffer.frag.glsl
+layout(constant_id = SURFACE_HOLES_ARE_CUT_ID) const uint HOLES_ARE_CUT = 0u; // by a prepass with several samples a pixel: see gbuffer.frag.glsl
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 

@@ -4,7 +4,7 @@
 // One light at a time, added up in the target: the terms of shade_surface(), in its order, so that float targets hold the very sum.
 #include "passes/shade/regroup.glsl"
 
-layout(constant_id = 7) const uint STEP = MULTIPASS_LIGHT;
+layout(constant_id = MULTIPASS_STEP_ID) const uint STEP = MULTIPASS_LIGHT;
 
 layout(location = 0) out vec4 out_radiance;
 

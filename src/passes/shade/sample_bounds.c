@@ -16,7 +16,7 @@ static void execute_bounds(const struct graph_context *context, const void *data
     struct gpu_graphics_params params = {.vertex = &shader_screen_vert,
                                          .fragment = &shader_sample_bounds_frag,
                                          .constant_count = 10,
-                                         .constants = {[9] = d->samples},
+                                         .constants = {[SAMPLES_ID] = d->samples},
                                          .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
                                          .color_count = 1,
                                          .color_formats = {RANGES_FORMAT},

@@ -6,10 +6,10 @@
 #include "common.glsl"
 #include "passes/shade/samples_shared.h"
 
-#ifndef SAMPLES_ID
-#define SAMPLES_ID 9
+#ifndef SAMPLES_AT
+#define SAMPLES_AT SAMPLES_ID
 #endif
-layout(constant_id = SAMPLES_ID) const uint SAMPLES = 4u;
+layout(constant_id = SAMPLES_AT) const uint SAMPLES = 4u;
 
 uint surface_of(uint word, uint at) { return word >> (SURFACE_BITS * at) & SURFACE_NONE; }
 
@@ -40,10 +40,10 @@ vec2 sample_place(uint at) {
     return vec2(place & 15u, place >> 4) / 16.0;
 }
 
-#ifndef FLOATS_ID
-#define FLOATS_ID 11
+#ifndef FLOATS_AT
+#define FLOATS_AT FLOATS_ID
 #endif
-layout(constant_id = FLOATS_ID) const uint FLOATS = 0u; // 1: results are floats
+layout(constant_id = FLOATS_AT) const uint FLOATS = 0u; // 1: results are floats
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer half_results { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer float_results { vec3 at[]; };

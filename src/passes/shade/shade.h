@@ -3,6 +3,7 @@
 #ifndef FNL_PASSES_SHADE_H
 #define FNL_PASSES_SHADE_H
 
+#include "constants_shared.h"
 #include "fanal/renderer.h"
 #include "passes/geometry/geometry.h"
 #include "passes/lights/light_list.h"

@@ -211,7 +211,8 @@ static void copy_depth(const struct graph_context *context, const struct draw_da
                                         .depth_write = true,
                                         .samples = 1};
     gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
-    state.constants[state.constant_count++] = d->samples;
+    state.constants[SAMPLES_ID] = d->samples;
+    state.constant_count = SAMPLES_ID + 1;
     struct gpu_volume_push push = {.view = d->view,
                                    .words = d->words.id ? graph_address(context, d->words) : 0,
                                    .gbuffer = gbuffer_handles(context, &d->gbuffer),
@@ -231,7 +232,7 @@ static void draw_alone(const struct graph_context *context, const struct draw_da
     set_state(&d->volumes, &backs);
     memcpy(&fronts, &backs, sizeof fronts);
     fronts.fragment = NULL;
-    fronts.constants[15] = 1;
+    fronts.constants[VOLUME_FRONTS_ID] = 1;
     fronts.blends[0] = GPU_BLEND_KEEP;
     fronts.cull = VK_CULL_MODE_BACK_BIT;
     fronts.depth_compare = VK_COMPARE_OP_LESS;
@@ -261,14 +262,14 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     const struct draw_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_volumes_frag,
                                         .constant_count = 2,
-                                        .constants = {GPU_LIST_ALL, d->counters.id != 0},
+                                        .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = d->counters.id != 0},
                                         .color_count = 1,
                                         .color_formats = {d->format},
                                         .blends = {GPU_BLEND_ADD}};
     gbuffer_specialise(&d->gbuffer, state.constants, &state.constant_count);
-    state.constants[9] = d->samples;
-    state.constants[13] = d->volumes.shape == VOLUME_DEPTH_BOUNDS;
-    state.constant_count = MAX(state.constant_count, 14u);
+    state.constants[SAMPLES_ID] = d->samples;
+    state.constants[VOLUME_BOUND_DEPTHS_ID] = d->volumes.shape == VOLUME_DEPTH_BOUNDS;
+    state.constant_count = MAX(state.constant_count, VOLUME_BOUND_DEPTHS_ID + 1);
     struct gpu_volume_push push = {.view = d->view,
                                    .counters = d->counters.id ? graph_address(context, d->counters) : 0,
                                    .words = d->words.id ? graph_address(context, d->words) : 0,
@@ -277,8 +278,8 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     if (d->volumes.shape == VOLUME_STENCIL) {
         if (d->begins) copy_depth(context, d);
         state.depth_format = STENCIL_FORMAT;
-        state.constants[14] = d->mask.id != 0;
-        state.constant_count = 16;
+        state.constants[VOLUME_MASKED_ID] = d->mask.id != 0;
+        state.constant_count = VOLUME_FRONTS_ID + 1;
         if (d->mask.id) push.mask = graph_sampled(context, d->mask);
         draw_alone(context, d, &state, push);
     }

@@ -8,9 +8,9 @@
 #include "passes/shade/edges.glsl"
 #include "passes/shade/volumes.glsl"
 
-layout(constant_id = 13) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
+layout(constant_id = VOLUME_BOUND_DEPTHS_ID) const uint BOUND_DEPTHS = 0u; // 1: nothing where the surface is before or behind the light's sphere
 
-layout(constant_id = 14) const uint MASKED = 0u; // 1: a mask says how much of the light is left
+layout(constant_id = VOLUME_MASKED_ID) const uint MASKED = 0u; // 1: a mask says how much of the light is left
 
 layout(early_fragment_tests) in;
 layout(push_constant, scalar) uniform push_block { gpu_volume_push push; };

@@ -7,7 +7,7 @@
 #include "passes/shade/volumes.glsl"
 #include "passes/lights/cells.glsl"
 
-layout(constant_id = 15) const uint FRONTS = 0u; // 1: the draw looks for front faces behind the surface
+layout(constant_id = VOLUME_FRONTS_ID) const uint FRONTS = 0u; // 1: the draw looks for front faces behind the surface
 
 layout(push_constant, scalar) uniform push_block { gpu_volume_head push; };
 

@@ -10,8 +10,8 @@
 #include "passes/shade/volumes.glsl"
 #include "passes/shade/zioma_shared.h"
 
-layout(constant_id = 9) const uint SAMPLES = 1u;
-layout(constant_id = 13) const uint LAYER = 0u;
+layout(constant_id = SAMPLES_ID) const uint SAMPLES = 1u;
+layout(constant_id = ZIOMA_LAYER_ID) const uint LAYER = 0u;
 
 layout(push_constant, scalar) uniform push_block { gpu_zioma_push push; };
 

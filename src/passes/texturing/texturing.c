@@ -89,8 +89,8 @@ static struct texturing draw_targets(struct graph *graph, const struct shade_inp
         .scene = input->scene, .draws = *input->draws, .view = input->view, .pages = t.pages.address};
     data.state =
         (struct gpu_graphics_params){.fragment = t.samples > 1 ? &shader_texturing_samples_frag : &shader_texturing_frag,
-                                     .constant_count = 5,
-                                     .constants = {[2] = 1, [3] = 1, [4] = t.form},
+                                     .constant_count = TEXTURING_FORM_ID + 1,
+                                     .constants = {[HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1, [TEXTURING_FORM_ID] = t.form},
                                      .color_count = t.target_count,
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
@@ -157,21 +157,21 @@ static struct shade_data shade_data_of(struct graph *graph, const struct shade_i
 
 static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t *constants) {
     const struct texturing *t = &d->texturing;
-    const uint32_t values[15] = {d->kind,
-                                 d->counters.id != 0,
-                                 1,
-                                 1,
-                                 t->form,
-                                 t->shows_levels,
-                                 [9] = d->scene->features,
-                                 [10] = 1, /* textures, normal maps */
-                                 [11] = 1,
-                                 [12] = d->list.listed,
-                                 [13] = t->samples,
-                                 [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
+    const uint32_t values[15] = {[LISTS_ID] = d->kind,
+                                 [COUNT_LIGHTS_ID] = d->counters.id != 0,
+                                 [HAS_LIGHTS_ID] = 1,
+                                 [HAS_METAL_ID] = 1,
+                                 [TEXTURING_FORM_ID] = t->form,
+                                 [SHOWS_LEVELS_ID] = t->shows_levels,
+                                 [FOUND_FEATURES_ID] = d->scene->features,
+                                 [HAS_TEXTURES_ID] = 1,
+                                 [HAS_NORMAL_MAP_ID] = 1,
+                                 [VISIBLE_LISTED_ID] = d->list.listed,
+                                 [VISIBLE_SAMPLES_ID] = t->samples,
+                                 [VISIBLE_FLOATS_ID] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
     *count = COUNT_OF(values);
     memcpy(constants, values, sizeof values);
-    memcpy(&constants[8], &d->scene->gradient_taps, sizeof(float));
+    memcpy(&constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
 }
 
 static void sample_targets(const struct graph_context *context, const struct texturing *t, uint32_t *targets,
@@ -315,7 +315,7 @@ void texturing_forward_add(struct graph *graph, const struct shade_input *input,
                                 .counters = input->counters};
     data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 1,
                                               .color_formats = {graph_image_info(graph, radiance).format},
                                               .depth_format = GEOMETRY_DEPTH_FORMAT,

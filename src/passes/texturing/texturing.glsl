@@ -6,7 +6,7 @@
 #include "common.glsl"
 #include "passes/texturing/texturing_shared.h"
 
-layout(constant_id = 4) const uint FORM = 0u; // TEXTURING_…
+layout(constant_id = TEXTURING_FORM_ID) const uint FORM = 0u; // TEXTURING_…
 
 const bool HAS_ID = (FORM & (TEXTURING_VIRTUAL | TEXTURING_ITEMS)) != TEXTURING_VIRTUAL;
 const bool HAS_SAMPLES = (FORM & TEXTURING_SAMPLES) != 0u;

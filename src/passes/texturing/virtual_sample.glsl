@@ -2,7 +2,7 @@
 // Reads the atlas at a pixel: how far coordinates go to the next one tells the level, as hardware would tell it.
 #include "passes/texturing/virtual_locate.glsl"
 
-layout(constant_id = 5) const uint SHOWS_LEVELS = 0u;
+layout(constant_id = SHOWS_LEVELS_ID) const uint SHOWS_LEVELS = 0u;
 
 vec2 atlas_at;     // texels
 uint atlas_tier;

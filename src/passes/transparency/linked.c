@@ -108,8 +108,8 @@ static void add_fill(struct graph *graph, const struct shade_input *input, const
                              .counters = input->counters,
                              .state = blend_state(&shader_linked_fill_frag, lists->samples)};
     fill.state.constant_count = 2;
-    fill.state.constants[0] = input->lights->kind;
-    fill.state.constants[1] = input->counters.id != 0;
+    fill.state.constants[LISTS_ID] = input->lights->kind;
+    fill.state.constants[COUNT_LIGHTS_ID] = input->counters.id != 0;
     fill.state.color_count = 1;
     fill.state.color_formats[0] = graph_image_info(graph, radiance).format;
     fill.state.blends[0] = GPU_BLEND_ALPHA;

@@ -82,7 +82,7 @@ struct weighted_sums weighted_sums_add(struct graph *graph, const struct shade_i
                              .half = half};
     draw.state = (struct gpu_graphics_params){.fragment = &shader_weighted_frag,
                                               .constant_count = 2,
-                                              .constants = {input->lights->kind, input->counters.id != 0},
+                                              .constants = {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                               .color_count = 2,
                                               .color_formats = {formats.sum, formats.density},
                                               .blends = {GPU_BLEND_ADD, GPU_BLEND_ADD},

@@ -59,8 +59,8 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     struct ids_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
         (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_visibility_samples_frag : &shader_visibility_frag,
-                                     .constant_count = 9,
-                                     .constants = {[7] = v.triangle_bits, [8] = input->counters.id != 0},
+                                     .constant_count = COUNT_FRAGMENTS_ID + 1,
+                                     .constants = {[TRIANGLE_BITS_ID] = v.triangle_bits, [COUNT_FRAGMENTS_ID] = input->counters.id != 0},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
                                      .depth_write = true,
@@ -114,21 +114,21 @@ struct shade_data {
 /* Decals may give a material what it has not. */
 static void set_constants(const struct shade_data *d, uint32_t class_bits, struct gpu_compute_params *params) {
     bool all = d->list.listed != VISIBLE_SORTED, decals = d->scene->features != 0;
-    const uint32_t values[16] = {d->kind,
-                                 d->counters.id != 0,
-                                 all || decals || class_bits & GPU_CLASS_LIT,
-                                 all || decals || class_bits & GPU_CLASS_METAL,
-                                 [7] = d->visibility.grid,
-                                 [9] = d->scene->features,
-                                 [10] = all || class_bits & GPU_CLASS_TEXTURES,
-                                 [11] = all || class_bits & GPU_CLASS_NORMAL_MAP,
-                                 [12] = d->list.listed,
-                                 [13] = d->samples,
-                                 [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
-                                 [15] = d->visibility.weights.id != 0};
+    const uint32_t values[16] = {[LISTS_ID] = d->kind,
+                                 [COUNT_LIGHTS_ID] = d->counters.id != 0,
+                                 [HAS_LIGHTS_ID] = all || decals || class_bits & GPU_CLASS_LIT,
+                                 [HAS_METAL_ID] = all || decals || class_bits & GPU_CLASS_METAL,
+                                 [VISIBILITY_GRID_ID] = d->visibility.grid,
+                                 [FOUND_FEATURES_ID] = d->scene->features,
+                                 [HAS_TEXTURES_ID] = all || class_bits & GPU_CLASS_TEXTURES,
+                                 [HAS_NORMAL_MAP_ID] = all || class_bits & GPU_CLASS_NORMAL_MAP,
+                                 [VISIBLE_LISTED_ID] = d->list.listed,
+                                 [VISIBLE_SAMPLES_ID] = d->samples,
+                                 [VISIBLE_FLOATS_ID] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 [STORED_WEIGHTS_ID] = d->visibility.weights.id != 0};
     params->constant_count = COUNT_OF(values);
     memcpy(params->constants, values, sizeof values);
-    memcpy(&params->constants[8], &d->scene->gradient_taps, sizeof(float));
+    memcpy(&params->constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
 }
 
 static struct gpu_visibility_push shade_push(const struct graph_context *context, const struct shade_data *d) {

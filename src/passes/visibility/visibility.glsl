@@ -6,10 +6,10 @@
 #include "material.glsl"
 #include "passes/geometry/geometry_shared.h"
 
-layout(constant_id = 31) const uint FEATURES = 0u; // GPU_FEATURE_…
-layout(constant_id = 7) const uint TRIANGLE_BITS = 0u;
+layout(constant_id = FEATURES_ID) const uint FEATURES = 0u; // GPU_FEATURE_…
+layout(constant_id = TRIANGLE_BITS_ID) const uint TRIANGLE_BITS = 0u;
 
-layout(constant_id = 8) const uint COUNT_FRAGMENTS = 0u; // 1: push.counters holds how often an id was written
+layout(constant_id = COUNT_FRAGMENTS_ID) const uint COUNT_FRAGMENTS = 0u; // 1: push.counters holds how often an id was written
 
 layout(push_constant, scalar) uniform push_block { gpu_geometry_push push; };
 

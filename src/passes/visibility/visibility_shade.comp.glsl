@@ -14,8 +14,8 @@
 layout(local_size_x = 64) in; // 8x8 pixels, or entries of a list
 layout(push_constant, scalar) uniform push_block { gpu_visibility_push push; };
 
-layout(constant_id = 7) const uint GRID = 0u; // 1: pixels are seen at the places of four samples to two by two pixels
-layout(constant_id = 15) const uint STORED_WEIGHTS = 0u; // 1: the id pass has stored weights; one sample
+layout(constant_id = VISIBILITY_GRID_ID) const uint GRID = 0u; // 1: pixels are seen at the places of four samples to two by two pixels
+layout(constant_id = STORED_WEIGHTS_ID) const uint STORED_WEIGHTS = 0u; // 1: the id pass has stored weights; one sample
 
 vec3 unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1e-37)); }
 

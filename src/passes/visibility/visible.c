@@ -19,7 +19,7 @@ struct visible_data {
 
 static void set_constants(const struct visible_data *d, uint32_t *count, uint32_t *constants) {
     const uint32_t values[15] = {
-        [12] = d->list.listed, [13] = d->samples, [14] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
+        [VISIBLE_LISTED_ID] = d->list.listed, [VISIBLE_SAMPLES_ID] = d->samples, [VISIBLE_FLOATS_ID] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
     *count = COUNT_OF(values);
     memcpy(constants, values, sizeof values);
 }

@@ -3,14 +3,14 @@
 #ifndef VISIBLE_GLSL
 #define VISIBLE_GLSL
 
-#define SAMPLES_ID 13
-#define FLOATS_ID 14
+#define SAMPLES_AT VISIBLE_SAMPLES_ID
+#define FLOATS_AT VISIBLE_FLOATS_ID
 #include "common.glsl"
 #include "scene_shared.h"
 #include "passes/shade/samples.glsl"
 #include "passes/visibility/visible_shared.h"
 
-layout(constant_id = 12) const uint LISTED = VISIBLE_GRID;
+layout(constant_id = VISIBLE_LISTED_ID) const uint LISTED = VISIBLE_GRID;
 
 // Bits 0..31 and 32..63 of a sample's id. With several samples the targets hold bytes: few devices have samples of integers.
 uvec2 visible_id(uint ids, uint ids_high, ivec2 pixel, int at) {
