@@ -18,6 +18,7 @@ usage: ./build.sh VERB [OPTIONS]
        --clang        in build/clang, compiled by clang
   bench             as demo, but measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
                     build/bench/report.html (build/fanal bench --all measures every pair)
+       --record       instead, the experiments of bench/experiments.txt, kept in bench/results/ and shown in docs/performance.md
   fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60)
   bundle            as demo, but makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
   clean             removes build/ and demo.png
@@ -31,7 +32,7 @@ fail() { echo "build.sh: $*" >&2; exit 2; }
 
 verb=${1:-help}
 [ $# -gt 0 ] && shift
-install=yes sanitize='' clang='' coverage='' quick='' regex='' seconds=60
+install=yes sanitize='' clang='' coverage='' quick='' regex='' record='' seconds=60
 while [ $# -gt 0 ]; do
     case $verb:$1 in
     *:--no-install) install= ;;
@@ -41,6 +42,7 @@ while [ $# -gt 0 ]; do
     test:--quick) quick="^($(sed -n 's/^\([a-z].*\) .*/\1/p' tests/slow.txt | paste -sd '|'))\$" ;;
     test:-R) [ $# -gt 1 ] || fail "-R needs a regular expression"; regex=$2; shift ;;
     fuzz:[1-9]*) seconds=$1 ;;
+    bench:--record) record=yes ;;
     *) fail "'$verb' has no option '$1' (see ./build.sh help)" ;;
     esac
     shift
@@ -109,7 +111,11 @@ test)
     ;;
 fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
     -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
-bench) setup; build_command; build/fanal bench builtin:hall --overwrite -o build/bench ;;
+bench)
+    setup
+    build_command
+    if [ -n "$record" ]; then bench/record.sh build/fanal; else build/fanal bench builtin:hall --overwrite -o build/bench; fi
+    ;;
 bundle) setup; build_command; tools/bundle.sh build ;;
 clean) rm -rf build demo.png ;;
 help | -h | --help) usage ;;

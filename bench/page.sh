@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# docs/performance.md is made from bench/results/*/*.csv and bench/experiments.txt. Usage: page.sh update|check
+set -eu
+cd "$(dirname "$0")/.."
+
+# One table for each scene, size and number of samples: a row for each candidate, a column for each number of lights.
+tables() {
+    awk '
+    function split_csv(line, into,    count, quoted, i, c) { # fields may be quoted
+        for (i in into) delete into[i]
+        count = 1; quoted = 0; into[1] = ""
+        for (i = 1; i <= length(line); i++) {
+            c = substr(line, i, 1)
+            if (c == "\"") quoted = !quoted
+            else if (c == "," && !quoted) into[++count] = ""
+            else into[count] = into[count] c
+        }
+        return count
+    }
+    function shown(ms) { return ms < 10 ? sprintf("%.2f", ms) : ms < 100 ? sprintf("%.1f", ms) : sprintf("%.0f", ms) }
+    /^#/ { next }
+    !columns { columns = split_csv($0, head); for (i = 1; i <= columns; i++) at[head[i]] = i; next }
+    {
+        split_csv($0, f)
+        title = f[at["scene"]] " at " f[at["width"]] "x" f[at["height"]] (f[at["msaa"]] > 1 ? ", " f[at["msaa"]] " samples per pixel" : "")
+        if (!(title in cases)) { cases[title] = ++case_count; titles[case_count] = title }
+        k = cases[title]
+        lists = f[at["lists"]]
+        name = "`" f[at["shading"]] "` | " (lists == "brute force" ? lists : "`" lists "`") (f[at["options"]] == "" ? "" : ", " f[at["options"]])
+        if (!((k, name) in rows)) { rows[k, name] = ++row_count[k]; names[k, row_count[k]] = name }
+        lights = f[at["lights"]]
+        if (!((k, lights) in seen)) { seen[k, lights] = ++light_count[k]; lights_of[k, light_count[k]] = lights }
+        r = rows[k, name]; ms = f[at["frame_ms_median"]] + 0
+        time[k, r, lights] = ms; spread[k, r, lights] = f[at["frame_ms_mad"]] + 0; equal[k, r, lights] = f[at["equal"]] != "false"
+        if (!((k, lights) in best) || ms < best[k, lights]) best[k, lights] = ms
+    }
+    END {
+        for (k = 1; k <= case_count; k++) {
+            printf "%s, ms per frame:\n\n| path | lists |", titles[k]
+            for (l = 1; l <= light_count[k]; l++) printf " %d lights |", lights_of[k, l]
+            printf "\n|---|---|"
+            for (l = 1; l <= light_count[k]; l++) printf "---|"
+            printf "\n"
+            last = lights_of[k, light_count[k]]
+            for (i = 1; i <= row_count[k]; i++) order[i] = i
+            for (i = 2; i <= row_count[k]; i++) # the fastest with most lights first
+                for (j = i; j > 1 && key(k, order[j], last) < key(k, order[j - 1], last); j--) { t = order[j]; order[j] = order[j - 1]; order[j - 1] = t }
+            for (i = 1; i <= row_count[k]; i++) {
+                r = order[i]
+                printf "| %s |", names[k, r]
+                for (l = 1; l <= light_count[k]; l++) {
+                    lights = lights_of[k, l]
+                    if (!((k, r, lights) in time)) { printf " |"; continue }
+                    ms = time[k, r, lights]; ratio = ms / best[k, lights]
+                    printf " %s", (ratio == 1 ? "**" shown(ms) "**" : sprintf("%s (%.2fx)", shown(ms), ratio))
+                    if (spread[k, r, lights] > ms / 10) printf " ±%s", shown(spread[k, r, lights])
+                    if (!equal[k, r, lights]) printf ", WRONG PICTURE"
+                    printf " |"
+                }
+                printf "\n"
+            }
+            printf "\n"
+        }
+    }
+    function key(k, r, lights) { return (k, r, lights) in time ? time[k, r, lights] : 1e30 }' "$1"
+}
+
+page() {
+    cat <<'END'
+<!-- SPDX-License-Identifier: MIT -->
+<!-- Made by bench/page.sh from bench/results; do not edit. -->
+# Performance
+
+What Fanal measured of itself. `./build.sh bench --record` runs these experiments on your machine, keeps the numbers under `bench/results/`, in a folder named
+after the device, and writes this page anew, so a claim about speed is a difference between two commits.
+
+A time is the median over the frames of one candidate; all candidates of a table were measured frame by frame in turn. In brackets: how many times as
+long as the fastest of the column, which is bold. ± is the median distance from the median, where it is more than a tenth. On a CPU driver trust the ratios, not the
+milliseconds. [bench.md](bench.md) says how `fanal bench` measures; every picture was compared with brute force.
+END
+    local folder file name title text arguments
+    for folder in bench/results/*/; do
+        file=$(printf '%s\n' "$folder"*.csv | head -n 1)
+        [ -e "$file" ] || continue
+        printf '\n## %s\n\nDriver: %s.\n' "$(sed -n 's/^# device //p' "$file")" "$(sed -n 's/^# driver //p' "$file")"
+        while IFS='|' read -r name title text arguments; do
+            name=${name// /}
+            case $name in '' | '#'*) continue ;; esac
+            file=$folder$name.csv
+            [ -e "$file" ] || continue
+            printf '\n###%s\n\n%s\n\n' "${title% }" "$(sed -E 's/^ +| +$//g' <<<"$text")"
+            printf '    %s\n\n' "$(sed -n 's/^# command //p' "$file")"
+            tables "$file"
+            printf 'Measured at commit %s.\n' "$(sed -n 's/^# commit //p' "$file")"
+        done <bench/experiments.txt
+    done
+}
+
+case ${1:-} in
+update) page >docs/performance.md.new; mv docs/performance.md.new docs/performance.md ;;
+check)
+    page | diff docs/performance.md - && exit
+    echo 'docs/performance.md is not made from bench/results as they are: bench/page.sh update' >&2
+    exit 1
+    ;;
+*) echo 'usage: bench/page.sh update|check' >&2; exit 2 ;;
+esac
