@@ -19,6 +19,8 @@ usage: ./build.sh VERB [OPTIONS]
   bench             as demo, but measures the likely pairs of shading order and light lists on the hall, two minutes without a GPU:
                     build/bench/report.html (build/fanal bench --all measures every pair)
        --record       instead, the experiments of bench/experiments.txt, kept in bench/results/ and shown in docs/performance.md
+  shaders           what GPUs' compilers make of the shaders, without a GPU: registers, occupancy, spills; and what changed since the last record
+       --record       keeps it in bench/results/ and docs/performance.md
   fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60)
   bundle            as demo, but makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
   clean             removes build/ and demo.png
@@ -42,7 +44,7 @@ while [ $# -gt 0 ]; do
     test:--quick) quick="^($(sed -n 's/^\([a-z].*\) .*/\1/p' tests/slow.txt | paste -sd '|'))\$" ;;
     test:-R) [ $# -gt 1 ] || fail "-R needs a regular expression"; regex=$2; shift ;;
     fuzz:[1-9]*) seconds=$1 ;;
-    bench:--record) record=yes ;;
+    bench:--record | shaders:--record) record=yes ;;
     *) fail "'$verb' has no option '$1' (see ./build.sh help)" ;;
     esac
     shift
@@ -109,6 +111,7 @@ test)
     [ -z "$coverage" ] || tools/checklist.sh
     ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
     ;;
+shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$record" ]; then what=record; else what=show; fi; tools/shaders.sh $what build/tests/shader_report ;;
 fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
     -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
 bench)

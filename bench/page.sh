@@ -79,10 +79,10 @@ A time is the median over the frames of one candidate; all candidates of a table
 long as the fastest of the column, which is bold. ± is the median distance from the median, where it is more than a tenth. On a CPU driver trust the ratios, not the
 milliseconds. [bench.md](bench.md) says how `fanal bench` measures; every picture was compared with brute force.
 END
-    local folder file name title text arguments
+    local folder file name title text arguments compiled=''
     for folder in bench/results/*/; do
         file=$(printf '%s\n' "$folder"*.csv | head -n 1)
-        [ -e "$file" ] || continue
+        [ -e "$file" ] && [[ $folder != */radv-* ]] || continue
         printf '\n## %s\n\nDriver: %s.\n' "$(sed -n 's/^# device //p' "$file")" "$(sed -n 's/^# driver //p' "$file")"
         while IFS='|' read -r name title text arguments; do
             name=${name// /}
@@ -94,6 +94,23 @@ END
             tables "$file"
             printf 'Measured at commit %s.\n' "$(sed -n 's/^# commit //p' "$file")"
         done <bench/experiments.txt
+    done
+    for file in bench/results/radv-*/pipelines.csv; do
+        [ -e "$file" ] || continue
+        if [ -z "$compiled" ]; then
+            compiled=yes
+            cat <<'END'
+
+## What a GPU's compiler says
+
+Mesa's radv compiles for GPUs that are not there. `./build.sh shaders` makes it compile every pipeline and shows the result; a test fails when a shader gets fewer
+waves, spills registers or uses scratch memory that did not in `bench/results/radv-*/pipelines.csv`. These shaders have the fewest waves. A row is the worst of all
+programs that one shader was specialised to: *waves* that fit on a SIMD at once (16 or 32 with few enough registers; more of them hide more latency), vector
+*registers*, *scratch* and *shared* memory in bytes, *instructions*, and *latency*, an estimate of cycles in which each loop runs a fixed number of times.
+END
+        fi
+        printf '\n### %s\n\n| shader | programs | waves | registers | scratch | shared | instructions | latency |\n|---|---|---|---|---|---|---|---|\n' "$(sed -n 's/^# \([^;]*\);.*/\1/p' "$file")"
+        sed 1,2d "$file" | sort -t, -k3,3n -k4,4nr -k1,1 | head -n 16 | awk -F, '{ print "| `" $1 "` | " $2 " | " $3 " | " $4 " | " $7 " | " $8 " | " $9 " | " $10 " |" }'
     done
 }
 

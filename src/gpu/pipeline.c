@@ -118,7 +118,9 @@ static fnl_result create_module(gpu_device *device, const struct gpu_shader *sha
     };
     VkResult result = device->vk.CreateShaderModule(device->handle, &info, NULL, out);
     host_free(&device->host, code, shader->size);
-    return gpu_check(device, result, "%s: vkCreateShaderModule", shader->name);
+    TRY(gpu_check(device, result, "%s: vkCreateShaderModule", shader->name));
+    gpu_name(device, VK_OBJECT_TYPE_SHADER_MODULE, (uint64_t)*out, shader->name);
+    return FNL_OK;
 }
 
 static VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,

@@ -1,0 +1,508 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a GPU's compiler makes of every pipeline: registers, spills, scratch and shared memory, occupancy, instructions, latency. Needs no GPU: Mesa's
+ * radv offers null hardware (RADV_FORCE_FAMILY=navi31), which compiles and cannot run. tools/shaders.sh runs it.
+ *
+ * The library gets the device by import, through functions of ours: those that take memory, record, submit or wait do nothing, and those that make
+ * pipelines also ask what was made (VK_KHR_pipeline_executable_properties). Then fnl_renderer_warm() goes through shading paths, light lists, sample
+ * counts and options. Prints a row for each shader: how many different programs it was compiled to, and the worst of each number
+ * among them. With --all, each program has a row.
+ */
+#include <fanal/fanal.h>
+#include <fanal/vulkan.h>
+
+#include <dlfcn.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT_OF(array) (sizeof(array) / sizeof *(array))
+
+static void fail(const char *what) {
+    fprintf(stderr, "shader_report: %s\n", what);
+    exit(2);
+}
+
+/* ---- what was compiled ---- */
+
+/* The columns, as radv calls them. */
+static const struct {
+    const char *statistic, *column;
+    bool less_is_worse;
+} columns[] = {{"Subgroups per SIMD", "waves", true},
+               {"VGPRs", "vgprs", false},
+               {"Spilled VGPRs", "vgprs_spilled", false},
+               {"Spilled SGPRs", "sgprs_spilled", false},
+               {"Scratch size", "scratch_bytes", false},
+               {"LDS size", "lds_bytes", false},
+               {"Instructions", "instructions", false},
+               {"Latency", "latency", false},
+               {"Code size", "code_bytes", false}};
+enum { INSTRUCTIONS = 6 };
+
+struct row {
+    char shader[64], constants[200];
+    uint64_t values[COUNT_OF(columns)];
+    uint32_t variants;
+};
+
+struct module {
+    VkShaderModule handle;
+    char name[64];
+};
+
+static struct {
+    pthread_mutex_t mutex;
+    VkDevice device;
+    PFN_vkGetDeviceProcAddr get_proc;
+    PFN_vkGetPipelineExecutablePropertiesKHR properties;
+    PFN_vkGetPipelineExecutableStatisticsKHR statistics;
+    PFN_vkCreateComputePipelines create_compute;
+    PFN_vkCreateGraphicsPipelines create_graphics;
+    PFN_vkGetDeviceBufferMemoryRequirements buffer_needs;
+    struct row *rows;
+    uint32_t row_count, row_capacity, pipeline_count, refused_count;
+    struct module *modules;
+    uint32_t module_count, module_capacity;
+} report = {.mutex = PTHREAD_MUTEX_INITIALIZER};
+
+static void *grow(void *data, uint32_t count, uint32_t *capacity, size_t size) {
+    if (count < *capacity) return data;
+    *capacity = *capacity ? *capacity * 2 : 256;
+    data = realloc(data, *capacity * size);
+    if (!data) fail("out of memory");
+    return data;
+}
+
+/* A handle may be used again for another module. */
+static VkResult VKAPI_CALL set_name(VkDevice device, const VkDebugUtilsObjectNameInfoEXT *info) {
+    (void)device;
+    if (info->objectType != VK_OBJECT_TYPE_SHADER_MODULE) return VK_SUCCESS;
+    pthread_mutex_lock(&report.mutex);
+    uint32_t i = 0;
+    while (i < report.module_count && (uint64_t)report.modules[i].handle != info->objectHandle) i++;
+    report.modules = grow(report.modules, i, &report.module_capacity, sizeof *report.modules);
+    report.modules[i].handle = (VkShaderModule)info->objectHandle;
+    snprintf(report.modules[i].name, sizeof report.modules[i].name, "%s", info->pObjectName);
+    if (i == report.module_count) report.module_count++;
+    pthread_mutex_unlock(&report.mutex);
+    return VK_SUCCESS;
+}
+
+static const char *name_of(VkShaderModule module) {
+    for (uint32_t i = 0; i < report.module_count; i++)
+        if (report.modules[i].handle == module) return report.modules[i].name;
+    return "?";
+}
+
+static void add_row(const struct row *row) {
+    for (uint32_t i = 0; i < report.row_count; i++)
+        if (strcmp(report.rows[i].shader, row->shader) == 0 && memcmp(report.rows[i].values, row->values, sizeof row->values) == 0) {
+            report.rows[i].variants++;
+            if (strcmp(row->constants, report.rows[i].constants) < 0) memcpy(report.rows[i].constants, row->constants, sizeof row->constants);
+            return;
+        }
+    report.rows = grow(report.rows, report.row_count, &report.row_capacity, sizeof *report.rows);
+    report.rows[report.row_count++] = *row;
+}
+
+static uint64_t statistic_value(const VkPipelineExecutableStatisticKHR *s) {
+    switch (s->format) {
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_BOOL32_KHR: return s->value.b32;
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_INT64_KHR: return (uint64_t)s->value.i64;
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_FLOAT64_KHR: return (uint64_t)s->value.f64;
+    default: return s->value.u64;
+    }
+}
+
+static void print_constants(const VkSpecializationInfo *info, char *out, size_t capacity) {
+    size_t length = 0;
+    *out = 0;
+    for (uint32_t i = 0; info && i < info->mapEntryCount && length < capacity; i++) {
+        const VkSpecializationMapEntry *entry = &info->pMapEntries[i];
+        uint32_t value;
+        memcpy(&value, (const char *)info->pData + entry->offset, sizeof value);
+        if (value) length += (size_t)snprintf(out + length, capacity - length, "%s%u=%u", length ? " " : "", entry->constantID, value);
+    }
+}
+
+/* Executables of one pipeline, each for one or several of its stages. */
+static void add_pipeline(VkPipeline pipeline, const VkPipelineShaderStageCreateInfo *stages, uint32_t stage_count) {
+    VkPipelineExecutablePropertiesKHR executables[8];
+    uint32_t count = COUNT_OF(executables);
+    for (uint32_t i = 0; i < count; i++)
+        executables[i] = (VkPipelineExecutablePropertiesKHR){.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR};
+    const VkPipelineInfoKHR pipeline_info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, .pipeline = pipeline};
+    if (report.properties(report.device, &pipeline_info, &count, executables) < 0) fail("vkGetPipelineExecutablePropertiesKHR");
+    report.pipeline_count++;
+    for (uint32_t e = 0; e < count; e++) {
+        VkPipelineExecutableStatisticKHR statistics[64];
+        uint32_t statistic_count = COUNT_OF(statistics);
+        for (uint32_t i = 0; i < statistic_count; i++)
+            statistics[i] = (VkPipelineExecutableStatisticKHR){.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR};
+        const VkPipelineExecutableInfoKHR info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR, .pipeline = pipeline, .executableIndex = e};
+        if (report.statistics(report.device, &info, &statistic_count, statistics) < 0) fail("vkGetPipelineExecutableStatisticsKHR");
+        struct row row = {.variants = 1};
+        for (uint32_t s = 0; s < stage_count; s++) {
+            if (!(executables[e].stages & stages[s].stage)) continue;
+            size_t length = strlen(row.shader);
+            snprintf(row.shader + length, sizeof row.shader - length, "%s%s", length ? "+" : "", name_of(stages[s].module));
+            print_constants(stages[s].pSpecializationInfo, row.constants, sizeof row.constants);
+        }
+        if (!row.shader[0]) continue; /* made by the driver, such as copies of geometry shaders */
+        for (uint32_t i = 0; i < statistic_count; i++)
+            for (uint32_t c = 0; c < COUNT_OF(columns); c++)
+                if (strcmp(statistics[i].name, columns[c].statistic) == 0) row.values[c] = statistic_value(&statistics[i]);
+        add_row(&row);
+    }
+}
+
+static VkResult VKAPI_CALL create_compute(VkDevice device, VkPipelineCache cache, uint32_t count, const VkComputePipelineCreateInfo *infos,
+                                          const VkAllocationCallbacks *allocator, VkPipeline *out) {
+    (void)count; /* the library makes one at a time */
+    VkComputePipelineCreateInfo info = *infos;
+    info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
+    VkResult result = report.create_compute(device, cache, 1, &info, allocator, out);
+    pthread_mutex_lock(&report.mutex);
+    if (result == VK_SUCCESS) add_pipeline(*out, &info.stage, 1);
+    else report.refused_count++;
+    pthread_mutex_unlock(&report.mutex);
+    return result;
+}
+
+static VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cache, uint32_t count, const VkGraphicsPipelineCreateInfo *infos,
+                                           const VkAllocationCallbacks *allocator, VkPipeline *out) {
+    (void)count;
+    VkGraphicsPipelineCreateInfo info = *infos;
+    info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
+    VkResult result = report.create_graphics(device, cache, 1, &info, allocator, out);
+    pthread_mutex_lock(&report.mutex);
+    if (result == VK_SUCCESS) add_pipeline(*out, info.pStages, info.stageCount);
+    else report.refused_count++;
+    pthread_mutex_unlock(&report.mutex);
+    return result;
+}
+
+/* ---- a device that runs nothing ---- */
+
+/* Objects that are nothing but a handle. */
+static uint64_t some_handle(void) {
+    static uint64_t next;
+    return ++next;
+}
+static VkResult VKAPI_CALL create_semaphore(VkDevice device, const VkSemaphoreCreateInfo *info, const VkAllocationCallbacks *allocator, VkSemaphore *out) {
+    (void)device, (void)info, (void)allocator;
+    *out = (VkSemaphore)some_handle();
+    return VK_SUCCESS;
+}
+static VkResult VKAPI_CALL semaphore_value(VkDevice device, VkSemaphore semaphore, uint64_t *out) {
+    (void)device, (void)semaphore;
+    *out = UINT64_MAX;
+    return VK_SUCCESS;
+}
+/* Null hardware has no memory. Ours takes room only where it is written. */
+static VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo *info, const VkAllocationCallbacks *allocator, VkDeviceMemory *out) {
+    (void)device, (void)allocator;
+    void *memory = calloc(1, info->allocationSize);
+    *out = (VkDeviceMemory)(uintptr_t)memory;
+    return memory ? VK_SUCCESS : VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+static void VKAPI_CALL free_memory(VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks *allocator) {
+    (void)device, (void)allocator;
+    free((void *)(uintptr_t)memory);
+}
+static VkResult VKAPI_CALL map_memory(VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size, VkMemoryMapFlags flags, void **out) {
+    (void)device, (void)size, (void)flags;
+    *out = (char *)(uintptr_t)memory + offset;
+    return VK_SUCCESS;
+}
+static VkResult VKAPI_CALL create_image(VkDevice device, const VkImageCreateInfo *info, const VkAllocationCallbacks *allocator, VkImage *out) {
+    (void)device, (void)info, (void)allocator;
+    *out = (VkImage)some_handle();
+    return VK_SUCCESS;
+}
+static VkResult VKAPI_CALL create_view(VkDevice device, const VkImageViewCreateInfo *info, const VkAllocationCallbacks *allocator, VkImageView *out) {
+    (void)device, (void)info, (void)allocator;
+    *out = (VkImageView)some_handle();
+    return VK_SUCCESS;
+}
+static VkDeviceAddress VKAPI_CALL buffer_address(VkDevice device, const VkBufferDeviceAddressInfo *info) {
+    (void)device;
+    return (VkDeviceAddress)info->buffer;
+}
+static void VKAPI_CALL buffer_needs(VkDevice device, const VkDeviceBufferMemoryRequirements *info, VkMemoryRequirements2 *out) {
+    report.buffer_needs(device, info, out);
+    out->memoryRequirements.memoryTypeBits = 1;
+}
+static void VKAPI_CALL image_needs(VkDevice device, const VkDeviceImageMemoryRequirements *info, VkMemoryRequirements2 *out) {
+    (void)device, (void)info;
+    out->memoryRequirements = (VkMemoryRequirements){.size = 256, .alignment = 256, .memoryTypeBits = 1};
+}
+static void VKAPI_CALL memory_properties(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties *out) {
+    (void)physical;
+    *out = (VkPhysicalDeviceMemoryProperties){.memoryTypeCount = 1, .memoryHeapCount = 1};
+    out->memoryHeaps[0] = (VkMemoryHeap){(VkDeviceSize)16 << 30, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
+    out->memoryTypes[0].propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                        VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+}
+/* For what returns nothing; callers clear away arguments themselves in the ABIs that there is null hardware for. */
+static void VKAPI_CALL do_nothing(void) {}
+static VkResult VKAPI_CALL succeed(void) { return VK_SUCCESS; }
+
+static PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char *name) {
+    static const struct {
+        const char *name;
+        PFN_vkVoidFunction function;
+    } ours[] = {{"vkCreateSemaphore", (PFN_vkVoidFunction)create_semaphore},
+                {"vkDestroySemaphore", (PFN_vkVoidFunction)do_nothing},
+                {"vkCreateImage", (PFN_vkVoidFunction)create_image},
+                {"vkDestroyImage", (PFN_vkVoidFunction)do_nothing},
+                {"vkCreateImageView", (PFN_vkVoidFunction)create_view},
+                {"vkDestroyImageView", (PFN_vkVoidFunction)do_nothing},
+                {"vkBeginCommandBuffer", (PFN_vkVoidFunction)succeed},
+                {"vkEndCommandBuffer", (PFN_vkVoidFunction)succeed},
+                {"vkDeviceWaitIdle", (PFN_vkVoidFunction)succeed},
+                {"vkUpdateDescriptorSets", (PFN_vkVoidFunction)do_nothing},
+                {"vkWaitSemaphores", (PFN_vkVoidFunction)succeed},
+                {"vkGetSemaphoreCounterValue", (PFN_vkVoidFunction)semaphore_value},
+                {"vkQueueSubmit2", (PFN_vkVoidFunction)succeed},
+                {"vkAllocateMemory", (PFN_vkVoidFunction)allocate_memory},
+                {"vkFreeMemory", (PFN_vkVoidFunction)free_memory},
+                {"vkMapMemory", (PFN_vkVoidFunction)map_memory},
+                {"vkBindBufferMemory", (PFN_vkVoidFunction)succeed},
+                {"vkBindImageMemory", (PFN_vkVoidFunction)succeed},
+                {"vkGetBufferDeviceAddress", (PFN_vkVoidFunction)buffer_address},
+                {"vkGetDeviceBufferMemoryRequirements", (PFN_vkVoidFunction)buffer_needs},
+                {"vkGetDeviceImageMemoryRequirements", (PFN_vkVoidFunction)image_needs},
+                {"vkSetDebugUtilsObjectNameEXT", (PFN_vkVoidFunction)set_name},
+                {"vkCreateComputePipelines", (PFN_vkVoidFunction)create_compute},
+                {"vkCreateGraphicsPipelines", (PFN_vkVoidFunction)create_graphics}};
+    for (size_t i = 0; i < COUNT_OF(ours); i++)
+        if (strcmp(name, ours[i].name) == 0) return ours[i].function;
+    if (strncmp(name, "vkCmd", 5) == 0) return (PFN_vkVoidFunction)do_nothing;
+    return report.get_proc(device, name);
+}
+
+static PFN_vkGetInstanceProcAddr loader;
+
+static PFN_vkVoidFunction VKAPI_CALL get_instance_proc(VkInstance instance, const char *name) {
+    if (strcmp(name, "vkGetDeviceProcAddr") == 0) return (PFN_vkVoidFunction)get_device_proc;
+    if (strcmp(name, "vkGetPhysicalDeviceMemoryProperties") == 0) return (PFN_vkVoidFunction)memory_properties;
+    return loader(instance, name);
+}
+
+/* What is refused is told by the number of rows. */
+static void log_nothing(void *user, fnl_log_level level, const char *line) { (void)user, (void)level, (void)line; }
+
+#define LOAD(instance, name) ((PFN_##name)loader(instance, #name))
+
+/* The first device, with everything on that Fanal can use. */
+static fnl_device *open_device(char *name, size_t capacity) {
+    void *library = dlopen("libvulkan.so.1", RTLD_NOW);
+    void *symbol = library ? dlsym(library, "vkGetInstanceProcAddr") : NULL;
+    if (!symbol) fail("there is no Vulkan loader");
+    memcpy(&loader, &symbol, sizeof symbol);
+    const char *instance_extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo instance_info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                                .pApplicationInfo = &application,
+                                                .enabledExtensionCount = 1,
+                                                .ppEnabledExtensionNames = instance_extensions};
+    VkInstance instance;
+    if (LOAD(NULL, vkCreateInstance)(&instance_info, NULL, &instance) != VK_SUCCESS) fail("vkCreateInstance");
+    VkPhysicalDevice physical;
+    uint32_t count = 1;
+    if (LOAD(instance, vkEnumeratePhysicalDevices)(instance, &count, &physical) < 0 || count == 0) fail("there is no device");
+    VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+    LOAD(instance, vkGetPhysicalDeviceProperties2)(physical, &properties);
+    snprintf(name, capacity, "%s, %s %s", properties.properties.deviceName, driver.driverName, driver.driverInfo);
+
+    fnl_vulkan_requirements requirements;
+    fnl_vulkan_requirements_init(&requirements);
+    requirements.features.features.geometryShader = VK_TRUE;
+    requirements.features.features.imageCubeArray = VK_TRUE;
+    requirements.features.features.sampleRateShading = VK_TRUE;
+    requirements.features_11.multiview = VK_TRUE;
+    requirements.features_12.samplerFilterMinmax = VK_TRUE;
+    VkPhysicalDeviceMeshShaderFeaturesEXT meshes = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT, .pNext = &requirements.features, .meshShader = VK_TRUE};
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, .pNext = &meshes, .pipelineExecutableInfo = VK_TRUE};
+    static const char *const extensions[] = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME, VK_EXT_MESH_SHADER_EXTENSION_NAME,
+                                             VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME, VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME};
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, .queueCount = 1, .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo device_info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                            .pNext = &executables,
+                                            .queueCreateInfoCount = 1,
+                                            .pQueueCreateInfos = &queue,
+                                            .enabledExtensionCount = COUNT_OF(extensions),
+                                            .ppEnabledExtensionNames = extensions};
+    if (LOAD(instance, vkCreateDevice)(physical, &device_info, NULL, &report.device) != VK_SUCCESS)
+        fail("vkCreateDevice: the device lacks an extension that shaders are to be compiled with");
+    report.get_proc = LOAD(instance, vkGetDeviceProcAddr);
+    report.properties = (PFN_vkGetPipelineExecutablePropertiesKHR)report.get_proc(report.device, "vkGetPipelineExecutablePropertiesKHR");
+    report.statistics = (PFN_vkGetPipelineExecutableStatisticsKHR)report.get_proc(report.device, "vkGetPipelineExecutableStatisticsKHR");
+    report.create_compute = (PFN_vkCreateComputePipelines)report.get_proc(report.device, "vkCreateComputePipelines");
+    report.create_graphics = (PFN_vkCreateGraphicsPipelines)report.get_proc(report.device, "vkCreateGraphicsPipelines");
+    report.buffer_needs = (PFN_vkGetDeviceBufferMemoryRequirements)report.get_proc(report.device, "vkGetDeviceBufferMemoryRequirements");
+    VkQueue handle;
+    ((PFN_vkGetDeviceQueue)report.get_proc(report.device, "vkGetDeviceQueue"))(report.device, 0, 0, &handle);
+    const fnl_vulkan_import import = {.get_instance_proc_addr = get_instance_proc,
+                                      .instance = instance,
+                                      .physical_device = physical,
+                                      .device = report.device,
+                                      .graphics_queue = handle,
+                                      .created = &device_info};
+    fnl_device *device = NULL;
+    fnl_device_params params = fnl_device_params_default();
+    params.host.log = log_nothing;
+    params.cache_folder = "";
+    if (fnl_device_import(&params, &import, &device) != FNL_OK) fail("the device cannot be imported");
+    return device;
+}
+
+/* ---- everything that frames are made of ---- */
+
+/* What a path or a device does not have is refused. */
+static void warm(fnl_renderer *renderer, const fnl_frame *frame) { fnl_renderer_warm(renderer, frame, NULL, false, NULL); }
+
+static const fnl_host quiet = {.log = log_nothing};
+
+/* The words of the i-th value of an option; NULL beyond the last. Numbers in a range hardly change code: only choices of numbers count. */
+static const char *value_of(const fnl_option *option, uint32_t i, char text[32]) {
+    if (option->kind == FNL_OPTION_SWITCH) return i == 0 ? "off" : i == 1 ? "on" : NULL;
+    if (option->kind == FNL_OPTION_NAME) return fnl_value_name(option->names, (int)i);
+    if (i >= option->choice_count) return NULL;
+    snprintf(text, 32, "%u", option->choices[i]);
+    return text;
+}
+
+/* Each value of each option from `first` on; `depth` 2: with each value of each option behind it, where both belong to some paths alone. */
+static void warm_options(fnl_renderer *renderer, const fnl_frame *base, uint32_t first, uint32_t depth) {
+    fnl_option option;
+    char text[32];
+    for (uint32_t index = first; fnl_option_query(index, &option); index++) {
+        fnl_frame frame = *base;
+        bool own = option.shadings != UINT32_MAX;
+        bool walked = strcmp(option.key, "shading") == 0 || strcmp(option.key, "msaa") == 0; /* by warm_all */
+        if (walked || !(option.shadings >> frame.shading & 1) || (first > 0 && !own)) continue;
+        if (option.lists != UINT32_MAX)
+            for (frame.lists = 0; frame.lists < FNL_LISTS_AUTO && !(option.lists >> frame.lists & 1);) frame.lists++;
+        for (uint32_t i = 0; value_of(&option, i, text); i++) {
+            if (fnl_frame_set(&quiet, &frame, option.key, value_of(&option, i, text)) != FNL_OK) continue;
+            warm(renderer, &frame);
+            if (own && depth > 1) warm_options(renderer, &frame, index + 1, depth - 1);
+        }
+    }
+}
+
+static void warm_with(fnl_renderer *renderer, const fnl_frame *base, const char *const *settings) { /* pairs of key and value up to NULL */
+    fnl_frame frame = *base;
+    for (; settings[0]; settings += 2)
+        if (fnl_frame_set(&quiet, &frame, settings[0], settings[1]) != FNL_OK) fail(settings[0]);
+    warm(renderer, &frame);
+}
+
+/* Boxes, one on a mesh and one that draws an object again: shaders have features for them. */
+static void add_decals(fnl_scene *scene) {
+    fnl_entity_info first;
+    fnl_decal_params params = fnl_decal_params_default();
+    fnl_decal_id decal;
+    params.kind = FNL_DECAL_MESH;
+    if (fnl_scene_scatter_decals(scene, 8, 1) != FNL_OK || fnl_scene_query_entity(scene, FNL_ENTITY_INSTANCE, 0, &first) != FNL_OK) fail("no decals");
+    params.instance = first.id.instance;
+    if (fnl_scene_add_decal(scene, &params, &decal) != FNL_OK) fail("no mesh decal");
+    params.kind = FNL_DECAL_REDRAW;
+    if (fnl_scene_add_decal(scene, &params, &decal) != FNL_OK) fail("no redraw decal");
+}
+
+/* With `everything`: all lists with one sample, and all options. Without: the most common lists, and what goes with decals. */
+static void warm_all(fnl_renderer *renderer, const fnl_scene *scene, bool everything) {
+    static const uint32_t samples[] = {1, 4, 8};
+    static const char *const with[][5] = {{"culling", "clusters", "geometry", "mesh"}, {"culling", "triangles", "geometry", "mesh"},
+                                          {"culling", "clusters", "occlusion", "on"},  {"decals", "gbuffer"}, {"aa", "taa"}};
+    fnl_frame frame = fnl_frame_default();
+    frame.width = 320;
+    frame.height = 180;
+    if (fnl_scene_query_framing_camera(scene, 16.0f / 9.0f, &frame.camera) != FNL_OK) fail("no camera");
+    for (frame.shading = 0; frame.shading < FNL_SHADING_AUTO; frame.shading++)
+        for (uint32_t s = 0; s < COUNT_OF(samples); s++) {
+            frame.msaa = samples[s];
+            for (frame.lists = 0; frame.lists < FNL_LISTS_AUTO; frame.lists++) {
+                bool common = frame.lists == FNL_LISTS_CLUSTERED || frame.lists == FNL_LISTS_TILED || frame.lists == FNL_LISTS_FINE;
+                if ((common || (s == 0 && everything)) && fnl_shading_supports(frame.shading, frame.lists, frame.msaa)) warm(renderer, &frame);
+            }
+            frame.lists = FNL_LISTS_CLUSTERED;
+            for (size_t i = 0; s < 2 && i < COUNT_OF(with); i++) warm_with(renderer, &frame, with[i]);
+            if (everything && s < 2) warm_options(renderer, &frame, 0, frame.shading == FNL_SHADING_MOBILE ? 2 : 1);
+            if (!everything && frame.shading == FNL_SHADING_MOBILE) warm_options(renderer, &frame, 0, 2);
+        }
+}
+
+static void warm_scene(fnl_device *device, const char *source, bool decals) {
+    fnl_scene *scene = NULL;
+    fnl_renderer *renderer = NULL;
+    if (fnl_scene_load(NULL, source, NULL, &scene) != FNL_OK) fail(source);
+    if (decals) add_decals(scene);
+    if (fnl_renderer_create(device, scene, &renderer) != FNL_OK) fail(source);
+    warm_all(renderer, scene, !decals);
+    if (fnl_renderer_warm(renderer, NULL, NULL, true, NULL) != FNL_OK) fail("the last frame was refused"); /* all are there now */
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+}
+
+static int by_shader(const void *a, const void *b) {
+    const struct row *x = a, *y = b;
+    int order = strcmp(x->shader, y->shader);
+    return order ? order : strcmp(x->constants, y->constants);
+}
+
+static void print_row(const struct row *row) {
+    printf("%s,%u", row->shader, row->variants);
+    for (size_t c = 0; c < COUNT_OF(columns); c++) printf(",%llu", (unsigned long long)row->values[c]);
+    printf(",%s\n", row->constants);
+}
+
+/* The worst of each number; the constants are those of the program with the most instructions. */
+static void merge(struct row *into, const struct row *row, uint64_t *most) {
+    into->variants++;
+    for (size_t c = 0; c < COUNT_OF(columns); c++) {
+        bool worse = columns[c].less_is_worse ? row->values[c] < into->values[c] : row->values[c] > into->values[c];
+        if (worse) into->values[c] = row->values[c];
+    }
+    if (row->values[INSTRUCTIONS] <= *most) return;
+    *most = row->values[INSTRUCTIONS];
+    memcpy(into->constants, row->constants, sizeof into->constants);
+}
+
+static void print_rows(bool all) {
+    printf("shader,programs");
+    for (size_t c = 0; c < COUNT_OF(columns); c++) printf(",%s", columns[c].column);
+    printf(",constants\n");
+    qsort(report.rows, report.row_count, sizeof *report.rows, by_shader);
+    for (uint32_t i = 0, next; i < report.row_count; i = next) {
+        struct row row = report.rows[i];
+        uint64_t most = row.values[INSTRUCTIONS];
+        row.variants = 1;
+        for (next = i + 1; !all && next < report.row_count && strcmp(report.rows[next].shader, row.shader) == 0; next++)
+            merge(&row, &report.rows[next], &most);
+        print_row(&row);
+    }
+}
+
+int main(int argc, char **argv) {
+    bool all = argc == 2 && strcmp(argv[1], "--all") == 0;
+    if (argc > 1 && !all) fail("usage: shader_report [--all]");
+    char name[800];
+    fnl_device *device = open_device(name, sizeof name);
+    warm_scene(device, "builtin:glass?lights=10", false);
+    warm_scene(device, "builtin:grass?lights=10", true);
+    fnl_device_destroy(&device);
+    printf("# %s; %u pipelines\n", name, report.pipeline_count);
+    print_rows(all);
+    if (report.refused_count) fail("the driver refused pipelines");
+    return 0;
+}
