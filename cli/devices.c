@@ -45,7 +45,7 @@ static const struct {
     FEATURE(ray_query, "not used yet"),
     FEATURE(sample_locations, "not used; visibility.grid uses the standard locations"),
     FEATURE(fragment_shading_rate, "not used; coarse shading works without it"),
-    FEATURE(multiview, "not used yet"),
+    FEATURE(multiview, "--set multiview=on draws several views at once"),
 #undef FEATURE
 };
 enum { FEATURE_COUNT = sizeof features / sizeof *features };
@@ -70,11 +70,12 @@ static int print_json(const fnl_device_info *infos, uint32_t count) {
         json_t *optional = json_object();
         for (int f = 0; f < FEATURE_COUNT; f++) json_object_set_new(optional, features[f].name, json_boolean(has(d, f)));
         json_array_append_new(
-            list, json_pack("{s:i,s:s,s:s,s:s,s:s#,s:b,s:s,s:I,s:i,s:i,s:o}", "index", (int)i, "name", d->name, "driver",
+            list, json_pack("{s:i,s:s,s:s,s:s,s:s#,s:b,s:s,s:I,s:i,s:i,s:i,s:o}", "index", (int)i, "name", d->name, "driver",
                             d->driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, d->type), "vulkan",
                             (char[]){(char)('0' + d->api_version_major % 10), '.', (char)('0' + d->api_version_minor % 10)},
                             3, "usable", d->usable, "missing", d->missing, "memory_bytes", (json_int_t)d->memory_bytes,
-                            "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "features", optional));
+                            "max_msaa", (int)d->max_msaa, "subgroup_size", (int)d->subgroup_size, "max_views", (int)d->max_views,
+                            "features", optional));
     }
     int status = json_dumpf(list, stdout, JSON_INDENT(2)) == 0 ? 0 : 2;
     putchar('\n');

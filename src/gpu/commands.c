@@ -176,7 +176,7 @@ void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buf
 static VkImageSubresourceLayers first_mip(const struct gpu_image *image) {
     VkImageAspectFlags aspect = gpu_format_aspect(image->params.format);
     if (aspect & VK_IMAGE_ASPECT_DEPTH_BIT) aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
-    return (VkImageSubresourceLayers){aspect, 0, 0, 1};
+    return (VkImageSubresourceLayers){aspect, 0, image->first_layer, 1};
 }
 
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
@@ -198,7 +198,7 @@ void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from,
         .dstSubresource = first_mip(to),
         .extent = {from->params.width, from->params.height, 1},
     };
-    region.dstSubresource.baseArrayLayer = layer;
+    region.dstSubresource.baseArrayLayer += layer;
     commands->device->vk.CmdCopyImage(commands->handle, from->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to->handle,
                                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
@@ -268,7 +268,8 @@ void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_renderi
     VkRenderingInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
         .renderArea = area,
-        .layerCount = MAX(1u, rendering->layers),
+        .layerCount = MAX(1u, rendering->layers), /* ignored with a view mask */
+        .viewMask = rendering->view_mask,
         .colorAttachmentCount = rendering->color_count,
         .pColorAttachments = colors,
         .pDepthAttachment = rendering->depth.image && !is_stencil ? &depth : NULL,

@@ -174,10 +174,12 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
         return;
     }
     VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceMultiviewProperties views = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_PROPERTIES,
+                                                 .pNext = &driver};
     VkPhysicalDeviceConservativeRasterizationPropertiesEXT conservative = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONSERVATIVE_RASTERIZATION_PROPERTIES_EXT, .pNext = &driver};
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONSERVATIVE_RASTERIZATION_PROPERTIES_EXT, .pNext = &views};
     VkPhysicalDeviceSubgroupProperties subgroup = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
-                                                   .pNext = &driver};
+                                                   .pNext = &views};
     if (info->conservative_raster) subgroup.pNext = &conservative;
     VkPhysicalDeviceProperties2 properties2 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
     instance->vk.GetPhysicalDeviceProperties2(handle, &properties2);
@@ -199,6 +201,7 @@ void gpu_physical_query(const struct gpu_instance *instance, VkPhysicalDevice ha
     info->mesh_shader = info->mesh_shader && meshes.meshShader;
     gpu_features_missing(&out->supported, info->missing, sizeof info->missing);
     info->multiview = out->supported.features_11.multiview;
+    info->max_views = info->multiview ? views.maxMultiviewViewCount : 1;
     info->primitive_ids = out->supported.features.features.geometryShader;
     info->minmax_samplers = out->supported.features_12.samplerFilterMinmax;
     info->usable = !info->missing[0];

@@ -107,6 +107,7 @@ struct gpu_image {
     VkImageView attachment_view; /* mip 0, layer 0..layers-1 */
     VkImageView srgb_view;       /* with params.srgb_view */
     struct gpu_image_params params;
+    uint32_t first_layer; /* of the Vulkan image: 0 but for gpu_image_layer */
     uint32_t sampled_index, storage_index, srgb_index; /* in the bindless set, GPU_NO_INDEX when not of that usage */
     struct gpu_allocation allocation;
     bool owns_memory, imported;
@@ -118,6 +119,9 @@ void gpu_image_destroy(gpu_device *device, struct gpu_image *image);
 /** Wraps a caller's image: makes views and bindless indices, owns no memory. */
 fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params,
                             struct gpu_image *out);
+
+/** One layer of an image, seen as an image of its own that owns no memory; destroyed before the frame in which `image` is, or in the same one. */
+fnl_result gpu_image_layer(gpu_device *device, const struct gpu_image *image, uint32_t layer, struct gpu_image *out);
 
 /** Size and alignment that an image or a buffer would take, without making one that stays. */
 struct gpu_requirements {
@@ -226,6 +230,7 @@ struct gpu_graphics_params {
     bool conservative; /* rasterises every pixel that a primitive touches; needs fnl_device_info.conservative_raster */
     VkCompareOp depth_compare;
     uint32_t samples; /* 1, 2, 4, 8 */
+    uint32_t view_mask; /* that of the rendering: each draw goes to these layers, and shaders know which by gl_ViewIndex; 0: one */
     const struct gpu_scope
         *scope; /* the pipeline draws in this step of a scope; NULL: between gpu_begin_rendering and its end */
     uint32_t scope_step;
@@ -288,10 +293,10 @@ void gpu_copy_buffer(struct gpu_commands *commands, const struct gpu_buffer *fro
                      const struct gpu_buffer *to, uint64_t to_offset, uint64_t size);
 void gpu_fill_buffer(struct gpu_commands *commands, const struct gpu_buffer *buffer, uint64_t offset, uint64_t size,
                      uint32_t value);
-/** Mip 0, layer 0, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
+/** Mip 0, the first layer, tightly packed rows. The image is in TRANSFER_SRC_OPTIMAL. */
 void gpu_copy_image_to_buffer(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_buffer *to,
                               uint64_t offset);
-/** Layer 0 to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
+/** The first layer to `layer`, of the same size, mip 0; TRANSFER_SRC_OPTIMAL to TRANSFER_DST_OPTIMAL; formats of equal texel size. */
 void gpu_copy_image(struct gpu_commands *commands, const struct gpu_image *from, const struct gpu_image *to, uint32_t layer);
 
 struct gpu_attachment {
@@ -306,6 +311,7 @@ struct gpu_rendering {
     uint32_t width, height, layers, color_count;
     struct gpu_attachment colors[GPU_MAX_COLORS];
     struct gpu_attachment depth; /* image NULL: none; of S8_UINT: the stencil; of D32_SFLOAT_S8_UINT: both */
+    uint32_t view_mask; /* bits below fnl_device_info.max_views: draws go to each of these layers (multiview); 0: to layer 0 */
 };
 /** Dynamic rendering; the viewport covers the whole area with +Y up (negative height). */
 void gpu_begin_rendering(struct gpu_commands *commands, const struct gpu_rendering *rendering);

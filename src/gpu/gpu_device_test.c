@@ -14,6 +14,7 @@ static void test_devices_are_listed_and_described(void **state) {
     assert_int_equal(fnl_enumerate_devices(NULL, infos, COUNT_OF(infos), &count), FNL_OK);
     assert_true(count > 0);
     assert_true(infos[0].name[0] && infos[0].memory_bytes > 0 && infos[0].max_msaa >= 4);
+    assert_true(!infos[0].multiview || infos[0].max_views >= 6); /* as Vulkan demands */
     assert_true(infos[0].usable == !infos[0].missing[0]);
     fnl_device_params params = fnl_device_params_default();
     params.index = 0;

@@ -205,7 +205,7 @@ static fnl_result create_view(gpu_device *device, const struct gpu_image *image,
         .subresourceRange = {view->usage & VK_IMAGE_USAGE_SAMPLED_BIT && aspect & VK_IMAGE_ASPECT_DEPTH_BIT
                                  ? VK_IMAGE_ASPECT_DEPTH_BIT
                                  : aspect,
-                             0, view->mips, 0, image->params.layers},
+                             0, view->mips, image->first_layer, image->params.layers},
     };
     VkResult result = device->vk.CreateImageView(device->handle, &info, NULL, out);
     TRY(gpu_check(device, result, "'%s': vkCreateImageView", image->params.name));
@@ -300,13 +300,14 @@ static fnl_result make_image(gpu_device *device, const struct gpu_heap *heap, ui
     return result;
 }
 
-static fnl_result start_image(gpu_device *device, VkImage handle, const struct gpu_heap *heap, uint64_t offset,
-                              const struct gpu_image_params *params, struct gpu_image *out) {
+static fnl_result start_image(gpu_device *device, VkImage handle, uint32_t first_layer, const struct gpu_heap *heap,
+                              uint64_t offset, const struct gpu_image_params *params, struct gpu_image *out) {
     *out = empty_image();
     TRY(check_params(device, params));
     if (!gpu_retire_reserve(device)) return FNL_ERROR_MEMORY;
     out->params = *params;
     out->handle = handle;
+    out->first_layer = first_layer;
     out->imported = handle != VK_NULL_HANDLE;
     fnl_result result = make_image(device, heap, offset, out);
     if (result != FNL_OK) {
@@ -319,12 +320,12 @@ static fnl_result start_image(gpu_device *device, VkImage handle, const struct g
 }
 
 fnl_result gpu_image_create(gpu_device *device, const struct gpu_image_params *params, struct gpu_image *out) {
-    return start_image(device, VK_NULL_HANDLE, NULL, 0, params, out);
+    return start_image(device, VK_NULL_HANDLE, 0, NULL, 0, params, out);
 }
 
 fnl_result gpu_image_create_in(gpu_device *device, const struct gpu_heap *heap, uint64_t offset,
                                const struct gpu_image_params *params, struct gpu_image *out) {
-    return start_image(device, VK_NULL_HANDLE, heap, offset, params, out);
+    return start_image(device, VK_NULL_HANDLE, 0, heap, offset, params, out);
 }
 
 fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu_image_params *params,
@@ -332,7 +333,16 @@ fnl_result gpu_image_import(gpu_device *device, VkImage handle, const struct gpu
     *out = empty_image();
     REQUIRE(&device->host, handle != VK_NULL_HANDLE);
     REQUIRE(&device->host, !params->srgb_view);
-    return start_image(device, handle, NULL, 0, params, out);
+    return start_image(device, handle, 0, NULL, 0, params, out);
+}
+
+fnl_result gpu_image_layer(gpu_device *device, const struct gpu_image *image, uint32_t layer, struct gpu_image *out) {
+    *out = empty_image();
+    REQUIRE(&device->host, layer < image->params.layers && !image->params.srgb_view);
+    struct gpu_image_params params = image->params;
+    params.layers = 1;
+    params.cube = false;
+    return start_image(device, image->handle, image->first_layer + layer, NULL, 0, &params, out);
 }
 
 void gpu_image_destroy(gpu_device *device, struct gpu_image *image) {

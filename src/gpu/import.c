@@ -133,6 +133,7 @@ static fnl_result check_required(const struct call *call, const struct enabled *
 static void keep_enabled(const VkDeviceCreateInfo *created, const struct enabled *enabled, fnl_device_info *info) {
     info->primitive_ids &= enabled->features.features.features.geometryShader != 0;
     info->multiview &= enabled->features.features_11.multiview != 0;
+    if (!info->multiview) info->max_views = 1;
     info->minmax_samplers &= enabled->features.features_12.samplerFilterMinmax != 0;
     info->mesh_shader &= enabled->mesh_shader && has_extension(created, VK_EXT_MESH_SHADER_EXTENSION_NAME);
     info->conservative_raster &= has_extension(created, VK_EXT_CONSERVATIVE_RASTERIZATION_EXTENSION_NAME);

@@ -248,6 +248,7 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
     };
     VkPipelineRenderingCreateInfo rendering = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+        .viewMask = params->view_mask,
         .colorAttachmentCount = params->color_count,
         .pColorAttachmentFormats = params->color_formats,
         .depthAttachmentFormat = params->depth_format == VK_FORMAT_S8_UINT ? VK_FORMAT_UNDEFINED : params->depth_format,
@@ -325,6 +326,10 @@ static fnl_result check_graphics(const gpu_device *device, const struct gpu_grap
     REQUIRE(host, params->color_count <= GPU_MAX_COLORS);
     REQUIRE(host, !params->conservative || device->info.conservative_raster);
     REQUIRE(host, !params->geometry || device->info.primitive_ids);
+    if (params->view_mask) {
+        REQUIRE(host, device->info.max_views >= 32 || params->view_mask >> device->info.max_views == 0);
+        REQUIRE(host, !params->geometry && !params->mesh && !params->scope); /* those need features of their own */
+    }
     if (params->scope) {
         REQUIRE(host, params->scope_step < params->scope->params.step_count);
         REQUIRE(host, params->color_count == params->scope->params.steps[params->scope_step].color_count);

@@ -15,30 +15,33 @@ struct canvas {
     struct gpu_rendering rendering;
 };
 
-static fnl_result make_target(gpu_device *stage, VkFormat format, uint32_t samples, VkImageUsageFlags usage,
-                              struct gpu_image *out) {
+static fnl_result make_target(gpu_device *stage, VkFormat format, const struct gpu_graphics_params *pipeline,
+                              VkImageUsageFlags usage, struct gpu_image *out) {
+    uint32_t layers = 1;
+    while (pipeline->view_mask && layers < 32 && pipeline->view_mask >> layers) layers++;
     struct gpu_image_params params = {.name = "rehearsal",
                                       .format = format,
                                       .width = SIDE,
                                       .height = SIDE,
-                                      .layers = 1,
+                                      .layers = layers,
                                       .mips = 1,
-                                      .samples = samples,
+                                      .samples = pipeline->samples,
                                       .usage = usage};
     return gpu_image_create(stage, &params, out);
 }
 
 static fnl_result make_canvas(gpu_device *stage, const struct gpu_graphics_params *params, struct canvas *out) {
-    out->rendering = (struct gpu_rendering){.width = SIDE, .height = SIDE, .layers = 1, .color_count = params->color_count};
+    out->rendering = (struct gpu_rendering){
+        .width = SIDE, .height = SIDE, .layers = 1, .view_mask = params->view_mask, .color_count = params->color_count};
     for (uint32_t i = 0; i < params->color_count; i++) {
-        TRY(make_target(stage, params->color_formats[i], params->samples, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+        TRY(make_target(stage, params->color_formats[i], params, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                         &out->colors[i]));
         out->rendering.colors[i] = (struct gpu_attachment){.image = &out->colors[i],
                                                            .load = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                                            .store = VK_ATTACHMENT_STORE_OP_DONT_CARE};
     }
     if (params->depth_format == VK_FORMAT_UNDEFINED) return FNL_OK;
-    TRY(make_target(stage, params->depth_format, params->samples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, &out->depth));
+    TRY(make_target(stage, params->depth_format, params, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, &out->depth));
     out->rendering.depth = (struct gpu_attachment){.image = &out->depth,
                                                    .load = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                                    .store = VK_ATTACHMENT_STORE_OP_DONT_CARE};
