@@ -223,6 +223,25 @@ graph_image graph_create_image(struct graph *graph, const struct graph_image_par
     return create_image(graph, graph_scoped_name(graph, params->name), params);
 }
 
+graph_image graph_image_layer(struct graph *graph, graph_image image, uint32_t layer) {
+    const struct graph_resource *whole = graph_find_resource(graph, image.id, true);
+    if (!whole || whole->whole || whole->imported || whole->role != GRAPH_HISTORY_NONE || whole->params.layers > 64 ||
+        layer >= whole->params.layers) {
+        graph_misuse(graph, "layer %u is asked for of %#x, which is no image of this frame with such a layer", layer, image.id);
+        return (graph_image){0};
+    }
+    if (whole->params.layers == 1) return image;
+    uint32_t index = (uint32_t)(whole - graph->resources.data);
+    for (uint32_t i = index + 1; i < graph->resources.count; i++) {
+        const struct graph_resource *known = &graph->resources.data[i];
+        if (known->whole == index + 1 && known->layer == layer) return (graph_image){handle_make(graph, i)};
+    }
+    struct graph_resource resource = {
+        .name = whole->name, .is_image = true, .whole = index + 1, .layer = layer, .params = whole->params};
+    resource.params.layers = 1;
+    return (graph_image){add_resource(graph, &resource)};
+}
+
 graph_buffer graph_create_buffer(struct graph *graph, const char *name, uint64_t size) {
     struct graph_resource resource = {.name = graph_scoped_name(graph, name), .buffer_size = MAX(size, 16u)};
     return (graph_buffer){add_resource(graph, &resource)};
@@ -350,9 +369,16 @@ struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum gr
     return pass;
 }
 
+/* The layers that a use of it touches. */
+static uint64_t layers_of(const struct graph_resource *resource) {
+    if (resource->whole) return 1ull << resource->layer;
+    return resource->is_image && resource->params.layers < 64 ? (1ull << resource->params.layers) - 1 : ~0ull;
+}
+
 static void add_use(struct graph_pass *pass, struct graph_resource *resource, const struct graph_access *wanted) {
     struct graph *graph = pass->graph;
-    uint32_t index = (uint32_t)(resource - graph->resources.data);
+    const uint32_t index = resource->whole ? resource->whole - 1 : (uint32_t)(resource - graph->resources.data);
+    const uint64_t layers = layers_of(resource);
     if (wanted->writes && resource->role == GRAPH_HISTORY_PREVIOUS)
         graph_misuse(graph, "pass '%s' writes the previous frame's '%s'", pass->name, resource->name);
     struct graph_access *use = pass->first_use;
@@ -363,9 +389,11 @@ static void add_use(struct graph_pass *pass, struct graph_resource *resource, co
         use->stages |= wanted->stages;
         use->access |= wanted->access;
         use->usage |= wanted->usage;
-        use->discards = use->discards && wanted->discards;
+        use->discards = use->discards && wanted->discards && !resource->whole;
         use->reads |= wanted->reads;
         use->writes |= wanted->writes;
+        use->read_layers |= wanted->reads ? layers : 0;
+        use->written_layers |= wanted->writes ? layers : 0;
         return;
     }
     use = arena_allocate(&graph->arena, sizeof *use);
@@ -375,6 +403,9 @@ static void add_use(struct graph_pass *pass, struct graph_resource *resource, co
     }
     *use = *wanted;
     use->resource = index;
+    use->discards &= !resource->whole;
+    use->read_layers = use->reads ? layers : 0;
+    use->written_layers = use->writes ? layers : 0;
     use->next = NULL;
     if (pass->last_use)
         pass->last_use->next = use;
@@ -442,6 +473,11 @@ static struct graph_resource *attachment_of(struct graph_pass *pass, graph_image
     }
     if (pass->queue == GRAPH_QUEUE_ASYNC) {
         graph_misuse(pass->graph, "pass '%s' has the attachment '%s', but a compute queue cannot draw", pass->name,
+                     resource->name);
+        return NULL;
+    }
+    if (pass->scope && pass->scope->merged && resource->whole) {
+        graph_misuse(pass->graph, "pass '%s' of scope '%s' has a layer of '%s' as an attachment", pass->name, pass->scope->name,
                      resource->name);
         return NULL;
     }
@@ -540,6 +576,10 @@ void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp 
 
 void graph_depth_read_only(struct graph_pass *pass, graph_image image) {
     add_depth(pass, image, VK_ATTACHMENT_LOAD_OP_LOAD, 0, true);
+}
+
+void graph_view_mask(struct graph_pass *pass, uint32_t mask) {
+    if (pass) pass->view_mask = mask;
 }
 
 /* ---- scopes ---- */

@@ -56,6 +56,12 @@ struct graph_image_params {
     uint32_t layers, mips, samples; /* 0 means 1 */
 };
 graph_image graph_create_image(struct graph *graph, const struct graph_image_params *params);
+/**
+ * One layer of an image that graph_create_image made with at most 64 of them, to use as an image of its own: as an attachment, sampled, as
+ * storage or in copies; not in merged scopes. The graph knows which layers were written, but waits for the whole image and keeps it in one
+ * layout. Asking twice gives the same handle. Of an image of one layer: that image.
+ */
+graph_image graph_image_layer(struct graph *graph, graph_image image, uint32_t layer);
 graph_buffer graph_create_buffer(struct graph *graph, const char *name, uint64_t size);
 /**
  * Resources that live outside of the graph; what they point to must stay until the frame is executed. Importing one twice
@@ -223,6 +229,12 @@ void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp 
 /** Depth test without writes; the image may be sampled by the same pass. */
 void graph_depth_read_only(struct graph_pass *pass, graph_image image);
 /**
+ * What the pass draws goes to each layer of its attachments whose bit is set (multiview): shaders know by gl_ViewIndex which one it is. Other
+ * layers keep what they hold or are left undefined, as the load operations say. Not in scopes; bits below fnl_device_info.max_views. 0: layer 0
+ * alone, as without this call.
+ */
+void graph_view_mask(struct graph_pass *pass, uint32_t mask);
+/**
  * Passes added until graph_end_scope draw one over the other in one rendering scope (gpu.h): what they leave at a pixel stays in tile
  * memory for the next one to read at the same pixel, and only what is used after the scope is stored. All must be graphics passes with
  * attachments of one size, single-sampled; only the first that has an attachment may clear it. An image is either an attachment (or local
@@ -334,16 +346,18 @@ struct graph_context {
     const struct graph *graph;
     const struct gpu_scope *scope; /* merged scopes: the one that the pass is step `scope_step` of */
     uint32_t scope_step;
+    uint32_t view_mask; /* of graph_view_mask */
 };
 /** The graphics pipeline for drawing in this pass, merged or not. */
 static inline const struct gpu_pipeline *graph_pipeline(const struct graph_context *context,
                                                         const struct gpu_graphics_params *params) {
-    if (!context->scope) return gpu_graphics_pipeline(context->device, params);
-    struct gpu_graphics_params merged;
-    memcpy(&merged, params, sizeof merged); /* hashed as bytes */
-    merged.scope = context->scope;
-    merged.scope_step = context->scope_step;
-    return gpu_graphics_pipeline(context->device, &merged);
+    if (!context->scope && !context->view_mask) return gpu_graphics_pipeline(context->device, params);
+    struct gpu_graphics_params own;
+    memcpy(&own, params, sizeof own); /* hashed as bytes */
+    own.scope = context->scope;
+    own.scope_step = context->scope_step;
+    own.view_mask = context->view_mask;
+    return gpu_graphics_pipeline(context->device, &own);
 }
 /** The context must be the one that the execute function was given. A resource that the pass did not declare is misuse. */
 const struct gpu_image *graph_get_image(const struct graph_context *context, graph_image image);

@@ -36,11 +36,20 @@ static void check_attachments(struct graph *graph, const struct graph_pass *pass
             graph_misuse(graph, "pass '%s' resolves '%s' into '%s', which is of another size", pass->name, resource->name,
                          resolve->name);
     }
+    if (!pass->view_mask) return;
+    const uint32_t most = graph->device ? gpu_info(graph->device)->max_views : 32;
+    if (!first || pass->scope)
+        graph_misuse(graph, "pass '%s' draws several views, but %s", pass->name, first ? "is in a scope" : "has no attachments");
+    else if (first->params.layers < 32 && pass->view_mask >> first->params.layers)
+        graph_misuse(graph, "pass '%s' draws views %#x, but '%s' has %u layers", pass->name, pass->view_mask, first->name,
+                     first->params.layers);
+    else if (most < 32 && pass->view_mask >> most)
+        graph_misuse(graph, "pass '%s' draws views %#x, but the device takes %u", pass->name, pass->view_mask, most);
 }
 
 static void check(struct graph *graph) {
     graph_check_names(graph);
-    bool *written = ARENA_ARRAY(&graph->arena, bool, graph->resources.count);
+    uint64_t *written = ARENA_ARRAY(&graph->arena, uint64_t, graph->resources.count); /* layers */
     if (!written) {
         graph_fail(graph, FNL_ERROR_MEMORY);
         return;
@@ -50,10 +59,11 @@ static void check(struct graph *graph) {
         check_attachments(graph, pass);
         for (const struct graph_access *use = pass->first_use; use; use = use->next) {
             const struct graph_resource *resource = &graph->resources.data[use->resource];
-            if (use->reads && !resource->has_contents && !written[use->resource])
+            if (!resource->has_contents && (use->read_layers & ~written[use->resource]))
                 graph_misuse(graph, "pass '%s' reads '%s', which nobody wrote before", pass->name, resource->name);
         }
-        for (const struct graph_access *use = pass->first_use; use; use = use->next) written[use->resource] |= use->writes;
+        for (const struct graph_access *use = pass->first_use; use; use = use->next)
+            written[use->resource] |= use->written_layers;
     }
 }
 

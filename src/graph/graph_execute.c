@@ -38,7 +38,7 @@ static const struct graph_resource *used_resource(const struct graph_context *co
                   kind, id);
     else {
         for (const struct graph_access *use = recording->pass->first_use; use; use = use->next)
-            if (&graph->resources.data[use->resource] == resource) return resource;
+            if (&graph->resources.data[use->resource] == graph_whole(graph, resource)) return resource;
         log_error(&graph->host, "graph: pass '%s' asks for '%s' without a declared use of it", recording->pass->name,
                   resource->name);
     }
@@ -93,7 +93,7 @@ static struct gpu_attachment attachment_of(const struct graph *graph, const stru
     const struct graph_resource *resource = &graph->resources.data[declared->resource];
     struct gpu_attachment attachment = {.image = resource->image,
                                         .load = declared->load,
-                                        .store = graph_store_op(resource, declared->read_only, step),
+                                        .store = graph_store_op(graph, resource, declared->read_only, step),
                                         .clear = declared->clear,
                                         .read_only = declared->read_only};
     if (declared->resolve != GRAPH_NONE) attachment.resolve = graph->resources.data[declared->resolve].image;
@@ -106,8 +106,11 @@ static bool begin_rendering(const struct graph *graph, struct gpu_commands *comm
     if (pass->color_count == 0 && !has_depth) return false;
     const struct graph_image_params *params =
         &graph->resources.data[has_depth ? pass->depth.resource : pass->colors[0].resource].params;
-    struct gpu_rendering rendering = {
-        .width = params->width, .height = params->height, .layers = params->layers, .color_count = pass->color_count};
+    struct gpu_rendering rendering = {.width = params->width,
+                                      .height = params->height,
+                                      .layers = params->layers,
+                                      .view_mask = pass->view_mask,
+                                      .color_count = pass->color_count};
     for (uint32_t i = 0; i < pass->color_count; i++) rendering.colors[i] = attachment_of(graph, &pass->colors[i], step);
     if (has_depth) rendering.depth = attachment_of(graph, &pass->depth, step);
     gpu_begin_rendering(commands, &rendering);
@@ -134,7 +137,7 @@ static void record_scope(const struct graph *graph, struct gpu_commands *command
         const struct graph_resource *resource = &graph->resources.data[attachment->resource];
         params.attachments[i].format = resource->params.format;
         params.attachments[i].load = attachment->load;
-        params.attachments[i].store = graph_store_op(resource, attachment->read_only, step);
+        params.attachments[i].store = graph_store_op(graph, resource, attachment->read_only, step);
         images[i] = resource->image;
         clears[i] = attachment->clear;
     }
@@ -156,7 +159,7 @@ static void record_scope(const struct graph *graph, struct gpu_commands *command
         const struct graph_pass *part = merged->parts[i];
         if (i) gpu_next_step(commands);
         gpu_begin_label(commands, part->name);
-        struct recording recording = {{commands, graph->device, graph, scope, i}, part};
+        struct recording recording = {{commands, graph->device, graph, scope, i, 0}, part};
         execute(&recording);
         gpu_end_label(commands);
     }
@@ -175,7 +178,7 @@ static void record_step(const struct recorder *recorder, struct gpu_commands *co
         record_scope(graph, commands, pass->merged, index);
     } else {
         bool rendering = begin_rendering(graph, commands, pass, index);
-        struct recording recording = {{commands, graph->device, graph, NULL, 0}, pass};
+        struct recording recording = {{commands, graph->device, graph, NULL, 0, pass->view_mask}, pass};
         execute(&recording);
         if (rendering) gpu_end_rendering(commands);
     }

@@ -20,6 +20,7 @@ struct graph_access {
     struct graph_access *next;                                    /* of the same pass */
     struct graph_access *next_of_resource, *previous_of_resource; /* among live passes; set by compile */
     uint32_t resource, step;
+    uint64_t read_layers, written_layers; /* bits; all of them for buffers, and for images with more than 64 layers */
     VkPipelineStageFlags2 stages;
     VkAccessFlags2 access;
     VkPipelineStageFlags2 run_stages; /* this and the following reads of the same layout and queue, up to the next change */
@@ -75,6 +76,7 @@ struct graph_pass {
     const struct graph_scope *scope;   /* or NULL */
     uint32_t inputs[GPU_MAX_INPUTS];   /* resources of local reads, GRAPH_NONE: none */
     uint32_t input_count;              /* with gaps */
+    uint32_t view_mask;                /* 0: one view */
     const struct graph_merged *merged; /* of the pass that compile makes of a merged scope: what it is made of */
     bool keep, live;
 };
@@ -111,6 +113,7 @@ struct graph_resource {
     struct graph_image_params params;
     uint64_t buffer_size;
     VkImageLayout initial_layout, final_layout; /* imported images and histories */
+    uint32_t whole, layer;                      /* of graph_image_layer: the image's index + 1; 0: it is none */
     const struct gpu_image *image;              /* imported, or set before the passes are recorded */
     const struct gpu_buffer *buffer;
 
@@ -266,6 +269,11 @@ struct graph {
     struct graph_timer_slot timer_slots[GPU_FRAMES_IN_FLIGHT];
 };
 
+/** The image that a layer belongs to, whose uses and memory the graph keeps; anything else itself. */
+static inline const struct graph_resource *graph_whole(const struct graph *graph, const struct graph_resource *resource) {
+    return resource->whole ? &graph->resources.data[resource->whole - 1] : resource;
+}
+
 /** Logs misuse and makes the frame fail. */
 void graph_misuse(struct graph *graph, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /** Makes the frame fail; whoever found the error logged it. */
@@ -297,7 +305,8 @@ uint64_t graph_image_bytes(const struct graph_resource *resource);
 /** graph_query_traffic of one step; the plan's uses are linked. */
 uint32_t graph_step_traffic(const struct graph *graph, uint32_t step, struct graph_traffic *out, uint32_t capacity);
 /** What the end of a step does with an attachment's contents. */
-VkAttachmentStoreOp graph_store_op(const struct graph_resource *resource, bool read_only, uint32_t step);
+VkAttachmentStoreOp graph_store_op(const struct graph *graph, const struct graph_resource *resource, bool read_only,
+                                   uint32_t step);
 
 /** Compiles as if there were a compute queue (`async`) or not. */
 fnl_result graph_compile_for(struct graph *graph, bool async);

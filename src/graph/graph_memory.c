@@ -275,6 +275,26 @@ static fnl_result realise_history(struct graph *graph, struct graph_resource *re
     return FNL_OK;
 }
 
+/* The physical of one layer lives as long as that of its image. */
+static fnl_result realise_layer(struct graph *graph, struct graph_resource *resource) {
+    const struct graph_resource *whole = graph_whole(graph, resource);
+    if (whole->pool == GRAPH_NONE) return FNL_OK; /* nobody needs it */
+    const uint32_t layer = resource->layer;
+    const uint64_t key = hash_bytes(&layer, sizeof layer, graph->physicals.data[whole->physical].key);
+    uint32_t index = 0;
+    while (index < graph->physicals.count && graph->physicals.data[index].key != key) index++;
+    if (index == graph->physicals.count) {
+        if (!array_reserve(&graph->host, &graph->physicals, (uint64_t)index + 1)) return FNL_ERROR_MEMORY;
+        const struct graph_physical *of = &graph->physicals.data[whole->physical];
+        struct graph_physical physical = {.key = key, .pool = of->pool, .heap = of->heap, .is_image = true};
+        TRY(gpu_image_layer(graph->device, &of->image, layer, &physical.image));
+        graph->physicals.data[graph->physicals.count++] = physical;
+    }
+    graph->physicals.data[index].last_frame = graph->frame;
+    resource->physical = index;
+    return FNL_OK;
+}
+
 fnl_result graph_realise(struct graph *graph) {
     for (uint32_t i = 0; i < graph->pools.count; i++) TRY(realise_heap(graph, i));
     for (uint32_t i = 0; i < graph->resources.count; i++) {
@@ -283,6 +303,8 @@ fnl_result graph_realise(struct graph *graph) {
             TRY(realise_transient(graph, resource));
         else if (resource->role != GRAPH_HISTORY_NONE && resource->first_use)
             TRY(realise_history(graph, resource));
+        else if (resource->whole) /* its image comes before it */
+            TRY(realise_layer(graph, resource));
     }
     /* Removal moves the last physical down, so resources look for theirs afterwards. */
     for (uint32_t i = graph->physicals.count; i-- > 0;) {

@@ -129,18 +129,32 @@ static void put_barriers(struct printer *printer, const struct graph_barriers *b
     put(printer, ")\n");
 }
 
+/* Those of an image with several, where a pass does not use them all. */
+static void put_layers(struct printer *printer, const struct graph_resource *resource, uint64_t layers) {
+    const uint32_t count = resource->params.layers;
+    if (!resource->is_image || count > 64 || __builtin_popcountll(layers) == (int)count) return;
+    const char *separator = " layer ";
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(layers >> i & 1)) continue;
+        put(printer, "%s%u", separator, i);
+        separator = ",";
+    }
+}
+
 static void put_step(struct printer *printer, uint32_t index) {
     const struct graph_step *step = &printer->graph->plan.steps[index];
     put(printer, "  pass %u '%s' %s", index, step->pass->name, step->queue == GPU_QUEUE_COMPUTE ? "compute" : "graphics");
     const struct graph_merged *merged = step->pass->merged;
     for (uint32_t i = 0; merged && i < merged->part_count; i++)
         put(printer, "%s'%s'", i ? ", " : ", one scope of ", merged->parts[i]->name);
+    if (step->pass->view_mask) put(printer, ", views %#x at once", step->pass->view_mask);
     put(printer, ":\n");
     put_barriers(printer, &step->before, "    ");
     for (const struct graph_access *use = step->pass->first_use; use; use = use->next) {
         const struct graph_resource *resource = &printer->graph->resources.data[use->resource];
         put(printer, "    %s %s%s", use->writes ? (use->reads ? "reads, writes" : "writes") : "reads", resource->name,
             role_suffix(resource));
+        put_layers(printer, resource, use->read_layers | use->written_layers);
         if (resource->is_image) put(printer, " in %s", layout_name(use->layout));
         put(printer, "\n");
     }

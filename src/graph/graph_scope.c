@@ -104,6 +104,8 @@ static bool add_uses(struct graph *graph, struct graph_pass *whole, const struct
             known->access |= wanted.access;
             known->usage |= wanted.usage;
             known->writes |= wanted.writes; /* reads and discards: as the first does */
+            known->read_layers |= wanted.read_layers;
+            known->written_layers |= wanted.written_layers;
             continue;
         }
         known = arena_allocate(&graph->arena, sizeof *known);
@@ -160,9 +162,11 @@ uint64_t graph_image_bytes(const struct graph_resource *resource) {
     return texels * params->layers * params->samples * gpu_texel_bytes(params->format);
 }
 
-VkAttachmentStoreOp graph_store_op(const struct graph_resource *resource, bool read_only, uint32_t step) {
+VkAttachmentStoreOp graph_store_op(const struct graph *graph, const struct graph_resource *resource, bool read_only,
+                                   uint32_t step) {
     if (read_only) return VK_ATTACHMENT_STORE_OP_NONE;
-    bool last = !resource->imported && resource->role == GRAPH_HISTORY_NONE && resource->last_use->step == step;
+    bool last = !resource->imported && resource->role == GRAPH_HISTORY_NONE &&
+                graph_whole(graph, resource)->last_use->step == step;
     return last ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
 }
 
@@ -185,7 +189,7 @@ static void put_row(struct rows *rows, const struct graph_resource *resource, co
         out->pass = rows->graph->plan.steps[rows->step].pass->name;
         out->image = resource->name;
         out->format = resource->params.format;
-        out->transient = resource->usage & VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
+        out->transient = graph_whole(rows->graph, resource)->usage & VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT;
     }
     rows->count++;
 }
@@ -193,8 +197,9 @@ static void put_row(struct rows *rows, const struct graph_resource *resource, co
 static void put_attachment(struct rows *rows, const struct graph_pass_attachment *attachment) {
     if (attachment->resource == GRAPH_NONE) return;
     const struct graph_resource *resource = &rows->graph->resources.data[attachment->resource];
-    struct graph_traffic row = {
-        .attachment = true, .load = attachment->load, .store = graph_store_op(resource, attachment->read_only, rows->step)};
+    struct graph_traffic row = {.attachment = true,
+                                .load = attachment->load,
+                                .store = graph_store_op(rows->graph, resource, attachment->read_only, rows->step)};
     if (row.load == VK_ATTACHMENT_LOAD_OP_LOAD) row.bytes_read = attachment_bytes(resource);
     if (row.store == VK_ATTACHMENT_STORE_OP_STORE) row.bytes_written = attachment_bytes(resource);
     put_row(rows, resource, &row);
@@ -203,6 +208,10 @@ static void put_attachment(struct rows *rows, const struct graph_pass_attachment
     put_row(rows, resource,
             &(struct graph_traffic){
                 .attachment = true, .load = VK_ATTACHMENT_LOAD_OP_DONT_CARE, .bytes_written = attachment_bytes(resource)});
+}
+
+static uint32_t layer_count(const struct graph_resource *resource, uint64_t layers) {
+    return resource->params.layers > 64 ? resource->params.layers : (uint32_t)__builtin_popcountll(layers);
 }
 
 uint32_t graph_step_traffic(const struct graph *graph, uint32_t step, struct graph_traffic *out, uint32_t capacity) {
@@ -217,8 +226,10 @@ uint32_t graph_step_traffic(const struct graph *graph, uint32_t step, struct gra
         const struct graph_resource *resource = &graph->resources.data[use->resource];
         if (!resource->is_image || !(use->access & (reads | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT))) continue;
         struct graph_traffic row = {0};
-        if (use->access & reads) row.bytes_read = graph_image_bytes(resource);
-        if (use->access & VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT) row.bytes_written = graph_image_bytes(resource);
+        const uint64_t layer_bytes = graph_image_bytes(resource) / resource->params.layers;
+        if (use->access & reads) row.bytes_read = layer_bytes * layer_count(resource, use->read_layers);
+        if (use->access & VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT)
+            row.bytes_written = layer_bytes * layer_count(resource, use->written_layers);
         put_row(&rows, resource, &row);
     }
     return rows.count;
