@@ -9,6 +9,13 @@
 #extension GL_EXT_nonuniform_qualifier : require
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_shader_image_load_formatted : require
+#ifdef MULTIVIEW
+#extension GL_EXT_multiview : require
+#define SEVERAL_VIEWS
+#endif
+#ifdef SEVERAL_VIEWS
+#extension GL_EXT_buffer_reference_uvec2 : require
+#endif
 
 #include "shared.h"
 #include "constants_shared.h"

@@ -10,6 +10,23 @@ layout(buffer_reference) buffer frame_block;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer frame_block { gpu_frame frame; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer view_block { gpu_view view; };
 
+#ifdef SEVERAL_VIEWS
+// Of views that stand one after the other. Sums of references and integers would need 64-bit integers.
+view_block view_at(view_block first, uint index) {
+    uvec2 address = uvec2(first);
+    uint carry;
+    address.x = uaddCarry(address.x, index * GPU_VIEW_BYTES, carry);
+    return view_block(uvec2(address.x, address.y + carry));
+}
+#endif
+
+// The camera that is drawn for: with MULTIVIEW a draw goes to several views at once.
+#ifdef MULTIVIEW
+#define DRAWN_VIEW(first) view_at(first, uint(gl_ViewIndex))
+#else
+#define DRAWN_VIEW(first) (first)
+#endif
+
 // Positive distance along the view axis of a stored depth; huge for the empty sky of a perspective view.
 float view_depth_of(view_block v, float depth) {
     vec4 d = v.view.depth_decode;

@@ -41,5 +41,9 @@ struct gpu_view {
     ADDRESS(frame_block) frame;
     uvec2 decals;        /* address of a struct gpu_decal_set, whose list is of this view; read only where a shader's features say that there is one */
 };
+#define GPU_VIEW_BYTES 440
+#ifndef GL_core_profile
+_Static_assert(sizeof(struct gpu_view) == GPU_VIEW_BYTES, "views stand one after the other as view_at() of view.glsl expects");
+#endif
 
 #endif

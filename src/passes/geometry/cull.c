@@ -31,21 +31,37 @@ static void add_sort(struct graph *graph, const struct geometry_scene *scene, Vk
                                                               graph_writes(&push.visible, draws->blend_visible))});
 }
 
-struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
-                                     VkDeviceAddress view, const struct hierarchy *occluders) {
-    struct geometry_draws draws = {
+static struct geometry_draws create_draws(struct graph *graph, const char *what, const struct geometry_scene *scene) {
+    return (struct geometry_draws){
         .sums = graph_create_buffer(graph, graph_name(graph, "%s visible sums", what), (scene->item_count + 1) * 4ull),
         .visible =
             graph_create_buffer(graph, graph_name(graph, "%s visible items", what), MAX(scene->item_count, 1u) * 4ull),
         .draws = graph_create_buffer(graph, graph_name(graph, "%s draw list", what),
                                      MAX(scene->group_count, 1u) * sizeof(struct gpu_draw))};
-    if (occluders)
-        draws.hidden = graph_create_buffer(graph, graph_name(graph, "%s hidden", what), (scene->item_count + 1) * 4ull);
-    const struct gpu_cull_push common = {
+}
+
+/* From marks to draws. */
+static void add_fill(struct graph *graph, const char *what, const struct geometry_scene *scene, VkDeviceAddress view,
+                     const struct geometry_draws *draws) {
+    struct gpu_cull_push push = {
         .view = view, .scene = scene->scene, .item_count = scene->item_count, .group_count = scene->group_count};
-    const uint32_t groups = DIVIDE_UP(scene->item_count + 1, 64u);
-    struct gpu_cull_push push = common;
+    prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, draws->sums, scene->item_count + 1);
+    graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "%s fill", what),
+                                                   .pipeline = {.shader = &shader_cull_fill_comp},
+                                                   .groups = {DIVIDE_UP(scene->item_count + 1, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.sums, draws->sums),
+                                                              graph_writes(&push.visible, draws->visible),
+                                                              graph_writes(&push.draws, draws->draws))});
+}
+
+struct geometry_draws cull_items_add(struct graph *graph, const char *what, const struct geometry_scene *scene,
+                                     VkDeviceAddress view, const struct hierarchy *occluders) {
+    struct geometry_draws draws = create_draws(graph, what, scene);
+    struct gpu_cull_push push = {
+        .view = view, .scene = scene->scene, .item_count = scene->item_count, .group_count = scene->group_count};
     if (occluders) {
+        draws.hidden = graph_create_buffer(graph, graph_name(graph, "%s hidden", what), (scene->item_count + 1) * 4ull);
         push.hierarchy_width = occluders->width;
         push.hierarchy_height = occluders->height;
         push.occludee_count = scene->blend_item_count ? scene->blend_first_item : scene->item_count;
@@ -56,22 +72,30 @@ struct geometry_draws cull_items_add(struct graph *graph, const char *what, cons
         graph,
         &(struct graph_dispatch){.name = graph_name(graph, "%s mark", what),
                                  .pipeline = {.shader = &shader_cull_mark_comp},
-                                 .groups = {groups},
+                                 .groups = {DIVIDE_UP(scene->item_count + 1, 64u)},
                                  GRAPH_PUSH(push),
                                  GRAPH_ROWS(graph_reads(NULL, scene->vertices), graph_writes(&push.sums, draws.sums))});
     if (occluders) {
         graph_add_row(pass, graph_reads(&push.hierarchy, occluders->levels));
         graph_add_row(pass, graph_changes(&push.hidden, draws.hidden));
     }
-    prefix_sum_add(graph, what, GRAPH_QUEUE_GRAPHICS, draws.sums, scene->item_count + 1);
-    push = common;
-    graph_dispatch(graph, &(struct graph_dispatch){.name = graph_name(graph, "%s fill", what),
-                                                   .pipeline = {.shader = &shader_cull_fill_comp},
-                                                   .groups = {groups},
+    add_fill(graph, what, scene, view, &draws);
+    return draws;
+}
+
+struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress views,
+                                     uint32_t view_count) {
+    struct geometry_draws draws = create_draws(graph, "cull", scene);
+    draws.view_mask = UINT32_MAX >> (32 - view_count);
+    struct gpu_cull_views_push push = {
+        .view = views, .scene = scene->scene, .item_count = scene->item_count, .view_count = view_count};
+    graph_dispatch(graph, &(struct graph_dispatch){.name = "cull mark",
+                                                   .pipeline = {.shader = &shader_cull_views_mark_comp},
+                                                   .groups = {DIVIDE_UP(scene->item_count + 1, 64u)},
                                                    GRAPH_PUSH(push),
-                                                   GRAPH_ROWS(graph_reads(&push.sums, draws.sums),
-                                                              graph_writes(&push.visible, draws.visible),
-                                                              graph_writes(&push.draws, draws.draws))});
+                                                   GRAPH_ROWS(graph_reads(NULL, scene->vertices),
+                                                              graph_writes(&push.sums, draws.sums))});
+    add_fill(graph, "cull", scene, views, &draws);
     return draws;
 }
 

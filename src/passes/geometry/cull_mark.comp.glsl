@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Marks the items whose bounding box touches the view.
+// Marks the items whose bounding box touches the view. SEVERAL_VIEWS: one of several views.
 #include "common.glsl"
 #include "view.glsl"
 #include "scene.glsl"
@@ -9,7 +9,14 @@
 #include "passes/geometry/cull_shared.h"
 
 layout(local_size_x = 64) in;
+#ifdef SEVERAL_VIEWS
+layout(push_constant, scalar) uniform push_block { gpu_cull_views_push push; };
+#else
 layout(push_constant, scalar) uniform push_block { gpu_cull_push push; };
+#endif
+
+// Negated, so that a NaN keeps the item.
+#define IS_INSIDE(plane) (!(dot(plane.xyz, center) + plane.w < -dot(abs(plane.xyz), extent) * 1.0001))
 
 void main() {
     uint index = LINEAR_INVOCATION;
@@ -24,11 +31,20 @@ void main() {
     vec3 center = transform_point(instance, primitive.center);
     vec3 extent = vec3(dot(abs(instance.rows[0].xyz), primitive.half_extent), dot(abs(instance.rows[1].xyz), primitive.half_extent),
                        dot(abs(instance.rows[2].xyz), primitive.half_extent));
+#ifdef SEVERAL_VIEWS
+    bool visible = false;
+    for (uint v = 0u; v < push.view_count && !visible; v++) {
+        visible = true;
+        for (int i = 0; i < 5; i++) {
+            vec4 plane = view_at(push.view, v).view.planes[i];
+            visible = visible && IS_INSIDE(plane);
+        }
+    }
+#else
     bool visible = true;
     for (int i = 0; i < 5; i++) {
         vec4 plane = push.view.view.planes[i];
-        // Negated, so that a NaN keeps the item.
-        visible = visible && !(dot(plane.xyz, center) + plane.w < -dot(abs(plane.xyz), extent) * 1.0001);
+        visible = visible && IS_INSIDE(plane);
     }
     if (visible && push.hierarchy_width > 0u && index < push.occludee_count) {
         vec3 seen = (push.view.view.world_to_view * vec4(center, 1.0)).xyz, size = vec3(0.0);
@@ -43,5 +59,6 @@ void main() {
             atomicAdd(push.hidden.at[push.item_count], 1u);
         }
     }
+#endif
     push.sums.at[index] = visible ? 1u : 0u;
 }

@@ -19,6 +19,15 @@ struct gpu_cull_push {
     uint occludee_count; /* items before this one may be hidden */
 };
 
+/* Marks for several views, which stand one after the other. */
+struct gpu_cull_views_push {
+    ADDRESS(view_block) view;
+    ADDRESS(scene_block) scene;
+    ADDRESS(uint_array) sums; /* one per item and one more: 1 for those that some view sees */
+    uint item_count;
+    uint view_count;
+};
+
 /* Back-to-front order of blended items. */
 struct gpu_sort_push {
     ADDRESS(view_block) view;

@@ -16,7 +16,7 @@ void main() {
     gpu_item item = push.scene.scene.items.at[push.visible.at[gl_InstanceIndex]];
     gpu_instance instance = push.scene.scene.instances.at[item.instance];
     precise vec3 position = transform_point(instance, push.scene.scene.positions.at[gl_VertexIndex]);
-    precise vec4 clip = push.view.view.world_to_clip * vec4(position, 1.0);
+    precise vec4 clip = DRAWN_VIEW(push.view).view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
     gl_PointSize = 1.0;
 }

@@ -58,9 +58,11 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
 }
 
 /* The shader that makes the corners of triangles. `own`, or NULL, is that of the caller. */
-static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes) {
+static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes, bool views) {
     params->mesh = !meshes ? NULL : params->fragment ? &shader_geometry_mesh : &shader_depth_mesh;
-    params->vertex = own || meshes ? own : params->fragment ? &shader_geometry_vert : &shader_depth_vert;
+    params->vertex = own || meshes      ? own
+                     : params->fragment ? (views ? &shader_geometry_views_vert : &shader_geometry_vert)
+                                        : (views ? &shader_depth_views_vert : &shader_depth_vert);
 }
 
 /* The clusters of a bucket, by mesh shaders. */
@@ -98,7 +100,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         bool clustered = geometry_bucket_clustered(bucket), compacted = draws->item_draws.id && clustered;
         params.features = (state->features | scene->features) | (compacted ? GPU_FEATURE_COMPACTED : 0);
         bool meshes = draws->mesh_draws.id && clustered;
-        set_corners(&params, state->vertex, meshes);
+        set_corners(&params, state->vertex, meshes, draws->view_mask);
         if (meshes) {
             draw_meshes(context, draws, i, &params, push, size);
             continue;
@@ -121,7 +123,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
         params.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
         params.cull = VK_CULL_MODE_NONE;
         params.fragment = state->fragment;
-        set_corners(&params, state->vertex, false);
+        set_corners(&params, state->vertex, false, false);
         push->visible = graph_address(context, draws->blend_visible);
         gpu_bind(context->commands, graph_pipeline(context, &params));
         gpu_push(context->commands, push, size);
@@ -167,6 +169,7 @@ void geometry_depth_add(struct graph *graph, const char *name, const struct geom
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_prepass, &data, sizeof data);
     use_vertices(pass, scene, draws, GEOMETRY_OPAQUE);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_view_mask(pass, draws->view_mask);
 }
 
 void blend_depth_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,

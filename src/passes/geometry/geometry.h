@@ -56,6 +56,7 @@ struct geometry_draws {
     graph_buffer mesh_draws, mesh_list, mesh_slots, mesh_sums,
         mesh_masks;           /* in place of item_draws, triangles and indices */
     uint32_t mesh_draw_count; /* of each bucket */
+    uint32_t view_mask;       /* of cull_views_add: passes draw into these layers at once; 0: one view */
     graph_buffer hidden; /* of occlusion_add, one per item and their number; id 0: nothing is hidden */
 };
 
@@ -64,6 +65,14 @@ struct geometry_draws {
  * `view` is the address of a struct gpu_view. Cost: a few reads and writes per item; sorting 8 passes over blended items.
  */
 struct geometry_draws cull_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress view);
+
+/**
+ * The same for several views at once, as many structs gpu_view one after the other: what some view sees is drawn for all of them, in the
+ * order in which each alone would draw it. Passes that know (their comments say so) draw with it into the layers of their targets, where
+ * gpu_info()->multiview. Blended items are left out: their order is that of one view.
+ */
+struct geometry_draws cull_views_add(struct graph *graph, const struct geometry_scene *scene, VkDeviceAddress views,
+                                     uint32_t view_count);
 
 enum geometry_set {
     GEOMETRY_OPAQUE, /* opaque and cutout items */
@@ -95,7 +104,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
 /** Number of indirect draw calls that geometry_draw makes. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
 
-/** Depth of the opaque set, single- or multisampled; clears first. */
+/** Depth of the opaque set, single- or multisampled; clears first. Knows several views. */
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth);
 

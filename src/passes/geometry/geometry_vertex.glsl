@@ -26,7 +26,7 @@ geometry_vertex geometry_vertex_of(uint item_index, uint vertex) {
     gpu_attributes a = push.scene.scene.attributes.at[vertex];
 
     precise vec3 position = transform_point(instance, push.scene.scene.positions.at[vertex]);
-    precise vec4 clip = push.view.view.world_to_clip * vec4(position, 1.0);
+    precise vec4 clip = DRAWN_VIEW(push.view).view.world_to_clip * vec4(position, 1.0);
     v.clip = clip;
 
     float mirror;

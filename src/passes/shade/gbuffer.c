@@ -28,9 +28,10 @@ static bool needs_mask(const struct geometry_scene *scene, fnl_gbuffer layout) {
     return false;
 }
 
-static void create_targets(struct graph *graph, const struct shade_input *input, uint32_t samples, struct gbuffer *gbuffer) {
+static void create_targets(struct graph *graph, const struct shade_input *input, uint32_t samples, uint32_t layers,
+                           struct gbuffer *gbuffer) {
     const struct gbuffer_layout *layout = &gbuffer_layouts[input->layout];
-    struct graph_image_params params = {.width = input->width, .height = input->height, .samples = samples};
+    struct graph_image_params params = {.width = input->width, .height = input->height, .layers = layers, .samples = samples};
     gbuffer->target_count = layout->target_count;
     for (uint32_t i = 0; i < layout->target_count; i++) {
         params.name = layout->targets[i].name;
@@ -70,8 +71,10 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
                               .view = input->view,
                               .entries = input->scene->material_entries,
                               .form = gbuffer_form_of(input->layout, input->normals, input->chroma)};
-    uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
-    create_targets(graph, input, samples, &gbuffer);
+    const struct graph_image_params like = graph_image_info(graph, depth);
+    const uint32_t samples = MAX(like.samples, 1u);
+    const bool views = input->draws->view_mask;
+    create_targets(graph, input, samples, like.layers, &gbuffer);
     if (extras) create_extras(graph, input, extras, &gbuffer);
     struct gbuffer_data data = {.scene = input->scene,
                                 .draws = *input->draws,
@@ -79,7 +82,9 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
                                 .entries = gbuffer.entries,
                                 .form = gbuffer.form};
     data.state =
-        (struct gpu_graphics_params){.fragment = extras ? extras->fragment : &shader_gbuffer_frag,
+        (struct gpu_graphics_params){.fragment = extras  ? extras->fragment
+                                                 : views ? &shader_gbuffer_views_frag
+                                                         : &shader_gbuffer_frag,
                                      .color_formats = {graph_image_info(graph, radiance).format},
                                      .depth_format = GEOMETRY_DEPTH_FORMAT,
                                      .depth_test = true,
@@ -108,7 +113,18 @@ struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *i
         graph_depth_read_only(pass, depth);
     else
         graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_view_mask(pass, input->draws->view_mask);
     return gbuffer;
+}
+
+struct gbuffer gbuffer_layer(struct graph *graph, const struct gbuffer *gbuffer, uint32_t layer, VkDeviceAddress view) {
+    struct gbuffer one = *gbuffer;
+    one.view = view;
+    one.depth = graph_image_layer(graph, gbuffer->depth, layer);
+    for (uint32_t i = 0; i < gbuffer->target_count; i++) one.targets[i] = graph_image_layer(graph, gbuffer->targets[i], layer);
+    one.normal = graph_image_layer(graph, gbuffer->normal, layer);
+    if (gbuffer->mask.id) one.mask = graph_image_layer(graph, gbuffer->mask, layer);
+    return one;
 }
 
 void gbuffer_use(struct graph_pass *pass, const struct gbuffer *gbuffer, enum graph_use use) {

@@ -11,6 +11,7 @@
 #include "passes/shade/hybrid_shared.h"
 
 layout(push_constant, scalar) uniform push_block { gpu_gbuffer_push push; };
+#define VIEW DRAWN_VIEW(push.geometry.view)
 
 layout(location = 0) out vec4 out_radiance;
 layout(location = 1) out vec4 out_0; // the targets, then the mask if there is one
@@ -26,7 +27,7 @@ layout(constant_id = HOLES_ARE_CUT_ID) const uint HOLES_ARE_CUT = 0u;
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
     surface s = material_surface(materials, in_ids.x);
-    decals_on_gbuffer(s, push.geometry.view, push.geometry.scene);
+    decals_on_gbuffer(s, VIEW, push.geometry.scene);
     if (HOLES_ARE_CUT == 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
     uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
     bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;
@@ -35,10 +36,10 @@ void main() {
     if (gbuffer_has_id(form)) entry = push.entries.at[id];
     // As readers see it: from depth, at the pixel's middle.
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 position = gbuffer_position(push.geometry.view, pixel, view_depth_of(push.geometry.view, gl_FragCoord.z));
-    gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(push.geometry.view, position), id, entry, vec3(0.0), pixel);
+    vec3 position = gbuffer_position(VIEW, pixel, view_depth_of(VIEW, gl_FragCoord.z));
+    gbuffer g = gbuffer_pack(form, s, gbuffer_place_at(VIEW, position), id, entry, vec3(0.0), pixel);
     vec4 mask = vec4(is_forward ? gbuffer_mask_of(in_ids.y) : 0.0);
-    out_radiance = vec4(min(s.emissive, vec3(push.geometry.view.view.frame.frame.hdr_max)), 1.0);
+    out_radiance = vec4(min(s.emissive, vec3(VIEW.view.frame.frame.hdr_max)), 1.0);
     out_0 = g.targets[0];
     out_1 = g.targets[1];
     out_2 = count == 2u ? mask : g.targets[2];

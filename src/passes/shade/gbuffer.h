@@ -34,10 +34,13 @@ struct gbuffer {
  * Draws the opaque set into the targets of input->layout (gbuffer_layouts.h), and the emission into radiance. Has the samples of `depth`.
  * With `prepass` the depth is complete and the pass tests for equality (ES-4e): no hidden surface reads its textures; geometry is drawn
  * twice. Materials that the layout cannot hold are marked in the mask: lighting skips them, hybrid_add() draws them.
+ * Knows several views (cull_views_add): radiance and depth then have a layer for each, and so have the targets; without decals.
  */
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth);
-/** The same with more targets, for layouts without a mask; `extras` may be NULL. */
+/** That of one view, from one that was drawn for several: `view` is its address. */
+struct gbuffer gbuffer_layer(struct graph *graph, const struct gbuffer *gbuffer, uint32_t layer, VkDeviceAddress view);
+/** The same with more targets, for layouts without a mask and for one view; `extras` may be NULL. */
 struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                                 graph_image depth, const struct gbuffer_extras *extras);
 /** Declares that a pass samples all of it. */

@@ -40,12 +40,16 @@ static void execute_ids(const struct graph_context *context, const void *data) {
 }
 
 static graph_image add_target(struct graph *graph, const char *name, VkFormat format, const struct shade_input *input,
-                              struct gpu_graphics_params *state) {
+                              uint32_t layers, struct gpu_graphics_params *state) {
     state->color_formats[state->color_count++] = format;
     return graph_create_image(
         graph,
-        &(struct graph_image_params){
-            .name = name, .format = format, .width = input->width, .height = input->height, .samples = state->samples});
+        &(struct graph_image_params){.name = name,
+                                     .format = format,
+                                     .width = input->width,
+                                     .height = input->height,
+                                     .layers = layers,
+                                     .samples = state->samples});
 }
 
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
@@ -55,7 +59,8 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     uint32_t needed = visibility_bits(item_count, input->scene->most_triangles, &v.triangle_bits);
     if (bits > needed) v.triangle_bits = MIN(bits - bits_of(item_count), 31u); /* items reach into the upper bits */
     bits = MAX(bits, needed);
-    uint32_t samples = MAX(graph_image_info(graph, depth).samples, 1u);
+    const struct graph_image_params like = graph_image_info(graph, depth);
+    const uint32_t samples = MAX(like.samples, 1u);
     struct ids_data data = {.scene = input->scene, .draws = *input->draws, .view = input->view};
     data.state =
         (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_visibility_samples_frag : &shader_visibility_frag,
@@ -71,14 +76,15 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
         data.state.vertex = &shader_weights_vert;
         data.state.geometry = &shader_weights_geom;
         data.state.fragment = &shader_weights_frag;
-        v.weights = add_target(graph, "visibility weights", VK_FORMAT_R32G32_SFLOAT, input, &data.state);
-        v.gradients = add_target(graph, "visibility gradients", VK_FORMAT_R16G16B16A16_SFLOAT, input, &data.state);
+        v.weights = add_target(graph, "visibility weights", VK_FORMAT_R32G32_SFLOAT, input, 1, &data.state);
+        v.gradients = add_target(graph, "visibility gradients", VK_FORMAT_R16G16B16A16_SFLOAT, input, 1, &data.state);
     }
     VkFormat word = samples > 1 ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_R32_UINT;
-    v.ids = add_target(graph, "visibility", word, input, &data.state);
+    v.ids = add_target(graph, "visibility", word, input, like.layers, &data.state);
     if (bits > 32)
         v.ids_high =
-            add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input, &data.state);
+            add_target(graph, "visibility high", samples == 1 && bits == 48 ? VK_FORMAT_R16_UINT : word, input, like.layers,
+                       &data.state);
     if (input->counters.id) {
         data.fragments = v.fragments = graph_create_buffer(graph, "visibility fragments", 4);
         graph_add_clear(graph, "visibility clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {v.fragments}});
@@ -94,7 +100,16 @@ struct visibility visibility_add(struct graph *graph, const struct shade_input *
     graph_color(pass, v.ids, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     if (v.ids_high.id) graph_color(pass, v.ids_high, VK_ATTACHMENT_LOAD_OP_CLEAR, none);
     graph_depth(pass, depth, VK_ATTACHMENT_LOAD_OP_CLEAR, 0);
+    graph_view_mask(pass, input->draws->view_mask);
     return v;
+}
+
+struct visibility visibility_layer(struct graph *graph, const struct visibility *visibility, uint32_t layer) {
+    struct visibility one = *visibility;
+    one.depth = graph_image_layer(graph, visibility->depth, layer);
+    one.ids = graph_image_layer(graph, visibility->ids, layer);
+    if (visibility->ids_high.id) one.ids_high = graph_image_layer(graph, visibility->ids_high, layer);
+    return one;
 }
 
 /* ---- shading ---- */

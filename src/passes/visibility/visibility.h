@@ -26,10 +26,12 @@ uint32_t visibility_bits(uint32_t item_count, uint32_t triangle_count, uint32_t 
  * 64 makes ids wider than they need to be; 0: as wide as they need to be. With `weights` and one sample it stores where in its triangle a
  * pixel is, too: weights of two corners and how they change (after T. Stachowiak, "A Deferred Material Rendering System", 2015); shading then
  * takes positions from depth and fetches none; 16 bytes more a pixel, and a geometry shader, which tells the corners apart. Cost: of attributes only the position is read, but for cutouts; 4 to 8
- * bytes a pixel.
+ * bytes a pixel. Knows several views (cull_views_add), without weights and counters: depth then has a layer for each, and so have the ids.
  */
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
                                  graph_image depth);
+/** That of one view, from one that was drawn for several. */
+struct visibility visibility_layer(struct graph *graph, const struct visibility *visibility, uint32_t layer);
 
 /** Whether the device can do visibility_grid_add. */
 bool visibility_grid_supported(const gpu_device *device);
