@@ -26,6 +26,14 @@ typedef enum fnl_geometry {
     FNL_GEOMETRY_COUNT
 } fnl_geometry;
 
+/** Whether a frame draws several of its views at once (multiview). The picture is the same. docs/techniques/views.md compares them. */
+typedef enum fnl_multiview {
+    FNL_MULTIVIEW_AUTO = 0, /**< views that follow one another and see almost the same, as two eyes do */
+    FNL_MULTIVIEW_OFF,      /**< each view by itself */
+    FNL_MULTIVIEW_ON,       /**< up to 6 views that follow one another, whatever they see */
+    FNL_MULTIVIEW_COUNT
+} fnl_multiview;
+
 /** How blended surfaces (FNL_ALPHA_BLEND) that overlap in a pixel are composited. docs/techniques/transparency.md compares them. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED = 0, /**< objects back to front by their centres: wrong where they intersect */
@@ -135,6 +143,12 @@ typedef struct fnl_frame {
      */
     const fnl_camera *views;
     uint32_t view_count;
+    /**
+     * Which views share draw calls: the depth prepass, the G-buffer pass and the ids of visibility are then drawn once into the layers of their targets, with
+     * what any of the views sees. Where that does not work views are drawn one by one, without an error: on devices without fnl_device_info.multiview, with
+     * culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or count_lights. Default auto.
+     */
+    fnl_multiview multiview;
     /** Default FNL_SHADING_DEFERRED. */
     fnl_shading shading;
     /** Default FNL_LISTS_AUTO. */

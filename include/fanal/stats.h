@@ -47,7 +47,7 @@ typedef struct fnl_frame_stats {
 
     /* ---- geometry ---- */
 
-    /** Draw calls; an indirect one counts once. */
+    /** Draw calls; an indirect one counts once. Those that draw several views at once count in the first of them. */
     uint32_t draws;
     /** Items, which are primitives of instances; those left after culling; those in view that are occluded (with occlusion). */
     uint64_t items, items_visible, items_occluded;

@@ -4,6 +4,7 @@
 #include "passes/post/post.h"
 #include "render/decals.h"
 #include "render/frame_steps.h"
+#include "render/multiview.h"
 #include "render/shading.h"
 
 static fnl_result add_shared(struct frame_state *f);
@@ -11,14 +12,18 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out);
 static fnl_result fade_lights(struct frame_state *f);
 static void add_counters(struct frame_state *f);
 
-/* Everything of one view; `out` is where its camera is sent to. */
-static fnl_result declare_view(struct frame_state *f, struct gpu_view *out) {
-    const fnl_frame *frame = f->frame;
+/* What a view begins with, before anything is drawn for it; `out` is where its camera is sent to. */
+static fnl_result begin_view(struct frame_state *f, struct gpu_view *out) {
     TRY(add_view(f, out));
     TRY(decals_add_list(f));
     TRY(fade_lights(f));
     frame_cull(f);
     add_counters(f);
+    return FNL_OK;
+}
+
+static void finish_view(struct frame_state *f) {
+    const fnl_frame *frame = f->frame;
     shading_add(f);
     if (frame_shows_surfaces(frame))
         f->aov = aov_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
@@ -32,6 +37,40 @@ static fnl_result declare_view(struct frame_state *f, struct gpu_view *out) {
     frame_add_counts(f);
     frame_note_stats(f);
     temporal_end(f);
+}
+
+/* Views `first` and on that are drawn at once as far as that goes; one alone as ever. */
+static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, const struct gpu_slice *cameras,
+                                const struct device_scene_frame *scene) {
+    const fnl_frame *frame = shared->frame;
+    struct graph *graph = shared->graph;
+    bool named = frame_view_count(frame) > 1;
+    struct frame_state views[MULTIVIEW_MOST];
+    fnl_frame frames[MULTIVIEW_MOST];
+    for (uint32_t i = 0; i < count; i++) {
+        struct frame_state *f = &views[i];
+        *f = *shared;
+        f->view_index = first + i;
+        frames[i] = *frame;
+        if (frame->view_count > 0) frames[i].camera = frame->views[f->view_index];
+        frames[i].views = NULL;
+        f->frame = &frames[i];
+        f->kept = &f->r->views.data[f->view_index];
+        f->kept->scene = *scene;
+        f->scene = &f->kept->scene;
+        f->view_address = cameras->address + f->view_index * sizeof(struct gpu_view);
+        f->counts_offset = f->view_index * sizeof(struct frame_counts);
+        if (named) graph_push_names(graph, graph_name(graph, "view %u", f->view_index));
+        TRY(begin_view(f, (struct gpu_view *)cameras->data + f->view_index));
+        if (named) graph_pop_names(graph);
+    }
+    const uint32_t together = MAX(count, shared->r->asking_together);
+    if (together > 1) multiview_draw(views, count, together);
+    for (uint32_t i = 0; i < count; i++) {
+        if (named) graph_push_names(graph, graph_name(graph, "view %u", views[i].view_index));
+        finish_view(&views[i]);
+        if (named) graph_pop_names(graph);
+    }
     return FNL_OK;
 }
 
@@ -44,21 +83,9 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     TRY(add_shared(&shared));
     struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
-    for (uint32_t i = 0; i < count; i++) {
-        fnl_frame own = *frame;
-        if (frame->view_count > 0) own.camera = frame->views[i];
-        own.views = NULL;
-        struct frame_state f = shared;
-        f.frame = &own;
-        f.view_index = i;
-        f.kept = &r->views.data[i];
-        f.kept->scene = scene;
-        f.scene = &f.kept->scene;
-        f.view_address = cameras.address + i * sizeof(struct gpu_view);
-        f.counts_offset = i * sizeof(struct frame_counts);
-        if (count > 1) graph_push_names(r->graph, graph_name(r->graph, "view %u", i));
-        TRY(declare_view(&f, (struct gpu_view *)cameras.data + i));
-        if (count > 1) graph_pop_names(r->graph);
+    for (uint32_t first = 0, together; first < count; first += together) {
+        together = multiview_count(r, frame, first);
+        TRY(declare_views(&shared, first, together, &cameras, &scene));
     }
     return graph_compile(r->graph);
 }

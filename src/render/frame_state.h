@@ -8,6 +8,7 @@
 #include "passes/dais/dais.h"
 #include "passes/post/post.h"
 #include "passes/texturing/texturing.h"
+#include "passes/visibility/visibility.h"
 #include "render/renderer_internal.h"
 
 #include <math.h>
@@ -45,6 +46,8 @@ struct frame_state {
     VkDeviceAddress shared_address, view_address;
     uint64_t counts_offset;  /* of this view's struct frame_counts */
     struct geometry_draws draws;
+    bool drawn;                             /* with other views: shading_take_layer() */
+    uint32_t first_draws;                   /* draw calls of what was drawn before lists; of several views at once the first view has them */
     graph_image radiance, depth;
     uint32_t opaque_draws;    /* draw calls of the opaque set without a prepass: of one draw unless the order says more */
     uint32_t forward_layouts; /* bits of geometry_bucket.forward_layouts: what the order shades forward besides; 0: nothing */
@@ -55,6 +58,7 @@ struct frame_state {
     graph_buffer counters, exposure, class_counts;
     graph_buffer page_commands;         /* of virtual texturing: its counts stand at 16 */
     graph_buffer surfaces, edge_counts; /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
+    struct visibility visibility;           /* depth id 0: none */
     graph_buffer visible_fragments;     /* how often its id pass wrote */
     graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
     graph_buffer coarse_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */

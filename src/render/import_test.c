@@ -383,7 +383,7 @@ static void test_8_bit_targets_get_the_picture(void **state) {
     assert_int_equal(atomic_load(&w.messages), 0);
 }
 
-/* Each view goes to the layer of its place. */
+/* Each view goes to the layer of its place. The device was made without multiview: they are drawn one by one, whatever the frame asks for. */
 static void test_views_go_to_layers(void **state) {
     UNUSED(state);
     enum { VIEWS = 3 };
@@ -395,6 +395,10 @@ static void test_views_go_to_layers(void **state) {
     frame.lists = single.lists = FNL_LISTS_TILED;
     frame.views = cameras;
     frame.view_count = VIEWS;
+    frame.multiview = FNL_MULTIVIEW_ON;
+    fnl_device_info info;
+    FNL(fnl_device_query_info(w.imported, &info));
+    assert_true(!info.multiview && info.max_views == 1 && w.optional.multiview && w.optional.max_views >= 6);
     for (int i = 0; i < 2; i++) { /* from nothing, then from what the last frame left */
         render_and_fetch(&frame, &p, ORDER_TIMELINE, i ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_UNDEFINED,
                          VK_IMAGE_LAYOUT_GENERAL);

@@ -78,6 +78,8 @@ static const struct row rows[] = {
     /* what is drawn */
     NAME("culling", culling, FNL_ENUM_CULLING, EVERY, EVERY, "what is culled: instances, clusters or triangles", EXACT),
     NAME("geometry", geometry, FNL_ENUM_GEOMETRY, EVERY, EVERY, "what draws the clusters that culling leaves"),
+    NAME("multiview", multiview, FNL_ENUM_MULTIVIEW, PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
+         "which views of a frame with several are drawn at once", EXACT),
     SWITCH("occlusion", occlusion, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
     SWITCH("decal-mip-fix", decal_mip_fix, EVERY, EVERY, "decals=gbuffer: no fringes where depth jumps"),

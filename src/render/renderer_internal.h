@@ -90,6 +90,7 @@ struct fnl_renderer {
     bool told_of_decals;                   /* and that decals asked for in the G-buffer come by lists */
     bool measures;                         /* the frame being made has an auto that may measure */
     struct graph *asking_graph;            /* of frames that are declared for their pipelines alone; NULL: none yet */
+    uint32_t asking_together;              /* while such a frame is declared: its one view is drawn with so many; 0: alone */
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
     struct lists_shared lists;
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */

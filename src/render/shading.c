@@ -155,27 +155,61 @@ VkFormat shading_format(const struct frame_state *f) {
     return shading_is(f->frame->shading, SHADING_BLENDS) ? volumes_format(f->r->device) : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
-void shading_add(struct frame_state *f) {
-    f->radiance = frame_create_image(f, "radiance", shading_format(f), f->frame->msaa);
-    f->depth = frame_create_image(f, "depth", GEOMETRY_DEPTH_FORMAT, f->frame->msaa);
+static struct shade_input input_of(const struct frame_state *f) {
     vec3 background = f->r->scene->background;
-    const struct shade_input input = {.scene = &f->scene->geometry,
-                                      .draws = &f->draws,
-                                      .lights = &f->lights,
-                                      .view = f->view_address,
-                                      .width = f->frame->width,
-                                      .height = f->frame->height,
-                                      .light_count = f->scene->lights.local_count,
-                                      .counters = f->counters,
-                                      .background = {background.x, background.y, background.z},
-                                      .layout = f->frame->gbuffer.layout,
-                                      .normals = f->frame->gbuffer.normals,
-                                      .chroma = f->frame->gbuffer.chroma};
+    return (struct shade_input){.scene = &f->scene->geometry,
+                                .draws = &f->draws,
+                                .lights = &f->lights,
+                                .view = f->view_address,
+                                .width = f->frame->width,
+                                .height = f->frame->height,
+                                .light_count = f->scene->lights.local_count,
+                                .counters = f->counters,
+                                .background = {background.x, background.y, background.z},
+                                .layout = f->frame->gbuffer.layout,
+                                .normals = f->frame->gbuffer.normals,
+                                .chroma = f->frame->gbuffer.chroma};
+}
+
+static graph_image create_target(struct frame_state *f, const char *name, VkFormat format) {
+    uint32_t layers = f->draws.view_mask ? (uint32_t)__builtin_popcount(f->draws.view_mask) : 1;
+    return graph_create_image(f->graph, &(struct graph_image_params){.name = name,
+                                                                     .format = format,
+                                                                     .width = f->frame->width,
+                                                                     .height = f->frame->height,
+                                                                     .layers = layers,
+                                                                     .samples = f->frame->msaa});
+}
+
+void shading_draw(struct frame_state *f) {
+    const struct order *order = orders[f->frame->shading];
+    f->radiance = create_target(f, "radiance", shading_format(f));
+    f->depth = create_target(f, "depth", GEOMETRY_DEPTH_FORMAT);
+    struct shade_input input = input_of(f);
+    uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
     bool prepass = frame_is(f->frame, SHADING_PREPASS);
-    f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE);
-    if (prepass) prepass_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, f->depth);
+    if (prepass) prepass_add(f->graph, input.scene, &f->draws, f->view_address, f->depth);
+    if (order->draw) order->draw(f, &input, prepass);
+    f->first_draws = (prepass ? draws : 0) + (order->draw ? draws : 0);
+}
+
+void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer) {
+    f->drawn = true;
+    f->first_draws = layer ? 0 : together->first_draws;
+    f->radiance = graph_image_layer(f->graph, together->radiance, layer);
+    f->depth = graph_image_layer(f->graph, together->depth, layer);
+    if (together->gbuffer.depth.id) f->gbuffer = gbuffer_layer(f->graph, &together->gbuffer, layer, f->view_address);
+    if (together->visibility.depth.id) f->visibility = visibility_layer(f->graph, &together->visibility, layer);
+}
+
+void shading_add(struct frame_state *f) {
+    const struct order *order = orders[f->frame->shading];
+    if (!f->drawn) shading_draw(f);
+    const struct shade_input input = input_of(f);
     struct shade_input opaque = input, blend = input;
-    orders[f->frame->shading]->add(f, &opaque, prepass);
+    uint32_t draws = geometry_draw_count(input.scene, GEOMETRY_OPAQUE);
+    f->opaque_draws = (frame_is(f->frame, SHADING_REDRAW) ? 2 : 1) * (order->draw ? 0 : draws);
+    order->add(f, &opaque, frame_is(f->frame, SHADING_PREPASS));
     decals_redraw(f, &input);
     if (f->frame->light_lod > 0) sprites_add(f->graph, &f->whole_lights, f->frame->light_lod, f->radiance, f->depth);
     if (order_has_blend(f) && !f->blended) {
@@ -192,8 +226,4 @@ uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
     return bytes * f->frame->width * f->frame->height * f->frame->msaa;
 }
 
-uint32_t shading_draw_count(const struct frame_state *f) {
-    bool prepass = frame_is(f->frame, SHADING_PREPASS);
-    uint32_t depth = prepass ? geometry_draw_count(&f->scene->geometry, GEOMETRY_OPAQUE) : 0;
-    return depth + f->opaque_draws + blend_draw_count(f);
-}
+uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws + f->opaque_draws + blend_draw_count(f); }

@@ -25,8 +25,9 @@ enum shading_trait {
     SHADING_LISTS_FIRST = 1 << 13, /* makes its lists before it draws: they see depth only after a prepass */
     SHADING_VERTICES = 1 << 14,    /* needs vertex shaders */
     SHADING_DECALS = 1 << 15,      /* with decals = gbuffer it applies boxes and volumes to what it stores */
+    SHADING_DECAL_STEP = 1 << 16,  /* does so in a step that walks their list and does not know what a surface receives */
     SHADING_VIEWS = 1 << 17,       /* draws several views in one frame */
-    SHADING_DECAL_STEP = 1 << 16   /* does so in a step that walks their list and does not know what a surface receives */
+    SHADING_MULTIVIEW = 1 << 18    /* of them what it draws before lists, the prepass included, for several views at once */
 };
 /** Whether an order has all of these traits, whatever the options of a frame; auto has none. */
 bool shading_is(fnl_shading shading, uint32_t traits);
@@ -44,6 +45,13 @@ fnl_result shading_check(const struct call *call, const fnl_renderer *r, const f
 fnl_result shading_prepare(fnl_renderer *r, const fnl_frame *frame);
 /** Fills in what of f->shared depends on the order, before it is sent. */
 void shading_begin(struct frame_state *f);
+/**
+ * Draws what needs no lists, with f->draws, which may be of several views: then targets have a layer for each. shading_add() does it where it
+ * was not done before.
+ */
+void shading_draw(struct frame_state *f);
+/** The view takes its layer of what was drawn for several, of which it is one. */
+void shading_take_layer(struct frame_state *f, const struct frame_state *together, uint32_t layer);
 /** Declares everything between culling and the picture: lists, opaque surfaces, sprites, blended surfaces. Fills f->radiance. */
 void shading_add(struct frame_state *f);
 /** Once the frame is on its way to the device. */

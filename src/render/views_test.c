@@ -1,26 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /** Frames with several views against as many frames with one: pictures to the bit, numbers, histories, and the work that is done once. */
+#include "tests/frame_views.h"
 #include "tests/render_test.h"
 #include "tests/vulkan_spy.h"
 
-enum { WIDTH = 53, HEIGHT = 37, MOST = 6 };
-
-/* Round a point in the scene of glass: near and far, one orthographic and one off-axis, so that no two show or cull alike. */
-static void cameras_of(const struct stage *stage, fnl_camera cameras[MOST]) {
-    vec3 target = stage->frame.camera.target, eye = stage->frame.camera.position;
-    vec3 back = vec3_sub(eye, target);
-    for (int i = 0; i < MOST; i++) {
-        float angle = 1.1f * (float)i, scale = 1 - 0.12f * (float)i, c = cosf(angle), s = sinf(angle);
-        cameras[i] = stage->frame.camera;
-        cameras[i].position =
-            vec3_add(target, vec3_scale((vec3){c * back.x + s * back.z, back.y, c * back.z - s * back.x}, scale));
-    }
-    cameras[1].shift = (vec2){0.3f, -0.2f};
-    cameras[2].orthographic = true;
-    cameras[2].vertical_extent = 0.8f * vec3_length(back);
-    cameras[2].far_distance = 4 * vec3_length(back);
-    cameras[3].vertical_fov = 1.5f;
-}
+enum { WIDTH = 53, HEIGHT = 37, MOST = VIEWS_MOST };
 
 static struct stage open_glass(void) {
     struct stage stage = stage_open("builtin:glass", 60);
@@ -29,53 +13,13 @@ static struct stage open_glass(void) {
     return stage;
 }
 
-/* Fails unless picture `view` of `all` has the bytes of `one`. */
-static void check_picture(const fnl_image *all, uint32_t view, const fnl_image *one, const char *what) {
-    size_t size = (size_t)one->width * one->height * (one->format == FNL_PIXEL_FORMAT_RGBA8 ? 4 : 16);
-    assert_int_equal(all->width, one->width);
-    assert_int_equal(all->format, one->format);
-    assert_int_equal(all->height % one->height, 0);
-    assert_true(view < all->height / one->height);
-    if (memcmp((const char *)all->pixels + view * size, one->pixels, size) != 0)
-        fail_msg("%s: view %u differs from the frame with its camera", what, view);
-}
-
-/* Renders the frame with the first `count` cameras, and then with each alone; numbers of views are those of the frames. */
-static void check_views(struct stage *stage, const fnl_frame *frame, const fnl_camera *cameras, uint32_t count, const char *what) {
-    fnl_frame many = *frame, single = *frame;
-    many.views = cameras;
-    many.view_count = count;
-    struct shot all = stage_shoot(stage, &many);
-    assert_int_equal(all.stats.view_count, count);
-    if (frame->outputs & FNL_OUTPUT_COLOR) assert_int_equal(all.color.height, count * frame->height);
-    fnl_frame_stats stats[MOST];
-    memcpy(stats, all.stats.views, count * sizeof *stats);
-    for (uint32_t i = 0; i < count; i++) {
-        single.camera = cameras[i];
-        struct shot one = stage_shoot(stage, &single);
-        if (frame->outputs & FNL_OUTPUT_COLOR) check_picture(&all.color, i, &one.color, what);
-        if (frame->outputs & FNL_OUTPUT_RADIANCE) check_picture(&all.radiance, i, &one.radiance, what);
-        if (frame->outputs & FNL_OUTPUT_POSITION) check_picture(&all.position, i, &one.position, what);
-        assert_int_equal(one.stats.view_count, 0);
-        assert_int_equal(stats[i].items_visible, one.stats.items_visible);
-        assert_int_equal(stats[i].lights_in_view, one.stats.lights_in_view);
-        assert_int_equal(stats[i].list_entries, one.stats.list_entries);
-        assert_int_equal(stats[i].triangles_drawn, one.stats.triangles_drawn);
-        assert_int_equal(stats[i].evaluations, one.stats.evaluations);
-        assert_int_equal(stats[i].triangles_visible, one.stats.triangles_visible);
-        assert_memory_equal(&stats[i].ev, &one.stats.ev, sizeof one.stats.ev);
-        shot_free(&one);
-    }
-    shot_free(&all);
-}
-
 static void test_views_equal_frames(void **state) {
     UNUSED(state);
     static const fnl_shading shadings[] = {FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
     static const fnl_light_lists lists[] = {FNL_LISTS_ALL, FNL_LISTS_TILED, FNL_LISTS_CLUSTERED};
     struct stage stage = open_glass();
     fnl_camera cameras[MOST];
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     for (uint32_t s = 0; s < COUNT_OF(shadings); s++)
         for (uint32_t l = 0; l < COUNT_OF(lists); l++)
             for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
@@ -88,7 +32,7 @@ static void test_views_equal_frames(void **state) {
                 frame.msaa = msaa;
                 frame.count_lights = l == 1;
                 frame.exposure = l == 2 ? FNL_EXPOSURE_AUTO : FNL_EXPOSURE_EV; /* each view is metered by itself */
-                check_views(&stage, &frame, cameras, s == l ? MOST : 3, what);
+                views_check(&stage, &frame, cameras, s == l ? MOST : 3, what);
             }
     stage_close(&stage);
 }
@@ -98,32 +42,32 @@ static void test_views_with_the_rest_of_a_frame(void **state) {
     UNUSED(state);
     struct stage stage = open_glass();
     fnl_camera cameras[MOST];
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     fnl_frame frame = stage.frame;
     frame.lists = FNL_LISTS_TILED;
     frame.culling = FNL_CULLING_TRIANGLES;
     frame.occlusion = true;
     frame.outputs |= FNL_OUTPUT_POSITION;
     frame.transparency = FNL_TRANSPARENCY_LINKED;
-    for (int i = 0; i < 2; i++) check_views(&stage, &frame, cameras, 3, "triangles and occlusion");
+    for (int i = 0; i < 2; i++) views_check(&stage, &frame, cameras, 3, "triangles and occlusion");
     frame.transparency = FNL_TRANSPARENCY_WEIGHTED;
     frame.aa = FNL_ANTIALIASING_SMAA;
     frame.decals = FNL_DECALS_GBUFFER;
-    check_views(&stage, &frame, cameras, 2, "weighted and smaa");
+    views_check(&stage, &frame, cameras, 2, "weighted and smaa");
     frame = stage.frame;
     for (fnl_debug_view view = FNL_DEBUG_LIGHTS; view <= FNL_DEBUG_OVERDRAW; view = (fnl_debug_view)(view + 1)) {
         frame.debug = view;
-        check_views(&stage, &frame, cameras, 2, fnl_value_name(FNL_ENUM_DEBUG_VIEW, view));
+        views_check(&stage, &frame, cameras, 2, fnl_value_name(FNL_ENUM_DEBUG_VIEW, view));
     }
     stage_close(&stage);
     stage = stage_open("builtin:hall?lights=40&decals=12", 0);
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     frame = stage.frame;
     frame.width = WIDTH;
     frame.height = HEIGHT;
     for (fnl_decals way = FNL_DECALS_LISTS; way <= FNL_DECALS_GBUFFER; way = (fnl_decals)(way + 1)) {
         frame.decals = way;
-        check_views(&stage, &frame, cameras, 3, "decals");
+        views_check(&stage, &frame, cameras, 3, "decals");
     }
     stage_close(&stage);
 }
@@ -134,7 +78,7 @@ static void test_views_keep_histories_of_their_own(void **state) {
     enum { VIEWS = 3, FRAMES = 4 };
     struct stage stage = open_glass();
     fnl_camera cameras[MOST];
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     cameras[2] = cameras[4]; /* all in perspective: a view may then take another's place unnoticed */
     fnl_renderer *singles[VIEWS];
     for (int i = 0; i < VIEWS; i++) singles[i] = test_renderer(stage.scene);
@@ -158,8 +102,8 @@ static void test_views_keep_histories_of_their_own(void **state) {
                 single.reset_history = n == 0;
                 test_render_frame(singles[i], &single);
                 fnl_image one = test_read(singles[i], FNL_OUTPUT_RADIANCE), moved = test_read(singles[i], FNL_OUTPUT_MOTION);
-                check_picture(&all, i, &one, "taa");
-                check_picture(&motion, i, &moved, "motion");
+                views_check_picture(&all, i, &one, "taa");
+                views_check_picture(&motion, i, &moved, "motion");
                 free_picture(&one);
                 free_picture(&moved);
             }
@@ -211,7 +155,7 @@ static void test_what_views_share_is_done_once(void **state) {
     UNUSED(state);
     struct stage stage = open_glass();
     fnl_camera cameras[MOST];
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     fnl_light_id lights[EDITS];
     const fnl_light_params light = test_point((vec3){0, 1, 0}, 1, 3);
     for (int i = 0; i < EDITS; i++) assert_int_equal(fnl_scene_add_light(stage.scene, &light, &lights[i]), FNL_OK);
@@ -248,7 +192,7 @@ static void test_what_takes_one_view(void **state) {
     UNUSED(state);
     struct stage stage = open_glass();
     fnl_camera cameras[MOST];
-    cameras_of(&stage, cameras);
+    views_place(&stage, cameras);
     fnl_frame frame = stage.frame;
     frame.views = cameras;
     frame.view_count = 2;

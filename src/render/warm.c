@@ -2,7 +2,7 @@
 /** Pipelines ahead of the frames that need them. */
 #include "base/check.h"
 #include "fanal/vulkan.h"
-#include "render/renderer_internal.h"
+#include "render/multiview.h"
 
 /* Of a renderer: what declaring a frame overwrites although the last frame's results are told from it. */
 struct last_frame {
@@ -82,6 +82,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     }
     renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
+    const fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];
     frame.view_count = 0;
     frame.pin_choice = true; /* nothing is measured */
@@ -102,7 +103,15 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
     uint64_t ticket = 0;
     fnl_result result = renderer_prepare(r, &frame);
-    if (result == FNL_OK) result = ask(r, &frame, target ? &frame_target : NULL, &ticket);
+    const uint32_t counts = result == FNL_OK ? multiview_counts(r, &whole) : 0;
+    for (uint32_t together = 1; counts >> together && result == FNL_OK; together++) {
+        if (!(counts >> together & 1)) continue;
+        uint64_t last = 0;
+        r->asking_together = together;
+        result = ask(r, &frame, target ? &frame_target : NULL, &last);
+        ticket = MAX(ticket, last);
+    }
+    r->asking_together = 0;
     r->asked = asked;
     r->measures = measures;
     if (result != FNL_OK) {

@@ -29,38 +29,40 @@ static void add_rest(struct frame_state *f, const struct shade_input *input, con
 }
 
 /* Lists see all samples of the depth, but no normals. */
-static void add_deferred_samples(struct frame_state *f, struct shade_input *input, bool prepass) {
-    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+static void add_deferred_samples(struct frame_state *f, struct shade_input *input) {
     order_add_lists(f, f->depth, NULL);
     struct deferred_msaa_params params = {.method = (uint32_t)f->frame->deferred.msaa_method,
                                           .groups = f->frame->deferred.msaa_groups,
                                           .tolerance = f->frame->deferred.msaa_method == FNL_MSAA_ALL ? 0 : f->frame->deferred.msaa_tolerance};
-    f->gbuffer = gbuffer;
-    struct edges edges = deferred_msaa_add(f->graph, input, &gbuffer, &params, f->radiance);
-    add_rest(f, input, &gbuffer);
+    struct edges edges = deferred_msaa_add(f->graph, input, &f->gbuffer, &params, f->radiance);
+    add_rest(f, input, &f->gbuffer);
     f->surfaces = edges.surfaces;
     f->edge_counts = edges.counts;
 }
 
+static void draw(struct frame_state *f, struct shade_input *input, bool prepass) {
+    f->gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
+}
+
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
     if (f->frame->msaa > 1) {
-        add_deferred_samples(f, input, prepass);
+        add_deferred_samples(f, input);
         return;
     }
-    struct gbuffer gbuffer = gbuffer_add(f->graph, input, prepass, f->radiance, f->depth);
-    decals_on_gbuffer_add(f, input, &gbuffer);
-    order_add_lists(f, f->depth, &gbuffer);
+    const struct gbuffer *gbuffer = &f->gbuffer;
+    decals_on_gbuffer_add(f, input, gbuffer);
+    order_add_lists(f, f->depth, gbuffer);
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
-        classes = classify_add(f->graph, input, &gbuffer, f->frame->deferred.class_blocks);
+        classes = classify_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks);
         f->class_counts = classes.counts;
     }
     if (f->frame->deferred.pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
-        f->radiance = deferred_screen_add(f->graph, input, &gbuffer, f->radiance);
+        f->radiance = deferred_screen_add(f->graph, input, gbuffer, f->radiance);
     else
-        deferred_add(f->graph, input, &gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
-    add_rest(f, input, &gbuffer);
-    f->gbuffer = gbuffer;
+        deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
+    add_rest(f, input, gbuffer);
 }
 
 _Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_STENCIL + 1,
@@ -160,7 +162,12 @@ static const struct debug_view views[] = {
 
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
 const struct order order_deferred = {
-    .traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add, .views = views, .view_count = COUNT_OF(views)};
+    .traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS | SHADING_MULTIVIEW,
+    .check = check,
+    .draw = draw,
+    .add = add,
+    .views = views,
+    .view_count = COUNT_OF(views)};
 const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES,
                                              .add = add_with_volumes,
                                              .views = views,

@@ -20,6 +20,9 @@ struct order {
     fnl_result (*prepare)(fnl_renderer *r, const fnl_frame *frame);
     /* Fills in its part of f->shared, before that is sent. */
     void (*begin)(struct frame_state *f);
+    /* Draws what needs no lists, after the prepass if there is one: with SHADING_MULTIVIEW for several views at once, where f->draws says so. What it
+       makes stands in members of f that shading_take_layer() knows. */
+    void (*draw)(struct frame_state *f, struct shade_input *input, bool prepass);
     /* Declares lists and opaque surfaces and fills f->radiance; f->depth is complete with `prepass`. `input` is a copy that it may change. */
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
     /* The debug views that only orders which have them offer. */

@@ -11,6 +11,9 @@ _Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&
 /* A grid of samples looks beside the centres of pixels; barycentrics are stored by a geometry shader, or by vertices of their own. */
 static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
     if (frame->visibility.grid) traits &= ~(uint32_t)SHADING_FULL_RASTER;
+    /* Fragments are counted for one view. */
+    if (frame->visibility.grid || frame->visibility.barycentrics || frame->count_lights)
+        traits &= ~(uint32_t)SHADING_MULTIVIEW;
     return frame->visibility.barycentrics ? traits | SHADING_VERTICES : traits;
 }
 
@@ -23,26 +26,31 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
     return order_check_primitive_ids(call, r, frame);
 }
 
-static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
+static void draw(struct frame_state *f, struct shade_input *input, bool prepass) {
     UNUSED(prepass);
     const fnl_visibility_options *options = &f->frame->visibility;
     uint32_t bits = renderer_tests(f->r).visibility_bits;
-    struct visibility visibility;
     if (options->grid && !decals_redraws(f)) /* which look for the very depth of pixels' centres */
-        visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
+        f->visibility = visibility_grid_add(f->graph, f->r->device, input, &f->view, bits, f->depth);
     else
-        visibility = visibility_add(f->graph, input, bits, options->barycentrics, f->depth);
+        f->visibility = visibility_add(f->graph, input, bits, options->barycentrics, f->depth);
+}
+
+static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
+    UNUSED(prepass);
     order_add_lists(f, f->depth, NULL);
-    enum visibility_sort sort = (enum visibility_sort)options->sort;
-    struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &visibility, sort, f->radiance);
+    enum visibility_sort sort = (enum visibility_sort)f->frame->visibility.sort;
+    struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &f->visibility, sort, f->radiance);
     f->visible_ranges = shaded.ranges;
-    f->visible_fragments = visibility.fragments;
+    f->visible_fragments = f->visibility.fragments;
     f->surfaces = shaded.words;
     f->edge_counts = shaded.counts;
 }
 
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES | SHADING_VIEWS,
+const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES | SHADING_VIEWS |
+                                                 SHADING_MULTIVIEW,
                                        .adjust = adjust,
                                        .check = check,
+                                       .draw = draw,
                                        .add = add};

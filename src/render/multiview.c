@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/multiview.h"
+
+#include "render/shading.h"
+
+/* Culling by clusters and occlusion leaves what one view sees, and decals are found in lists of one view. */
+static bool is_possible(const fnl_renderer *r, const fnl_frame *frame) {
+    const struct device_scene *scene = &r->device_scene;
+    bool decals = frame->decals != FNL_DECALS_OFF && scene->decals.order.count > 0;
+    return gpu_info(r->device)->multiview && frame_is(frame, SHADING_MULTIVIEW) &&
+           frame->culling == FNL_CULLING_INSTANCES && !frame->occlusion && !decals;
+}
+
+static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_sub(camera->target, camera->position)); }
+
+/*
+ * Whether two cameras see almost the same, so that hardly anything is drawn for a view that does not see it: they look the same way within 10
+ * degrees, with the same opening, from places that are less than 1/32 of the scene's diagonal apart.
+ */
+static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_camera *b) {
+    const struct box *bounds = &r->device_scene.bounds;
+    if (box_is_empty(bounds) || a->orthographic != b->orthographic || a->vertical_fov != b->vertical_fov ||
+        a->vertical_extent != b->vertical_extent)
+        return false;
+    const float cos_10_degrees = 0.98480775f;
+    return vec3_dot(direction_of(a), direction_of(b)) >= cos_10_degrees &&
+           vec3_length(vec3_sub(a->position, b->position)) * 32 <= vec3_length(vec3_sub(bounds->high, bounds->low));
+}
+
+uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first) {
+    if (frame->view_count < 2 || frame->multiview == FNL_MULTIVIEW_OFF || !is_possible(r, frame)) return 1;
+    uint32_t most = MIN(frame->view_count - first, (uint32_t)MULTIVIEW_MOST), count = 1;
+    while (count < most && (frame->multiview == FNL_MULTIVIEW_ON ||
+                            see_the_same(r, &frame->views[first], &frame->views[first + count])))
+        count++;
+    return count;
+}
+
+uint32_t multiview_counts(const fnl_renderer *r, const fnl_frame *frame) {
+    uint32_t counts = 0;
+    for (uint32_t first = 0, count; first < frame_view_count(frame); first += count) {
+        count = multiview_count(r, frame, first);
+        counts |= 1u << count;
+    }
+    return counts;
+}
+
+void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together) {
+    struct frame_state all = views[0];
+    struct graph *graph = all.graph;
+    graph_push_names(graph, graph_name(graph, "views %u-%u", all.view_index, all.view_index + together - 1));
+    all.draws = cull_views_add(graph, &all.scene->geometry, all.view_address, together);
+    shading_draw(&all);
+    graph_pop_names(graph);
+    for (uint32_t i = 0; i < count; i++) shading_take_layer(&views[i], &all, i);
+}

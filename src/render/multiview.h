@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/** Which views of a frame are drawn at once (fnl_frame.multiview), and the drawing. docs/techniques/views.md tells more. */
+#ifndef FNL_RENDER_MULTIVIEW_H
+#define FNL_RENDER_MULTIVIEW_H
+
+#include "render/frame_state.h"
+
+/** Views that are drawn at once at most: as many as every device with multiview takes. */
+enum { MULTIVIEW_MOST = 6 };
+
+/** How many views of the frame, from `first` on, are drawn at once: 1 where that does not go or does not pay. */
+uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first);
+/** Draws what needs no lists for `together` views, of which the first `count`, which have begun, each take their layer. */
+void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together);
+/** Bit n: some n views of the frame are drawn at once. The scene is prepared. */
+uint32_t multiview_counts(const fnl_renderer *r, const fnl_frame *frame);
+
+#endif
