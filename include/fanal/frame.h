@@ -138,8 +138,8 @@ typedef struct fnl_frame {
      * Cameras of a frame with several views, `view_count` of them, 0 .. FNL_VIEWS_MAX. Each gives a picture of the frame's size, equal to the bit to that
      * of a frame with this camera alone; what does not depend on the camera is done once for all of them. `camera` is then ignored. The array belongs to
      * the caller and is read only during the call. Default NULL and 0: one view, of `camera`.
-     * For forward-prepass, deferred and visibility shading with the lists all, tiled and clustered, and without light_lod; everything else fails with
-     * FNL_ERROR_UNSUPPORTED. Auto stands for deferred and clustered, and measures nothing. docs/techniques/views.md tells more.
+     * For every path but virtual-texturing, with every list, and without light_lod; those fail with FNL_ERROR_UNSUPPORTED. Auto stands for deferred and
+     * clustered, and measures nothing. docs/techniques/views.md tells more.
      */
     const fnl_camera *views;
     uint32_t view_count;

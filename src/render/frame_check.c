@@ -43,11 +43,8 @@ static fnl_result check_views(const struct call *call, const fnl_frame *frame) {
         TRY(camera_check(call, prefix, &frame->views[i]));
     }
     if (!shading_is(frame->shading, SHADING_VIEWS))
-        return unsupported(call, "%s shading takes one view in a frame, not %u; use forward-prepass, deferred or visibility",
+        return unsupported(call, "%s shading takes one view in a frame, not %u; every other path takes several",
                            fnl_value_name(FNL_ENUM_SHADING, frame->shading), frame->view_count);
-    if (frame->lists != FNL_LISTS_ALL && frame->lists != FNL_LISTS_TILED && frame->lists != FNL_LISTS_CLUSTERED)
-        return unsupported(call, "%s lists take one view in a frame, not %u; use all, tiled or clustered",
-                           fnl_value_name(FNL_ENUM_LISTS, frame->lists), frame->view_count);
     if (frame->light_lod > 0)
         return unsupported(call, "light_lod takes one view in a frame, not %u: small lights are faded for one camera",
                            frame->view_count);

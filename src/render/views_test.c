@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** Frames with several views against as many frames with one: pictures to the bit, numbers, histories, and the work that is done once. */
+#include "render/shading.h"
 #include "tests/frame_views.h"
 #include "tests/render_test.h"
 #include "tests/vulkan_spy.h"
@@ -34,6 +35,46 @@ static void test_views_equal_frames(void **state) {
                 frame.exposure = l == 2 ? FNL_EXPOSURE_AUTO : FNL_EXPOSURE_EV; /* each view is metered by itself */
                 views_check(&stage, &frame, cameras, s == l ? MOST : 3, what);
             }
+    stage_close(&stage);
+}
+
+/* What builders and paths keep belongs to one view, or to all of them. A list that deferred shading does not take is tried with another path. */
+static void test_all_lists(void **state) {
+    UNUSED(state);
+    struct stage stage = open_glass();
+    fnl_camera cameras[MOST];
+    views_place(&stage, cameras);
+    stage.frame.width = 29;
+    stage.frame.height = 17;
+    for (fnl_light_lists lists = 0; lists < FNL_LISTS_AUTO; lists++) {
+        fnl_frame frame = stage.frame;
+        frame.lists = lists;
+        frame.multiview = lists & 1 ? FNL_MULTIVIEW_ON : FNL_MULTIVIEW_OFF;
+        frame.count_lights = lists % 3 == 0;
+        if (!fnl_shading_supports(frame.shading, lists, 1)) frame.shading = FNL_SHADING_FORWARD_PREPASS;
+        views_check(&stage, &frame, cameras, 2, fnl_value_name(FNL_ENUM_LISTS, lists));
+    }
+    stage_close(&stage);
+}
+
+/* Those of test_views_equal_frames are left out. */
+static void test_all_paths(void **state) {
+    UNUSED(state);
+    struct stage stage = open_glass();
+    fnl_camera cameras[MOST];
+    views_place(&stage, cameras);
+    for (fnl_shading shading = 0; shading < FNL_SHADING_AUTO; shading++) {
+        fnl_frame frame = stage.frame;
+        frame.width = 29;
+        frame.height = 17;
+        frame.shading = shading;
+        frame.lists = FNL_LISTS_TILED;
+        frame.msaa = shading & 1 && fnl_shading_supports(shading, frame.lists, 4) ? 4 : 1;
+        frame.exposure = FNL_EXPOSURE_AUTO;
+        bool known = shading == FNL_SHADING_FORWARD_PREPASS || shading == FNL_SHADING_DEFERRED || shading == FNL_SHADING_VISIBILITY;
+        if (!known && shading_is(shading, SHADING_VIEWS))
+            views_check(&stage, &frame, cameras, 2, fnl_value_name(FNL_ENUM_SHADING, shading));
+    }
     stage_close(&stage);
 }
 
@@ -197,16 +238,12 @@ static void test_what_takes_one_view(void **state) {
     frame.views = cameras;
     frame.view_count = 2;
     for (int s = 0; s < FNL_SHADING_COUNT; s++) {
-        bool takes = s == FNL_SHADING_FORWARD_PREPASS || s == FNL_SHADING_DEFERRED || s == FNL_SHADING_VISIBILITY;
-        frame.shading = (fnl_shading)s;
-        if (!takes && s != FNL_SHADING_AUTO) expect(&stage, &frame, FNL_ERROR_UNSUPPORTED);
+        frame.shading = (fnl_shading)s; /* all others are rendered by test_all_paths */
+        assert_int_equal(shading_is(frame.shading, SHADING_VIEWS), s != FNL_SHADING_VIRTUAL_TEXTURING && s != FNL_SHADING_AUTO);
     }
+    frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
+    expect(&stage, &frame, FNL_ERROR_UNSUPPORTED);
     frame.shading = FNL_SHADING_DEFERRED;
-    for (int l = 0; l < FNL_LISTS_COUNT; l++) {
-        bool takes = l == FNL_LISTS_ALL || l == FNL_LISTS_TILED || l == FNL_LISTS_CLUSTERED;
-        frame.lists = (fnl_light_lists)l;
-        if (!takes && l != FNL_LISTS_AUTO) expect(&stage, &frame, FNL_ERROR_UNSUPPORTED);
-    }
     frame.lists = FNL_LISTS_TILED;
     frame.light_lod = 1;
     expect(&stage, &frame, FNL_ERROR_UNSUPPORTED);
@@ -241,6 +278,8 @@ static void test_what_takes_one_view(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_views_equal_frames, harness_check),
+        cmocka_unit_test_teardown(test_all_lists, harness_check),
+        cmocka_unit_test_teardown(test_all_paths, harness_check),
         cmocka_unit_test_teardown(test_views_with_the_rest_of_a_frame, harness_check),
         cmocka_unit_test_teardown(test_views_keep_histories_of_their_own, harness_check),
         cmocka_unit_test_teardown(test_what_views_share_is_done_once, spy_tear_down),

@@ -192,8 +192,8 @@ expect 2 'faces of --views cube are square' render builtin:spheres $small --view
 expect 2 'each output of --views has one' render builtin:spheres $small --views all -o "$work/f.png"
 sed 's/"cameras"/"extras"/; s/"camera": [01], //g' "$work/cameras.gltf" >"$work/blind.gltf"
 expect 2 'the scene has no cameras' render "$work/blind.gltf" $small --views all -o "$work/f%d.png"
-expect 2 'zbin lists take one view' render "$work/cameras.gltf" $small --views all --lists zbin -o "$work/f%d.png"
-expect 2 'mobile shading takes one view' render "$work/cameras.gltf" $small --views all --shading mobile -o "$work/f%d.png"
+expect 2 'light_lod takes one view' render "$work/cameras.gltf" $small --views all --set light-lod=2 -o "$work/f%d.png"
+expect 2 'virtual-texturing shading takes one view' render "$work/cameras.gltf" $small --views all --shading virtual-texturing -o "$work/f%d.png"
 expect 2 'do not go with --views' render "$work/cameras.gltf" $small --views all --camera 0 -o "$work/f%d.png"
 absent "$work/f0.png" "$work/f%d.png"
 

@@ -33,7 +33,7 @@ static const struct debug_view views[] = {
 };
 
 const struct order order_coarse = {
-    .traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE,
+    .traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS,
     .check = check,
     .add = add,
     .views = views,

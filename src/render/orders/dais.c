@@ -65,7 +65,7 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_DAIS_FAILURES, .add = add_view},
 };
 
-const struct order order_dais = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW | SHADING_SAMPLES |
+const struct order order_dais = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW | SHADING_SAMPLES |
                                            SHADING_APPROXIMATE,
                                  .check = check,
                                  .add = add,

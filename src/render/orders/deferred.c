@@ -168,7 +168,7 @@ const struct order order_deferred = {
     .add = add,
     .views = views,
     .view_count = COUNT_OF(views)};
-const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES,
+const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES | SHADING_VIEWS,
                                              .add = add_with_volumes,
                                              .views = views,
                                              .view_count = COUNT_OF(views)};

@@ -48,5 +48,5 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
 }
 
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_FORWARD | SHADING_LISTS_FIRST | SHADING_ITEMS | SHADING_SAMPLES };
-const struct order order_forward = {.traits = TRAITS, .add = add};
+const struct order order_forward = {.traits = TRAITS | SHADING_VIEWS, .add = add};
 const struct order order_forward_prepass = {.traits = TRAITS | SHADING_PREPASS | SHADING_VIEWS | SHADING_MULTIVIEW, .add = add};

@@ -155,11 +155,11 @@ static void add_low_res(struct frame_state *f, struct shade_input *input, bool p
 }
 
 enum { STORES = SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_REDRAW | SHADING_SAMPLES };
-const struct order order_light_prepass = {.traits = STORES | SHADING_FULL_RASTER | SHADING_POSITIONS, .add = add_light_prepass};
-const struct order order_pre_lighting = {.traits = STORES | SHADING_FULL_RASTER | SHADING_VOLUMES, .add = add_pre_lighting};
-const struct order order_low_res = {.traits = STORES | SHADING_POSITIONS | SHADING_APPROXIMATE, .add = add_low_res};
-const struct order order_inferred = {.traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE, .add = add_inferred};
+const struct order order_light_prepass = {.traits = STORES | SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_VIEWS, .add = add_light_prepass};
+const struct order order_pre_lighting = {.traits = STORES | SHADING_FULL_RASTER | SHADING_VOLUMES | SHADING_VIEWS, .add = add_pre_lighting};
+const struct order order_low_res = {.traits = STORES | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_low_res};
+const struct order order_inferred = {.traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_inferred};
 
 enum { WRITES_IDS = SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
-const struct order order_light_indexed = {.traits = WRITES_IDS, .add = add_light_indexed};
-const struct order order_zioma = {.traits = WRITES_IDS, .add = add_zioma};
+const struct order order_light_indexed = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_light_indexed};
+const struct order order_zioma = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_zioma};

@@ -139,7 +139,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 
-const struct order order_mobile = {.traits = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST | SHADING_POSITIONS |
+const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST | SHADING_POSITIONS |
                                              SHADING_APPROXIMATE | SHADING_DECALS | SHADING_DECAL_STEP,
                                    .adjust = adjust,
                                    .check = check,
