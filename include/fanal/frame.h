@@ -28,7 +28,7 @@ typedef enum fnl_geometry {
 
 /** Whether a frame draws several of its views at once (multiview). The picture is the same. docs/techniques/views.md compares them. */
 typedef enum fnl_multiview {
-    FNL_MULTIVIEW_AUTO = 0, /**< views that follow one another and see almost the same, as two eyes do */
+    FNL_MULTIVIEW_AUTO = 0, /**< views that follow one another and see almost the same, as two eyes do; not in forward-prepass */
     FNL_MULTIVIEW_OFF,      /**< each view by itself */
     FNL_MULTIVIEW_ON,       /**< up to 6 views that follow one another, whatever they see */
     FNL_MULTIVIEW_COUNT

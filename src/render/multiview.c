@@ -29,6 +29,8 @@ static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_c
 
 uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first) {
     if (frame->view_count < 2 || frame->multiview == FNL_MULTIVIEW_OFF || !is_possible(r, frame)) return 1;
+    /* Of paths that draw after their lists the prepass alone is shared, which gains nothing (docs/techniques/views.md). */
+    if (frame->multiview == FNL_MULTIVIEW_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return 1;
     uint32_t most = MIN(frame->view_count - first, (uint32_t)MULTIVIEW_MOST), count = 1;
     while (count < most && (frame->multiview == FNL_MULTIVIEW_ON ||
                             see_the_same(r, &frame->views[first], &frame->views[first + count])))

@@ -235,6 +235,9 @@ static void test_auto_takes_views_that_see_the_same(void **state) {
     place_eyes(&stage, eyes);
     render_views(&stage, &stage.frame, eyes, 2);
     assert_int_equal(count_together(&stage, 0, 1), 1);
+    fnl_frame forward = frame_of(&stage, &paths[2], 1); /* only its prepass could be shared */
+    render_views(&stage, &forward, eyes, 2);
+    assert_int_equal(count_together(&stage, 0, 1), 0);
     vec3 back = vec3_sub(eyes[0].position, eyes[0].target);
     for (uint32_t i = 0; i < 4; i++) { /* two, one that looks elsewhere, and two */
         cameras[i] = eyes[i & 1];
