@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Cameras: where a frame is seen from. Those of a scene come from its file or from fnl_scene_add_camera; a frame takes any.
+ */
+#ifndef FANAL_CAMERA_H
+#define FANAL_CAMERA_H
+
+#include "fanal/scene_ids.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fnl_camera {
+    fnl_vec3 position;     /**< metres */
+    fnl_vec3 target;       /**< a point that it looks at; must differ from the position */
+    fnl_vec3 up;           /**< default 0, 1, 0 */
+    bool orthographic;     /**< default false */
+    float vertical_fov;    /**< radians, 0 .. pi; default 0.9 */
+    float vertical_extent; /**< orthographic: height of the view in metres; default 10 */
+    float near_distance;   /**< metres, > 0; default 0.05 */
+    float far_distance;    /**< orthographic only, metres, > near_distance; perspective views reach to infinity; default 1000 */
+    fnl_vec2 shift;        /**< off-axis projection: shifts the picture, in half widths and half heights; default 0 */
+} fnl_camera;
+
+FNL_API fnl_camera fnl_camera_default(void);
+/** Queries a camera by index, in the order of the file. Its pose follows its node. */
+FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
+FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);
+/** A camera from which the whole scene fits a picture of the given aspect (width / height). */
+FNL_API fnl_result fnl_scene_query_framing_camera(const fnl_scene *scene, float aspect, fnl_camera *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

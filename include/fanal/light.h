@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The lights of a scene. fanal/lights.h is about the lists that find which of them reach a pixel. Calls on one scene are not
+ * thread-safe.
+ *
+ * Units are glTF's: metres, radians, candela (lights that spread), lux (directional and box).
+ */
+#ifndef FANAL_LIGHT_H
+#define FANAL_LIGHT_H
+
+#include "fanal/scene_ids.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum fnl_light_kind {
+    FNL_LIGHT_DIRECTIONAL = 0, /**< parallel light everywhere */
+    FNL_LIGHT_POINT,           /**< from a point in all directions, up to a range */
+    FNL_LIGHT_SPOT,            /**< from a point into a round cone */
+    FNL_LIGHT_CAPSULE,         /**< a tube: each point is lit from the nearest point of a segment */
+    FNL_LIGHT_WEDGE,           /**< from a point into a pyramid of rectangular cross-section */
+    FNL_LIGHT_BOX,             /**< parallel light that fills an oriented box and nothing else */
+    FNL_LIGHT_KIND_COUNT
+} fnl_light_kind;
+
+typedef struct fnl_light_params {
+    fnl_light_kind kind; /**< default point */
+    fnl_vec3 position;   /**< metres; apex of spots and wedges, middle of capsules and boxes; not for directional lights */
+    /** Where the light shines to; for capsules, along the segment. Normalised by the call. Default 0, 0, -1. Not for points. */
+    fnl_vec3 direction;
+    float color[3];  /**< linear RGB, >= 0; default 1 */
+    float intensity; /**< candela, or lux for directional lights and boxes, >= 0; default 1 */
+    /**
+     * Distance from the position (capsules: from the segment) beyond which the light contributes exactly zero, metres, > 0;
+     * INFINITY (the default) derives it from the intensity (fnl_light_range). Not for directional lights and boxes.
+     */
+    float range;
+    float inner_cone_angle; /**< half angle of full intensity, radians, 0 .. outer; default 0 */
+    float outer_cone_angle; /**< half angle beyond which there is no light, radians, up to pi/2; default pi/4 */
+    /**
+     * Wedges and boxes: the direction of their height. The call makes it a unit vector perpendicular to `direction`; if the
+     * two are parallel, it chooses another. The width lies along direction x up. Default 0, 1, 0.
+     */
+    fnl_vec3 up;
+    float length;          /**< capsules: length of the segment, which is centred on the position, metres, >= 0; default 1 */
+    float wedge_angles[2]; /**< wedges: half angles across the width and the height, radians, 0 .. 1.5; default pi/4, pi/6 */
+    fnl_vec3 box_size;     /**< boxes: width, height and depth (along the direction), metres, > 0; default 1 */
+    /** Wedges and boxes: full intensity up to this fraction of the way from the axis to the edge, then a fade to zero at the
+        edge, 0 .. 1; default 0.7. */
+    float inner_fraction;
+} fnl_light_params;
+
+FNL_API fnl_light_params fnl_light_params_default(void);
+FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
+/**
+ * A light of a file follows its node. It keeps following if position, direction and up (those that its kind has) are the
+ * values that fnl_scene_query_light returned; any other pose detaches it from its node, and it stays where it was put.
+ */
+FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
+FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
+
+/**
+ * Clips a light to the convex hull of `count` (4 .. 64) world-space points: outside the hull it contributes exactly zero, as
+ * it does outside its own volume. The hull does not move with the light. NULL and 0 remove it. Points that lie in one plane,
+ * on one line or at one place are an error (logged) and change nothing. Directional lights ignore their hull.
+ */
+FNL_API fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count);
+
+/**
+ * Distance in metres beyond which a light contributes exactly zero. That is its range if finite; for a box, half its
+ * diagonal. Otherwise it is sqrt(I g / threshold), where I is the intensity times the brightest colour channel: the distance
+ * at which the light adds less than `threshold` / pi cd/m^2 (`threshold` in lux, > 0) to the brightest possible surface of
+ * roughness `min_roughness` (0 .. 1). g = max(1, 1 / (4 alpha^2)) with alpha = max(min_roughness^2, 0.001) is the ratio of a
+ * white metal's largest BRDF value seen head-on, 1 / (4 pi alpha^2), to that of a white matt surface, 1/pi. The smoother the
+ * surfaces, the farther lights reach: sharp highlights are visible long after diffuse light is not. INFINITY for directional
+ * lights; 0 (logged) for NULL.
+ */
+FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughness, float threshold);
+/**
+ * Sets the arguments of fnl_light_range for lights whose range is INFINITY: the lowest roughness whose highlights must not
+ * be cut off, 0 .. 1 (default 1), and the threshold in lux, > 0 (default 0.05).
+ */
+FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold);
+
+/**
+ * Adds `count` lights at pseudo-random places within the scene's bounds, three points to one spot. Their radius follows from
+ * the extent of the scene, so that a point of it lies in about 8 of them on average, whatever the count; their intensity
+ * follows from the radius. The same scene, count and seed give the same lights.
+ */
+FNL_API fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed);
+
+typedef struct fnl_scatter_params {
+    uint32_t count; /**< number of lights; default 0 */
+    uint64_t seed;  /**< default 1 */
+    /** Relative number of each kind, >= 0; default 3 points, 1 spot. Directional lights cannot be scattered. */
+    float shares[FNL_LIGHT_KIND_COUNT];
+    float radius_scale; /**< multiplies the radius that fnl_scene_scatter_lights would choose, > 0; default 1 */
+} fnl_scatter_params;
+
+FNL_API fnl_scatter_params fnl_scatter_params_default(void);
+/** As fnl_scene_scatter_lights, with lights of all shapes. With the default shares and scale it adds exactly the same lights. */
+FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

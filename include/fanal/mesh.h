@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * Images, materials and meshes of a scene. They are never removed. Calls on one scene are not thread-safe.
+ */
+#ifndef FANAL_MESH_H
+#define FANAL_MESH_H
+
+#include "fanal/image.h"
+#include "fanal/scene_ids.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- images ---- */
+
+/** Adds a copy of an RGBA8 picture. `color`: its RGB is sRGB-encoded (base colour, emission), else linear data. */
+FNL_API fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out);
+
+/* ---- materials ---- */
+
+typedef enum fnl_alpha_mode { FNL_ALPHA_OPAQUE = 0, FNL_ALPHA_MASK, FNL_ALPHA_BLEND } fnl_alpha_mode;
+
+/** A glTF 2.0 metallic-roughness material. Textures multiply their factors; an all-zero id is no texture. */
+typedef struct fnl_material_params {
+    float base_color[4];       /**< linear RGB and alpha, 0..1; default 1, 1, 1, 1 */
+    float metallic;            /**< 0..1; default 1 */
+    float roughness;           /**< perceptual roughness, 0..1; default 1 */
+    float emissive[3];         /**< cd/m^2 (strength included), >= 0; default 0 */
+    float normal_scale;        /**< scales the normal map's x and y; default 1 */
+    float occlusion_strength;  /**< 0..1; default 1 */
+    float ior;                 /**< index of refraction of the dielectric part, >= 1, or 0 for none; default 1.5 */
+    float specular;            /**< strength of the dielectric specular part, 0..1; default 1 */
+    float specular_color[3];   /**< linear F0 tint of the dielectric part, >= 0; default 1 */
+    fnl_alpha_mode alpha_mode; /**< default opaque */
+    float alpha_cutoff;        /**< for FNL_ALPHA_MASK; default 0.5 */
+    bool double_sided;         /**< default false */
+    bool unlit;                /**< the base colour is shown without lighting; default false */
+    fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
+} fnl_material_params;
+
+FNL_API fnl_material_params fnl_material_params_default(void);
+FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
+/**
+ * Changes a material, including one from a file (fnl_scene_query_material returns its current values). A texture whose image
+ * stays the same keeps its coordinates and filters; specular textures, which are not in fnl_material_params, stay as they
+ * are. Renderers upload the material, and an image that none used before, but go through all instances to sort them again.
+ */
+FNL_API fnl_result fnl_scene_set_material(fnl_scene *scene, fnl_material_id material, const fnl_material_params *params);
+
+/**
+ * Grows the metallic areas of metallic-roughness textures by `texels` (0 .. 64). At the border of a metal the mask is
+ * blurred over a texel; there a bright base colour is shaded as half a dielectric, which shows as a bright halo. Growing the
+ * metal beyond its colour avoids that. Call it before the scene is rendered.
+ */
+FNL_API fnl_result fnl_scene_grow_metal(fnl_scene *scene, uint32_t texels);
+
+/* ---- meshes ---- */
+
+/** Triangles with one material. Arrays are copied. Missing normals and tangents are generated. */
+typedef struct fnl_mesh_params {
+    uint32_t vertex_count;    /**< 1 .. 2^32 - 2 */
+    uint32_t index_count;     /**< a multiple of 3; 0: vertices are used in order */
+    const float *positions;   /**< 3 per vertex, metres, finite; required */
+    const float *normals;     /**< 3 per vertex, unit, or NULL: flat normals are generated */
+    const float *tangents;    /**< 4 per vertex, unit xyz and handedness +1 or -1, or NULL */
+    const float *uv;          /**< 2 per vertex, or NULL */
+    const float *colors;      /**< 4 per vertex, linear, multiply the base colour, or NULL */
+    const uint32_t *indices;  /**< each below vertex_count, or NULL with index_count 0 */
+    fnl_material_id material; /**< all-zero: glTF's default material */
+} fnl_mesh_params;
+
+FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, fnl_mesh_id *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

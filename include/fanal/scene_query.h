@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * What a scene contains: counts, names, and the present values of its parts. Calls on one scene are not thread-safe.
+ */
+#ifndef FANAL_SCENE_QUERY_H
+#define FANAL_SCENE_QUERY_H
+
+#include "fanal/camera.h"
+#include "fanal/decal.h"
+#include "fanal/instance.h"
+#include "fanal/light.h"
+#include "fanal/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct fnl_entity_info {
+    const char *name;   /**< "" if it has none; lives as long as the scene */
+    const char *extras; /**< glTF's "extras" as JSON text, or NULL; lives as long as the scene */
+    union {
+        fnl_instance_id instance;
+        fnl_light_id light;
+        fnl_decal_id decal;
+        fnl_mesh_id mesh;
+        fnl_material_id material;
+        fnl_image_id image;
+    } id; /**< for the calls that change it; cameras and animations have no id, only an index */
+} fnl_entity_info;
+
+/**
+ * Queries take an index, changes take an id. Indices are 0 .. fnl_scene_count - 1, in the order of the file and then of the
+ * calls that added. Removing something moves the indices behind it down; ids never change. Returns 0 for a kind out of range
+ * (logged).
+ */
+FNL_API uint32_t fnl_scene_count(const fnl_scene *scene, fnl_entity kind);
+FNL_API fnl_result fnl_scene_query_entity(const fnl_scene *scene, fnl_entity kind, uint32_t index, fnl_entity_info *out);
+/** Finds the first entity with this name. FNL_ERROR_INVALID if there is none; the log then lists the existing names. */
+FNL_API fnl_result fnl_scene_find(const fnl_scene *scene, fnl_entity kind, const char *name, uint32_t *out_index);
+
+typedef struct fnl_scene_info {
+    uint64_t triangle_count;        /**< of all visible instances */
+    uint64_t unique_triangle_count; /**< of all meshes, each counted once */
+    uint64_t unique_vertex_count;
+    uint32_t mesh_count, primitive_count, material_count, image_count, node_count;
+    uint64_t instance_count; /**< visible instances that have a mesh */
+    uint32_t light_count;    /**< of all kinds, including those of hidden nodes */
+    uint32_t directional_count, point_count, spot_count, capsule_count, wedge_count, box_count;
+    uint32_t decal_count; /**< of all kinds */
+    uint32_t decal_kind_counts[FNL_DECAL_KIND_COUNT];
+    uint32_t camera_count, animation_count, skin_count, extension_count, message_count;
+    fnl_vec3 bounds_low, bounds_high; /**< metres; low > high for an empty scene */
+} fnl_scene_info;
+
+FNL_API fnl_result fnl_scene_query_info(const fnl_scene *scene, fnl_scene_info *out);
+
+typedef struct fnl_image_info {
+    const char *name;
+    const char *file_kind;
+    uint32_t width, height;
+} fnl_image_info;
+typedef struct fnl_animation_info {
+    const char *name;
+    double duration;
+    uint32_t channel_count;
+} fnl_animation_info;
+typedef struct fnl_extension_info {
+    const char *name;
+    bool required;
+    const char *treatment; /**< "full", "ignored", or what Fanal does instead */
+} fnl_extension_info;
+
+/** By index below the counts of fnl_scene_info; the strings live as long as the scene. */
+FNL_API fnl_result fnl_scene_query_image(const fnl_scene *scene, uint32_t index, fnl_image_info *out);
+FNL_API fnl_result fnl_scene_query_animation(const fnl_scene *scene, uint32_t index, fnl_animation_info *out);
+FNL_API fnl_result fnl_scene_query_extension(const fnl_scene *scene, uint32_t index, fnl_extension_info *out);
+/** Warnings of the import, in order, each with its JSON pointer. NULL if the index is out of range. */
+FNL_API const char *fnl_scene_message(const fnl_scene *scene, uint32_t index);
+FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index, fnl_light_params *out);
+FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
+FNL_API fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out);
+
+typedef struct fnl_instance_info {
+    fnl_mat4 transform;     /**< to the space of `parent` */
+    fnl_mat4 world;         /**< to the world */
+    fnl_instance_id parent; /**< all-zero: none */
+    fnl_mesh_id mesh;       /**< all-zero: none */
+    bool visible;           /**< as set by fnl_scene_set_instance_visible */
+    bool shown;             /**< visible, and so are all instances above it */
+} fnl_instance_info;
+
+FNL_API fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
