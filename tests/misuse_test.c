@@ -241,17 +241,19 @@ static fnl_loaded loaded;
     X(fnl_scene_scatter_decals, NULLED("scene", fnl_scene_scatter_decals(NULL, 1, 1)))                                      \
     X(fnl_scene_scatter_light_shapes, NULLED("scene", fnl_scene_scatter_light_shapes(NULL, &scatter));                      \
       NULLED("params", fnl_scene_scatter_light_shapes(w.scene, NULL)))                                                      \
-    X(fnl_scene_scatter_lights, NULLED("scene", fnl_scene_scatter_lights(NULL, 1, 1)))                                      \
     X(fnl_scene_set_ambient, NULLED("scene", fnl_scene_set_ambient(NULL, camera.up, camera.up)))                            \
     X(fnl_scene_set_anisotropy, NULLED("scene", fnl_scene_set_anisotropy(NULL, 1)))                                         \
     X(fnl_scene_set_background, NULLED("scene", fnl_scene_set_background(NULL, camera.up)))                                 \
     X(fnl_scene_set_decal, NULLED("scene", fnl_scene_set_decal(NULL, w.decal, &decal));                                     \
       NULLED("params", fnl_scene_set_decal(w.scene, w.decal, NULL)))                                                        \
     X(fnl_scene_set_instance_receivers, NULLED("scene", fnl_scene_set_instance_receivers(NULL, w.instance, 1)))             \
-    X(fnl_scene_set_instance_transform, NULLED("scene", fnl_scene_set_instance_transform(NULL, w.instance, &matrix));       \
-      NULLED("transform", fnl_scene_set_instance_transform(w.scene, w.instance, NULL)))                                     \
-    X(fnl_scene_set_light, NULLED("scene", fnl_scene_set_light(NULL, w.light, &light));                                     \
-      NULLED("params", fnl_scene_set_light(w.scene, w.light, NULL)))                                                        \
+    X(fnl_scene_set_instance_transforms,                                                                                    \
+      NULLED("scene", fnl_scene_set_instance_transforms(NULL, &w.instance, &matrix, 1));                                    \
+      NULLED("instances", fnl_scene_set_instance_transforms(w.scene, NULL, &matrix, 1));                                    \
+      NULLED("transforms", fnl_scene_set_instance_transforms(w.scene, &w.instance, NULL, 1)))                               \
+    X(fnl_scene_set_lights, NULLED("scene", fnl_scene_set_lights(NULL, &w.light, &light, 1));                               \
+      NULLED("lights", fnl_scene_set_lights(w.scene, NULL, &light, 1));                                                     \
+      NULLED("params", fnl_scene_set_lights(w.scene, &w.light, NULL, 1)))                                                   \
     X(fnl_scene_set_light_cutoff, NULLED("scene", fnl_scene_set_light_cutoff(NULL, 1, 1)))                                  \
     X(fnl_scene_set_light_hull, NULLED("scene", fnl_scene_set_light_hull(NULL, w.light, NULL, 0));                          \
       SILENT(fnl_scene_set_light_hull(w.scene, w.light, NULL, 0)))                                                          \
@@ -275,7 +277,9 @@ static const struct {
 static char headers[256 << 10];
 
 static void read_headers(void) {
-    static const char *const names[] = {"base", "device", "frame", "image", "lights", "options", "renderer", "scene", "shading", "stats", "values", "vulkan"};
+    static const char *const names[] = {"base",   "camera", "decal",   "device",   "frame", "image",     "instance",
+                                        "light",  "lights", "mesh",    "options",  "renderer", "scene",  "scene_ids",
+                                        "scene_query", "shading", "stats", "values", "vulkan"};
     size_t length = 0;
     for (uint32_t i = 0; i < COUNT_OF(names); i++) {
         char path[64];
@@ -336,7 +340,7 @@ static void test_null_is_named_by_every_export(void **state) {
         light.kind = FNL_LIGHT_##of;                                                                                        \
         light.field = value;                                                                                                \
         SAYS("fnl_scene_add_light", words, fnl_scene_add_light(w.scene, &light, &light_id));                                \
-        SAYS("fnl_scene_set_light", words, fnl_scene_set_light(w.scene, w.light, &light));                                  \
+        SAYS("fnl_scene_set_lights", words, fnl_scene_set_light(w.scene, w.light, &light));                                  \
         light = fnl_light_params_default();                                                                                 \
     } while (0)
 
@@ -458,7 +462,7 @@ static void test_other_arguments(void **state) {
 
     fnl_mat4 bad = matrix;
     bad.m[15] = 2;
-    SAYS("fnl_scene_set_instance_transform", "the last row of transform is 0, 0, 0, 2, must be 0, 0, 0, 1",
+    SAYS("fnl_scene_set_instance_transforms", "the last row of transform is 0, 0, 0, 2, must be 0, 0, 0, 1",
          fnl_scene_set_instance_transform(w.scene, w.instance, &bad));
     bad.m[15] = NAN;
     SAYS("fnl_scene_add_instance", "transform.m[15] is NaN, must be finite",

@@ -16,12 +16,21 @@ extern "C" {
 FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform,
                                           fnl_instance_id *out);
 /**
+ * Moves `count` instances: instances[i] gets transforms[i]. All are checked before any is moved: an error names the element that is wrong, and the
+ * scene is as it was. Of an id that stands there twice the last transform counts. With 0 instances the pointers may be NULL.
+ * Costs in proportion to what is below them, each node once, however many of them are below one another.
+ *
  * In a file, every node is an instance: the transform is relative to the parent node, and everything below moves along, as
  * do lights, cameras, decals and skins that follow those nodes. The transform holds until fnl_scene_set_time is called with
  * an animation of this very node, which sets translation, rotation and scale from the animation, and those that are not
  * animated from the file.
  */
-FNL_API fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform);
+FNL_API fnl_result fnl_scene_set_instance_transforms(fnl_scene *scene, const fnl_instance_id *instances,
+                                                     const fnl_mat4 *transforms, uint32_t count);
+/** The same for one instance. */
+static inline fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
+    return fnl_scene_set_instance_transforms(scene, &instance, transform, 1);
+}
 /**
  * Hides an instance with everything below it, including lights and decals, or shows it again if nothing above it is hidden.
  * Nodes of a file that are hidden (KHR_node_visibility) or in none of the scenes shown begin hidden. A skin is shown with the

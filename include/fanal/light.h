@@ -54,10 +54,19 @@ typedef struct fnl_light_params {
 FNL_API fnl_light_params fnl_light_params_default(void);
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
 /**
+ * Changes `count` lights: lights[i] gets params[i]. All elements are checked before any light changes: an error names the
+ * element, and the scene stays as it was. If an id appears twice, its last parameters count. With a count of 0 the pointers
+ * may be NULL. Renderers upload the lights that changed and no others.
+ *
  * A light of a file follows its node. It keeps following if position, direction and up (those that its kind has) are the
  * values that fnl_scene_query_light returned; any other pose detaches it from its node, and it stays where it was put.
  */
-FNL_API fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params);
+FNL_API fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, const fnl_light_params *params,
+                                        uint32_t count);
+/** The same for one light. */
+static inline fnl_result fnl_scene_set_light(fnl_scene *scene, fnl_light_id light, const fnl_light_params *params) {
+    return fnl_scene_set_lights(scene, &light, params, 1);
+}
 FNL_API fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light);
 
 /**
@@ -83,24 +92,32 @@ FNL_API float fnl_light_range(const fnl_light_params *params, float min_roughnes
  */
 FNL_API fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold);
 
-/**
- * Adds `count` lights at pseudo-random places within the scene's bounds, three points to one spot. Their radius follows from
- * the extent of the scene, so that a point of it lies in about 8 of them on average, whatever the count; their intensity
- * follows from the radius. The same scene, count and seed give the same lights.
- */
-FNL_API fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed);
-
+/** How lights are scattered. */
 typedef struct fnl_scatter_params {
     uint32_t count; /**< number of lights; default 0 */
     uint64_t seed;  /**< default 1 */
     /** Relative number of each kind, >= 0; default 3 points, 1 spot. Directional lights cannot be scattered. */
     float shares[FNL_LIGHT_KIND_COUNT];
-    float radius_scale; /**< multiplies the radius that fnl_scene_scatter_lights would choose, > 0; default 1 */
+    float radius_scale; /**< multiplies the radius of the lights, > 0; default 1 */
 } fnl_scatter_params;
 
-FNL_API fnl_scatter_params fnl_scatter_params_default(void);
-/** As fnl_scene_scatter_lights, with lights of all shapes. With the default shares and scale it adds exactly the same lights. */
+static inline fnl_scatter_params fnl_scatter_params_default(void) {
+    const fnl_scatter_params params = {0, 1, {0, 3, 1, 0, 0, 0}, 1};
+    return params;
+}
+/**
+ * Adds lights at pseudo-random places within the scene's bounds. Their radius follows from the extent of the scene, so that
+ * a point of it lies in about 8 of them on average, whatever the count; their intensity follows from the radius. The same
+ * scene and parameters give the same lights.
+ */
 FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params);
+/** The same with `count` lights, three points to one spot. */
+static inline fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed) {
+    fnl_scatter_params params = fnl_scatter_params_default();
+    params.count = count;
+    params.seed = seed;
+    return fnl_scene_scatter_light_shapes(scene, &params);
+}
 
 #ifdef __cplusplus
 }

@@ -4,7 +4,10 @@
 static void say(const struct call *call, const char *format, va_list arguments) {
     char text[1500];
     vsnprintf(text, sizeof text, format, arguments);
-    log_error(call->host, "%s: %s", call->function, text);
+    if (call->in_array)
+        log_error(call->host, "%s: element %u: %s", call->function, call->element, text);
+    else
+        log_error(call->host, "%s: %s", call->function, text);
 }
 
 fnl_result misuse(const struct call *call, const char *format, ...) {
@@ -30,7 +33,7 @@ fnl_result check_pointer(const struct call *call, const char *name, const void *
 fnl_result check_handle(const char *function, const char *name, const void *handle) {
     if (handle) return FNL_OK;
     fnl_host host = fnl_host_default();
-    return check_pointer(&(struct call){&host, function}, name, NULL);
+    return check_pointer(&(struct call){.host = &host, .function = function}, name, NULL);
 }
 
 /* ---- whole numbers ---- */

@@ -16,9 +16,13 @@
 struct call {
     const fnl_host *host;
     const char *function;
+    bool in_array;    /* what is checked is one of several that the call was given: messages begin with "element 3: " */
+    uint32_t element; /* then: which */
 };
-/** In the public function itself. */
-#define CALL(host) (&(const struct call){(host), __func__})
+/** In the public function itself; and for one of `count` elements. */
+#define CALL(host_) (&(const struct call){.host = (host_), .function = __func__})
+#define CALL_ELEMENT(host_, i, count) \
+    (&(const struct call){.host = (host_), .function = __func__, .in_array = (count) > 1, .element = (i)})
 
 /** Logs "FUNCTION: …"; returns FNL_ERROR_INVALID. */
 fnl_result misuse(const struct call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -284,7 +284,7 @@ static void test_motion_of_objects_ES_21(void **state) {
         static const float expected[] = {0, -8, -8, 0, 16};
         for (int i = 0; i < 5; i++) {
             mat4 m = mat4_from_trs((vec3){places[i], 0, 0.5f}, quat_identity(), (vec3){0.2f, 0.2f, 1});
-            scene_move_node(scene, moving, &m);
+            scene_move_nodes(scene, &(fnl_instance_id){.index = moving}, &m, 1);
             test_render_frame(renderer, &frame);
             fnl_image motion = test_read(renderer, FNL_OUTPUT_MOTION);
             assert_pixel(&motion, (uint32_t)(32 + places[i] * 32), 32, expected[i], 0, 4.5, 1e-4);
@@ -374,7 +374,7 @@ static void test_no_trail_after_four_frames_ES_21(void **state) {
         fnl_image last = {0};
         for (int i = 0; i < STEPS; i++) {
             mat4 m = mat4_from_trs((vec3){places[i], 0, 0.5f}, quat_identity(), (vec3){0.15f, 0.3f, 1});
-            scene_move_node(scene, moving, &m);
+            scene_move_nodes(scene, &(fnl_instance_id){.index = moving}, &m, 1);
             test_render_frame(renderer, &frame);
             free_picture(&last);
             last = test_read(renderer, FNL_OUTPUT_COLOR);
@@ -417,7 +417,7 @@ static void test_no_trail_within_the_spread_ES_21(void **state) {
     for (int i = 0; i < 13; i++) {
         mat4 m =
             mat4_from_trs((vec3){i < 9 ? -0.6f + 0.0625f * (float)i : 0.5f, 0, 2}, quat_identity(), (vec3){0.2f, 0.9f, 1});
-        scene_move_node(scene, moving, &m);
+        scene_move_nodes(scene, &(fnl_instance_id){.index = moving}, &m, 1);
         test_render_frame(renderer, &frame);
         free_picture(&last);
         last = test_read(renderer, FNL_OUTPUT_COLOR);
@@ -693,7 +693,7 @@ static void test_sequences_repeat_ES_21(void **state) {
             if (i % 4 == 0) frame.camera.position.x += 0.05f;
             if (i % 3 == 1) {
                 mat4 m = mat4_from_trs((vec3){0.1f * (float)i, 0, 0}, quat_identity(), (vec3){0.1f, 1, 1});
-                scene_move_node(scene, 3, &m);
+                scene_move_nodes(scene, &(fnl_instance_id){.index = 3}, &m, 1);
             }
             test_render_frame(renderer, &frame);
             if (i == 6) allocations = atomic_load(&test_device_memory.allocations);

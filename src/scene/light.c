@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parameters of a light say about its volume. */
+/* The public calls of fanal/light.h, and what the parameters of a light say about its volume. */
+#include "base/check.h"
 #include "scene/scene.h"
 
 float fnl_light_range(const fnl_light_params *light, float min_roughness, float threshold) {
@@ -21,4 +22,154 @@ vec3 light_up(vec3 direction, vec3 up) {
     if (!(vec3_length(across) > 1e-4f * vec3_length(up))) across = vec3_perpendicular(direction);
     across = vec3_normalize(across);
     return vec3_normalize(vec3_add_scaled(across, direction, -vec3_dot(across, direction)));
+}
+
+/* ---- adding, changing, removing ---- */
+
+fnl_light_params fnl_light_params_default(void) {
+    return (fnl_light_params){
+        .kind = FNL_LIGHT_POINT,
+        .direction = {0, 0, -1},
+        .color = {1, 1, 1},
+        .intensity = 1,
+        .range = INFINITY,
+        .inner_cone_angle = 0,
+        .outer_cone_angle = PI / 4,
+        .up = {0, 1, 0},
+        .length = 1,
+        .wedge_angles = {PI / 4, PI / 6},
+        .box_size = {1, 1, 1},
+        .inner_fraction = 0.7f,
+    };
+}
+
+static fnl_result check_light(const struct call *call, const fnl_light_params *params) {
+    const double infinite = (double)FLT_MAX;
+    fnl_light_kind kind = params->kind;
+    TRY(check_enum(call, "kind", (int)kind, FNL_LIGHT_KIND_COUNT, "fnl_light_kind"));
+    TRY(check_finite(call, "position", params->position));
+    TRY(check_finite(call, "direction", params->direction));
+    if (kind != FNL_LIGHT_POINT && !(vec3_length(params->direction) > 0))
+        return misuse(call, "direction is 0, 0, 0, must have a length");
+    TRY(check_floats(call, "color", params->color, 3, 0, infinite, ""));
+    TRY(check_range(call, "intensity", (double)params->intensity, 0, infinite,
+                    kind == FNL_LIGHT_DIRECTIONAL || kind == FNL_LIGHT_BOX ? " lux" : " candela"));
+    if (kind != FNL_LIGHT_DIRECTIONAL && kind != FNL_LIGHT_BOX)
+        TRY(check_above(call, "range", (double)params->range, 0, (double)INFINITY, " metres"));
+    if (kind == FNL_LIGHT_SPOT) {
+        TRY(check_above(call, "outer_cone_angle", (double)params->outer_cone_angle, 0, (double)(PI / 2 + 1e-6f), " radians"));
+        TRY(check_range(call, "inner_cone_angle", (double)params->inner_cone_angle, 0, (double)params->outer_cone_angle,
+                        " radians (outer_cone_angle)"));
+    }
+    if (kind == FNL_LIGHT_CAPSULE) TRY(check_range(call, "length", (double)params->length, 0, infinite, " metres"));
+    if (kind == FNL_LIGHT_WEDGE) {
+        TRY(check_above(call, "wedge_angles[0]", (double)params->wedge_angles[0], 0, 1.5, " radians"));
+        TRY(check_above(call, "wedge_angles[1]", (double)params->wedge_angles[1], 0, 1.5, " radians"));
+    }
+    if (kind == FNL_LIGHT_BOX) /* the square of the diagonal stays finite */
+        TRY(check_vector(call, "box_size", params->box_size, (double)FLT_MIN, 1e18, " metres"));
+    if (kind == FNL_LIGHT_WEDGE || kind == FNL_LIGHT_BOX) {
+        TRY(check_finite(call, "up", params->up));
+        TRY(check_range(call, "inner_fraction", (double)params->inner_fraction, 0, 1, ""));
+    }
+    return FNL_OK;
+}
+
+/* With direction and up as unit vectors at right angles. */
+static fnl_light_params aligned(const fnl_light_params *params) {
+    fnl_light_params light = *params;
+    light.direction = vec3_normalize(params->direction);
+    light.up = light_up(light.direction, params->up);
+    return light;
+}
+
+fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_pointer(CALL(&scene->host), "out", out));
+    *out = (fnl_light_id){0};
+    TRY(check_pointer(CALL(&scene->host), "params", params));
+    TRY(check_light(CALL(&scene->host), params));
+    const fnl_light_params light = aligned(params);
+    uint32_t index = scene_add_light(scene, &light, SCENE_NONE);
+    if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
+    *out = (fnl_light_id){index, scene->lights.data[index].generation};
+    return FNL_OK;
+}
+
+static fnl_result check_light_id(const struct call *call, const fnl_scene *scene, fnl_light_id id) {
+    const struct scene_light *light = id.index < scene->lights.count ? &scene->lights.data[id.index] : NULL;
+    bool alive = light && id.generation && light->generation == id.generation && !light->removed;
+    return check_id(call, "light", alive, id.index, id.generation, "a light");
+}
+
+/* Of what a light of the kind has of a pose. */
+static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
+    bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
+    bool direction = a->kind != FNL_LIGHT_POINT && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;
+    bool up = (a->kind == FNL_LIGHT_WEDGE || a->kind == FNL_LIGHT_BOX) && memcmp(&a->up, &b->up, sizeof a->up) != 0;
+    return position || direction || up;
+}
+
+fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, const fnl_light_params *params, uint32_t count) {
+    TRY(check_handle(__func__, "scene", scene));
+    if (count == 0) return FNL_OK;
+    TRY(check_pointer(CALL(&scene->host), "lights", lights));
+    TRY(check_pointer(CALL(&scene->host), "params", params));
+    uint32_t moved = 0; /* between the local and the directional ones */
+    for (uint32_t i = 0; i < count; i++) {
+        const struct call *call = CALL_ELEMENT(&scene->host, i, count);
+        TRY(check_light_id(call, scene, lights[i]));
+        TRY(check_light(call, &params[i]));
+        fnl_light_kind before = scene->lights.data[lights[i].index].params.kind;
+        moved += (before == FNL_LIGHT_DIRECTIONAL) != (params[i].kind == FNL_LIGHT_DIRECTIONAL);
+    }
+    if (!scene_reserve_lights(scene, moved)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < count; i++) {
+        struct scene_light *light = &scene->lights.data[lights[i].index];
+        if (light->node != SCENE_NONE && poses_differ(&params[i], &light->params)) light->node = SCENE_NONE;
+        light->params = aligned(&params[i]);
+    }
+    scene_lights_edited(scene, lights, count);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_remove_light(fnl_scene *scene, fnl_light_id light) {
+    TRY(check_handle(__func__, "scene", scene));
+    TRY(check_light_id(CALL(&scene->host), scene, light));
+    if (!array_reserve(&scene->host, &scene->free_lights, scene->lights.count)) return FNL_ERROR_MEMORY;
+    scene_remove_light(scene, light.index);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_light_hull(fnl_scene *scene, fnl_light_id light, const fnl_vec3 *points, uint32_t count) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_light_id(call, scene, light));
+    if (!points && count) return misuse(call, "points is NULL, but count is %u; NULL and 0 remove the hull", count);
+    struct scene_light *target = &scene->lights.data[light.index];
+    if (!points) {
+        light_hull_free(scene, target);
+        scene_light_changed(scene, light.index);
+        return FNL_OK;
+    }
+    TRY(check_count(call, "count", count, 4, LIGHT_HULL_POINTS_MAX));
+    for (uint32_t i = 0; i < count; i++) TRY(check_finite(call, "points", points[i]));
+    struct light_hull *hull;
+    TRY(light_hull_create(&scene->host, points, count, &hull));
+    light_hull_free(scene, target);
+    target->hull = hull;
+    scene->hull_plane_count += hull->plane_count;
+    scene_light_changed(scene, light.index);
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_light_cutoff(fnl_scene *scene, float min_roughness, float threshold) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(check_range(call, "min_roughness", (double)min_roughness, 0, 1, ""));
+    TRY(check_above(call, "threshold", (double)threshold, 0, (double)FLT_MAX, " lux"));
+    scene->cutoff_roughness = min_roughness;
+    scene->cutoff_illuminance = threshold;
+    scene_lights_changed(scene);
+    return FNL_OK;
 }

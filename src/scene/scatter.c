@@ -59,10 +59,6 @@ static void random_tint(struct random_state *random, float color[3]) {
     for (int i = 0; i < 3; i++) color[i] /= highest;
 }
 
-fnl_scatter_params fnl_scatter_params_default(void) {
-    return (fnl_scatter_params){.seed = 1, .shares = {[FNL_LIGHT_POINT] = 3, [FNL_LIGHT_SPOT] = 1}, .radius_scale = 1};
-}
-
 /** The kind that lags behind its share the most; `given` counts. */
 static fnl_light_kind next_kind(const float *shares, uint32_t *given) {
     fnl_light_kind next = FNL_LIGHT_KIND_COUNT;
@@ -147,12 +143,4 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
         if (scene_add_light(scene, &light, SCENE_NONE) == SCENE_NONE) return FNL_ERROR_MEMORY;
     }
     return FNL_OK;
-}
-
-fnl_result fnl_scene_scatter_lights(fnl_scene *scene, uint32_t count, uint64_t seed) {
-    TRY(check_handle(__func__, "scene", scene));
-    fnl_scatter_params params = fnl_scatter_params_default();
-    params.count = count;
-    params.seed = seed;
-    return fnl_scene_scatter_light_shapes(scene, &params);
 }

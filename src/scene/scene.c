@@ -122,8 +122,10 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
 
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
     uint32_t index;
+    uint64_t moved_version = 0;
     if (scene->free_nodes.count > 0) {
         index = scene->free_nodes.data[--scene->free_nodes.count];
+        moved_version = scene->nodes.data[index].moved_version; /* it may still be in `moved`, where it must not stand twice */
     } else {
         if (scene->nodes.count == SCENE_NONE ||
             !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
@@ -147,6 +149,7 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .camera = SCENE_NONE,
         .instance_count = 1,
         .generation = scene_take_generation(scene),
+        .moved_version = moved_version,
     };
     if (parent != SCENE_NONE) {
         struct scene_node *above = &scene->nodes.data[parent];
@@ -218,14 +221,12 @@ void scene_update_transforms(fnl_scene *scene) {
     scene_pose_lights(scene, version);
 }
 
-void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
+/* Updates what is below a node that moved, and lists what that moves. */
+static void move_tree(fnl_scene *scene, uint32_t root, uint64_t version) {
     struct scene_node *nodes = scene->nodes.data;
-    nodes[index].local = *local;
-    nodes[index].placed = true;
-    uint64_t version = ++scene->transform_version;
     /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
     uint32_t limit = 1024 + scene->nodes.count / 16;
-    for (uint32_t i = index; i != SCENE_NONE; i = next_in_tree(nodes, i, index)) {
+    for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
         bool listed = nodes[i].moved_version > scene->moved_since;
         if (!update_node(nodes, i, version) || listed) continue;
         if (scene->moved.count >= limit || !array_push(&scene->host, &scene->moved, i)) {
@@ -233,7 +234,25 @@ void scene_move_node(fnl_scene *scene, uint32_t index, const mat4 *local) {
             scene->moved_since = version;
         }
     }
-    if (nodes[index].linked) scene_pose_lights(scene, version);
+}
+
+void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *ids, const mat4 *locals, uint32_t count) {
+    struct scene_node *nodes = scene->nodes.data;
+    uint64_t version = ++scene->transform_version;
+    bool linked = false;
+    for (uint32_t i = 0; i < count; i++) {
+        struct scene_node *node = &nodes[ids[i].index];
+        node->local = locals[i];
+        node->placed = node->moves = true;
+        linked = linked || node->linked;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t above = nodes[ids[i].index].parent; /* the nearest that moves by itself brings all below it along */
+        while (above != SCENE_NONE && !nodes[above].moves) above = nodes[above].parent;
+        if (above == SCENE_NONE) move_tree(scene, ids[i].index, version);
+    }
+    for (uint32_t i = 0; i < count; i++) nodes[ids[i].index].moves = false;
+    if (linked) scene_pose_lights(scene, version);
 }
 
 /* ---- showing and removing ---- */

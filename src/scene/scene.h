@@ -113,6 +113,7 @@ struct scene_node {
     bool hidden; /* with what is below it */
     bool active; /* neither it nor a node above is hidden */
     bool removed;
+    bool moves;   /* within scene_move_nodes: it has a new local transform */
     bool linked; /* a file's: skins, animations, cameras and lights may refer to it, so its place is not used again */
     vec3 translation;
     quat rotation;
@@ -271,12 +272,14 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
-/** Before a light becomes local or directional: makes room for it. False when memory ran out. */
-bool scene_reserve_light(fnl_scene *scene);
-/** So many scene_add_light() cannot fail after it, where nothing is removed. */
+/**
+ * Makes room for `count` lights to come, or to become local or directional: so many scene_add_light() cannot fail after it, where nothing is
+ * removed. False when memory ran out.
+ */
 bool scene_reserve_lights(fnl_scene *scene, uint32_t count);
-/** After a change of one light, or of all. */
+/** After a change of one light, of some, or of all. */
 void scene_light_changed(fnl_scene *scene, uint32_t light);
+void scene_lights_edited(fnl_scene *scene, const fnl_light_id *lights, uint32_t count);
 void scene_lights_changed(fnl_scene *scene);
 /** After nodes moved at a transform_version; and after a node, with what is below it, was hidden or shown: the lights that they carry. */
 void scene_pose_lights(fnl_scene *scene, uint64_t version);
@@ -289,8 +292,11 @@ void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__(
  * changes a node's morph weights sets its moved_version to transform_version + 1 before the call.
  */
 void scene_update_transforms(fnl_scene *scene);
-/** Gives a node a new local transform; costs what is below it, and a look at the lights if it is linked. */
-void scene_move_node(fnl_scene *scene, uint32_t node, const mat4 *local);
+/**
+ * Gives nodes new local transforms; of a node that stands there twice the last one counts. Costs what is below them, each node once, and a
+ * look at the lights if one is linked.
+ */
+void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4 *locals, uint32_t count);
 /** Finds out which nodes of a tree are active. */
 void scene_activate(fnl_scene *scene, uint32_t root);
 /**
@@ -327,6 +333,7 @@ bool decal_shows(const fnl_scene *scene, const struct scene_decal *decal);
 fnl_result decal_check(const struct call *call, const fnl_decal_params *params);
 /** Whether a camera can be used; `prefix` stands before the names of its fields, such as "camera.". */
 fnl_result camera_check(const struct call *call, const char *prefix, const fnl_camera *camera);
+/** The argument `transform`, or an element of `transforms`. */
 fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *transform);
 /** How many there are, and where the index-th of them stands in its array. */
 uint32_t scene_entity_count(const fnl_scene *scene, fnl_entity kind);

@@ -145,12 +145,17 @@ fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_
     return FNL_OK;
 }
 
-fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
+fnl_result fnl_scene_set_instance_transforms(fnl_scene *scene, const fnl_instance_id *instances, const fnl_mat4 *transforms,
+                                             uint32_t count) {
     TRY(check_handle(__func__, "scene", scene));
-    const struct call *call = CALL(&scene->host);
-    TRY(scene_check_instance(call, scene, instance));
-    TRY(scene_check_affine(call, transform));
-    scene_move_node(scene, instance.index, transform);
+    if (count == 0) return FNL_OK;
+    TRY(check_pointer(CALL(&scene->host), "instances", instances));
+    TRY(check_pointer(CALL(&scene->host), "transforms", transforms));
+    for (uint32_t i = 0; i < count; i++) {
+        TRY(scene_check_instance(CALL_ELEMENT(&scene->host, i, count), scene, instances[i]));
+        TRY(scene_check_affine(CALL_ELEMENT(&scene->host, i, count), &transforms[i]));
+    }
+    scene_move_nodes(scene, instances, transforms, count);
     return FNL_OK;
 }
 

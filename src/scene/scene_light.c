@@ -20,8 +20,6 @@ bool scene_reserve_lights(fnl_scene *scene, uint32_t count) {
            array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
 }
 
-bool scene_reserve_light(fnl_scene *scene) { return scene_reserve_lights(scene, 1); }
-
 static void put_free_slot(fnl_scene *scene, uint32_t slot) {
     uint32_t *heap = scene->free_light_slots.data, at = scene->free_light_slots.count++;
     for (; at > 0 && heap[(at - 1) / 2] > slot; at = (at - 1) / 2) heap[at] = heap[(at - 1) / 2];
@@ -114,12 +112,17 @@ void scene_light_changed(fnl_scene *scene, uint32_t light) {
     place_light(scene, light);
 }
 
+void scene_lights_edited(fnl_scene *scene, const fnl_light_id *lights, uint32_t count) {
+    scene->light_version++;
+    for (uint32_t i = 0; i < count; i++) place_light(scene, lights[i].index);
+}
+
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node) {
     struct scene_light light = {
         .params = *params, .node = node, .slot = SCENE_NONE, .generation = scene_take_generation(scene)};
     if (node != SCENE_NONE) pose_light(scene, &light);
     uint32_t index;
-    if (!scene_reserve_light(scene)) return SCENE_NONE;
+    if (!scene_reserve_lights(scene, 1)) return SCENE_NONE;
     if (scene->free_lights.count > 0) {
         index = scene->free_lights.data[--scene->free_lights.count];
         scene->lights.data[index] = light;

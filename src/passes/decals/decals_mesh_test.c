@@ -51,7 +51,7 @@ static void test_mesh_decals_do_not_slide_ES_27(void **state) {
         for (int way = 0; way < 3; way++) {
             float moved = 0.3f * (float)step;
             mat4 aside = mat4_translation((vec3){moved, 0.1f * (float)step, 0});
-            scene_move_node(scene, joints[1], &aside);
+            scene_move_nodes(scene, &(fnl_instance_id){.index = joints[1]}, &aside, 1);
             fnl_frame frame =
                 frame_with(way ? FNL_SHADING_DEFERRED : FNL_SHADING_FORWARD,
                            way == 2 ? FNL_DECALS_GBUFFER : FNL_DECALS_LISTS, FNL_OUTPUT_SURFACE | FNL_OUTPUT_POSITION);

@@ -602,7 +602,7 @@ static void test_occlusion_moves(void **state) {
         if (culling == 0) check_hidden(scene, hides, frame, "a jump back");
         for (int i = 0; i < 3; i++) { /* the wall gives way */
             mat4 matrix = mat4_from_trs((vec3){-3.5f, 3.0f * (float)i, 8}, quat_identity(), (vec3){4, 3.5f, 1});
-            scene_move_node(scene, wall, &matrix);
+            scene_move_nodes(scene, &(fnl_instance_id){.index = wall}, &matrix, 1);
             compare_occlusion(hides, shows, frame, "a wall that moves");
         }
         frame.width = 131;
@@ -625,7 +625,7 @@ static void test_occlusion_moves(void **state) {
 static void move_flat(fnl_scene *scene, uint32_t node, float x, float y, float z, float width, float height, bool turned) {
     mat4 matrix = mat4_from_trs((vec3){turned ? y : x, turned ? x : y, z}, quat_identity(),
                                 (vec3){turned ? height : width, turned ? width : height, 1});
-    scene_move_node(scene, node, &matrix);
+    scene_move_nodes(scene, &(fnl_instance_id){.index = node}, &matrix, 1);
 }
 
 /*
@@ -668,7 +668,7 @@ static void test_occlusion_gaps(void **state) {
     }
     frame.msaa = 1;
     mat4 matrix = mat4_from_trs((vec3){-4, 0, -4}, quat_identity(), (vec3){3.8f, 3.8f, 3.8f});
-    scene_move_node(scene, sphere, &matrix);
+    scene_move_nodes(scene, &(fnl_instance_id){.index = sphere}, &matrix, 1);
     move_flat(scene, walls[0], -10, 0, 2, 10, 10, false);
     move_flat(scene, walls[1], 30, 0, 2, 10, 10, false);
     for (uint32_t culling = FNL_CULLING_CLUSTERS; culling < FNL_CULLING_COUNT; culling++) {

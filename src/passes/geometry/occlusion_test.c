@@ -64,7 +64,7 @@ static void test_last_frame_chooses_occluders(void **state) {
                     early[count] <= stats.items_occluded);
     }
     mat4 away = mat4_from_trs((vec3){0, 20, 2}, quat_identity(), (vec3){1, 1, 1});
-    scene_move_node(scene, wall, &away);
+    scene_move_nodes(scene, &(fnl_instance_id){.index = wall}, &away, 1);
     stats = render(renderer, &frame);
     assert_true(early[count] > SMALL / 2);
     assert_true(stats.items_occluded < LARGE); /* the squares before one another hide little */
