@@ -89,6 +89,8 @@ static fnl_device_info device_info;
 static fnl_vulkan_import handles;
 static fnl_material_params material;
 static fnl_mesh_params mesh;
+static fnl_mesh_info mesh_info;
+static fnl_pose pose;
 static fnl_light_params light;
 static fnl_decal_params decal;
 static fnl_camera camera;
@@ -254,6 +256,12 @@ static fnl_loaded loaded;
     X(fnl_scene_set_lights, NULLED("scene", fnl_scene_set_lights(NULL, &w.light, &light, 1));                               \
       NULLED("lights", fnl_scene_set_lights(w.scene, NULL, &light, 1));                                                     \
       NULLED("params", fnl_scene_set_lights(w.scene, &w.light, NULL, 1)))                                                   \
+    X(fnl_scene_set_mesh, NULLED("scene", fnl_scene_set_mesh(NULL, w.mesh, 0, &mesh));                                      \
+      NULLED("params", fnl_scene_set_mesh(w.scene, w.mesh, 0, NULL)))                                                       \
+    X(fnl_scene_set_pose, NULLED("scene", fnl_scene_set_pose(NULL, w.instance, &pose));                                     \
+      NULLED("pose", fnl_scene_set_pose(w.scene, w.instance, NULL)))                                                        \
+    X(fnl_scene_query_mesh, NULLED("scene", fnl_scene_query_mesh(NULL, 0, 0, &mesh_info));                                  \
+      NULLED("out", fnl_scene_query_mesh(w.scene, 0, 0, NULL)))                                                             \
     X(fnl_scene_set_light_cutoff, NULLED("scene", fnl_scene_set_light_cutoff(NULL, 1, 1)))                                  \
     X(fnl_scene_set_light_hull, NULLED("scene", fnl_scene_set_light_hull(NULL, w.light, NULL, 0));                          \
       SILENT(fnl_scene_set_light_hull(w.scene, w.light, NULL, 0)))                                                          \

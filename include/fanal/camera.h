@@ -23,7 +23,10 @@ typedef struct fnl_camera {
     fnl_vec2 shift;        /**< off-axis projection: shifts the picture, in half widths and half heights; default 0 */
 } fnl_camera;
 
-FNL_API fnl_camera fnl_camera_default(void);
+static inline fnl_camera fnl_camera_default(void) {
+    const fnl_camera camera = {{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, false, 0.9f, 10, 0.05f, 1000, {0, 0}};
+    return camera;
+}
 /** Queries a camera by index, in the order of the file. Its pose follows its node. */
 FNL_API fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out);
 FNL_API fnl_result fnl_scene_add_camera(fnl_scene *scene, const char *name, const fnl_camera *camera);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Instances: meshes placed in the scene, and the nodes of files, which may carry lights, cameras and other nodes. Calls on one scene
- * are not thread-safe.
+ * Instances: meshes placed in the scene, and the nodes of files, which may carry lights, cameras and other nodes. Calls on
+ * one scene are not thread-safe.
  */
 #ifndef FANAL_INSTANCE_H
 #define FANAL_INSTANCE_H
@@ -16,9 +16,10 @@ extern "C" {
 FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, const fnl_mat4 *transform,
                                           fnl_instance_id *out);
 /**
- * Moves `count` instances: instances[i] gets transforms[i]. All are checked before any is moved: an error names the element that is wrong, and the
- * scene is as it was. Of an id that stands there twice the last transform counts. With 0 instances the pointers may be NULL.
- * Costs in proportion to what is below them, each node once, however many of them are below one another.
+ * Moves `count` instances: instances[i] gets transforms[i]. All elements are checked before any instance moves: an error
+ * names the element, and the scene stays as it was. If an id appears twice, its last transform counts. With a count of 0 the
+ * pointers may be NULL. The cost is in proportion to what is below the instances. Each node is updated once, even if several
+ * nodes above it move.
  *
  * In a file, every node is an instance: the transform is relative to the parent node, and everything below moves along, as
  * do lights, cameras, decals and skins that follow those nodes. The transform holds until fnl_scene_set_time is called with
@@ -28,13 +29,38 @@ FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, co
 FNL_API fnl_result fnl_scene_set_instance_transforms(fnl_scene *scene, const fnl_instance_id *instances,
                                                      const fnl_mat4 *transforms, uint32_t count);
 /** The same for one instance. */
-static inline fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance, const fnl_mat4 *transform) {
+static inline fnl_result fnl_scene_set_instance_transform(fnl_scene *scene, fnl_instance_id instance,
+                                                          const fnl_mat4 *transform) {
     return fnl_scene_set_instance_transforms(scene, &instance, transform, 1);
 }
+/** How an instance is deformed. All zero: it stays as it is. */
+typedef struct fnl_pose {
+    /** The weight of each morph target of the mesh, finite, usually 0 .. 1. NULL: the weights stay. */
+    const float *morph_weights;
+    uint32_t morph_weight_count; /**< fnl_instance_info.morph_target_count; 0 with NULL */
+    /**
+     * The transform of each joint of the instance's skin to the space of the joint's parent node, affine, finite, in the
+     * order of the skin in the file. NULL: the joints stay.
+     */
+    const fnl_mat4 *joints;
+    uint32_t joint_count; /**< fnl_instance_info.joint_count; 0 with NULL */
+} fnl_pose;
+
+/**
+ * Poses an instance without an animation. Joints are instances too: this moves them as fnl_scene_set_instance_transforms
+ * does, with everything below them, and for every skin that uses them. Joints that were removed stay where they were. An
+ * error changes nothing.
+ *
+ * A pose holds until fnl_scene_set_time is called with an animation of these weights or of one of these joints. That sets
+ * the weights, or that joint, and leaves the rest as it was posed. To mix both, call fnl_scene_set_time first.
+ */
+FNL_API fnl_result fnl_scene_set_pose(fnl_scene *scene, fnl_instance_id instance, const fnl_pose *pose);
 /**
  * Hides an instance with everything below it, including lights and decals, or shows it again if nothing above it is hidden.
- * Nodes of a file that are hidden (KHR_node_visibility) or in none of the scenes shown begin hidden. A skin is shown with the
- * node of its mesh, wherever its joints are. Renderers upload a few bytes per instance, but go through all of them to sort them again.
+ * Nodes of a file that are hidden (KHR_node_visibility) or in none of the scenes shown begin hidden. A skin is shown with
+ * the node of its mesh, wherever its joints are. Renderers take what is hidden out of their sorted list of draws. They sort
+ * the whole list again only if a skin or morph targets are among it, or more than 64 instances come and go between two
+ * frames.
  */
 FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance_id instance, bool visible);
 /**
@@ -44,8 +70,8 @@ FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance
 FNL_API fnl_result fnl_scene_remove_instance(fnl_scene *scene, fnl_instance_id instance);
 
 /**
- * Sets which decals an instance receives: those that share a bit with `receivers` (8 bits; initially 255). 0: none. Renderers
- * go through all instances to sort them again.
+ * Sets which decals an instance receives: those that share a bit with `receivers` (8 bits; initially 255). 0: none. Costs as
+ * much as hiding the instance.
  */
 FNL_API fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id instance, uint32_t receivers);
 

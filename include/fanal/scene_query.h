@@ -80,6 +80,21 @@ FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index,
 FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
 FNL_API fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out);
 
+/** A mesh, and one of its primitives: files may give a mesh several, of a material each. */
+typedef struct fnl_mesh_info {
+    uint32_t primitive_count;
+    uint32_t corner_count;       /**< of the primitive: 3 for triangles, 2 for lines, 1 for points */
+    uint32_t morph_target_count;
+    fnl_vec3 bounds_low, bounds_high; /**< of the whole mesh with any morph weights of 0 .. 1, metres */
+    /**
+     * The primitive as fnl_scene_set_mesh takes it, including normals and tangents that were generated. The arrays belong to
+     * the scene, and are valid until the mesh is changed or the scene is destroyed.
+     */
+    fnl_mesh_params params;
+} fnl_mesh_info;
+
+FNL_API fnl_result fnl_scene_query_mesh(const fnl_scene *scene, uint32_t index, uint32_t primitive, fnl_mesh_info *out);
+
 typedef struct fnl_instance_info {
     fnl_mat4 transform;     /**< to the space of `parent` */
     fnl_mat4 world;         /**< to the world */
@@ -87,6 +102,9 @@ typedef struct fnl_instance_info {
     fnl_mesh_id mesh;       /**< all-zero: none */
     bool visible;           /**< as set by fnl_scene_set_instance_visible */
     bool shown;             /**< visible, and so are all instances above it */
+    uint32_t joint_count;   /**< of its skin; 0: it has none */
+    uint32_t morph_target_count; /**< of its mesh */
+    const float *morph_weights;  /**< the present weight of each target, valid until the scene is changed; NULL: all are 0 */
 } fnl_instance_info;
 
 FNL_API fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_instance_info *out);

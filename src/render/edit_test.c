@@ -417,6 +417,73 @@ static void test_baked_decals_follow_their_material(void **state) {
     stage_close(&built);
 }
 
+/* A smaller board of other texture coordinates, with the material of the flag; of two triangles, or of one. */
+static void shrink_board(fnl_scene *scene, uint32_t index_count) {
+    fnl_mesh_id board = find(scene, FNL_ENTITY_MESH, "board").id.mesh;
+    fnl_mesh_info info;
+    assert_int_equal(fnl_scene_query_mesh(scene, board.index, 0, &info), FNL_OK);
+    fnl_mesh_params changed = info.params;
+    float *positions = malloc(changed.vertex_count * 12), *uv = malloc(changed.vertex_count * 8);
+    for (uint32_t i = 0; i < 3 * changed.vertex_count; i++) positions[i] = info.params.positions[i] * 0.8f;
+    for (uint32_t i = 0; i < 2 * changed.vertex_count; i++) uv[i] = 0.5f - 0.4f * positions[i / 2 * 3 + i % 2];
+    changed.positions = positions;
+    changed.uv = uv;
+    changed.tangents = NULL; /* made for the new coordinates */
+    changed.index_count = index_count;
+    changed.material = find(scene, FNL_ENTITY_MATERIAL, "cloth").id.material;
+    assert_int_equal(fnl_scene_set_mesh(scene, board, 0, &changed), FNL_OK);
+    free(positions);
+    free(uv);
+}
+
+/* A mesh that changes under a baked decal is painted anew, for the one instance that has the decal; the others show it plain. */
+static void test_baked_decals_follow_their_mesh(void **state) {
+    UNUSED(state);
+    static const uint32_t index_counts[] = {6, 3};
+    for (uint32_t i = 0; i < COUNT_OF(index_counts); i++) {
+        struct stage edited = open_stage(load(&plain)), built = open_stage(load(&plain));
+        bake(edited.scene);
+        fnl_image before = shoot(&edited);
+        shrink_board(edited.scene, index_counts[i]);
+        fnl_image a = shoot(&edited);
+        shrink_board(built.scene, index_counts[i]);
+        fnl_image unpainted = shoot(&built);
+        bake(built.scene);
+        fnl_image b = shoot(&built);
+        assert_true(count_differing(&a, &before) > 200);
+        assert_true(count_differing(&b, &unpainted) > 20);
+        assert_int_equal(count_differing(&a, &b), 0);
+        fnl_image_free(gpu_host(harness_device()), &a);
+        fnl_image_free(gpu_host(harness_device()), &b);
+        fnl_image_free(gpu_host(harness_device()), &before);
+        fnl_image_free(gpu_host(harness_device()), &unpainted);
+        const fnl_scene *scene = edited.scene;
+        fnl_mesh_info info;
+        assert_int_equal(fnl_scene_query_mesh(scene, scene->painted.data[0].mesh, 0, &info), FNL_OK);
+        lines.length = 0;
+        assert_int_equal(fnl_scene_set_mesh(edited.scene, (fnl_mesh_id){scene->painted.data[0].own_mesh, 1}, 0, &info.params),
+                         FNL_ERROR_INVALID);
+        assert_non_null(strstr(lines.text, "is a copy that baked decals are painted on, change the mesh itself (index 0)"));
+        stage_close(&edited);
+        stage_close(&built);
+    }
+}
+
+/* A skin that is posed by its joints looks as one whose file says so. */
+static void test_poses_show_as_if_built_so(void **state) {
+    UNUSED(state);
+    struct stage stage = open_stage(load(&plain));
+    fnl_image first = shoot(&stage);
+    struct file wanted = plain;
+    wanted.tip[0] = 0.5f;
+    wanted.tip[1] = 0.25f;
+    const fnl_mat4 joints[2] = {mat4_translation(vec3_make(-2.2f, 0, 0)), mat4_translation(vec3_make(0.5f, 0.25f, 0))};
+    assert_int_equal(fnl_scene_set_pose(stage.scene, instance(stage.scene, "arm"), &(fnl_pose){.joints = joints, .joint_count = 2}), FNL_OK);
+    assert_true(expect_file(&stage, &wanted, &first) > 200);
+    fnl_image_free(gpu_host(harness_device()), &first);
+    stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_everything_is_found_by_name, harness_check),
@@ -425,6 +492,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_what_is_set_holds_until_it_is_animated, harness_check),
         cmocka_unit_test_teardown(test_images_stay_on_the_device, harness_check),
         cmocka_unit_test_teardown(test_baked_decals_follow_their_material, harness_check),
+        cmocka_unit_test_teardown(test_baked_decals_follow_their_mesh, harness_check),
+        cmocka_unit_test_teardown(test_poses_show_as_if_built_so, harness_check),
     };
     return cmocka_run_group_tests_name("render: edits", tests, harness_begin, harness_end);
 }

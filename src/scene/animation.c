@@ -59,12 +59,13 @@ static vec3 interpolate_vector(const struct scene_channel *channel, const struct
     return vec3_make(interpolate(channel, span, 0), interpolate(channel, span, 1), interpolate(channel, span, 2));
 }
 
-/** The node's own weights; made from the mesh's when they are first animated. NULL without morph targets or memory. */
+/** The node's own weights; made from the mesh's when they are first animated or set. NULL without morph targets or memory. */
 static float *own_weights(fnl_scene *scene, struct scene_node *node) {
     if (node->morph_weights || node->mesh == SCENE_NONE) return node->morph_weights;
     const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
     if (!mesh->morph_target_count) return NULL;
-    node->morph_weights = ARENA_ARRAY(&scene->arena, float, mesh->morph_target_count);
+    node->morph_weights = host_allocate_zero(&scene->host, sizeof(float) * mesh->morph_target_count);
+    node->owns_weights = node->morph_weights != NULL;
     if (node->morph_weights && mesh->morph_weights)
         memcpy(node->morph_weights, mesh->morph_weights, sizeof(float) * mesh->morph_target_count);
     return node->morph_weights;
@@ -118,5 +119,56 @@ fnl_result fnl_scene_set_time(fnl_scene *scene, uint32_t animation, double secon
             scene->transform_version++;
             break;
         }
+    return FNL_OK;
+}
+
+/* ---- poses that a program makes ---- */
+
+static fnl_result check_pose(const struct call *call, const fnl_scene *scene, const struct scene_node *node, const fnl_pose *pose) {
+    uint32_t weights = node->mesh == SCENE_NONE ? 0 : scene->meshes.data[node->mesh].morph_target_count;
+    uint32_t joints = node->skin == SCENE_NONE ? 0 : scene->skins.data[node->skin].joint_count;
+    if (pose->morph_weights ? pose->morph_weight_count != weights : pose->morph_weight_count != 0)
+        return misuse(call, "morph_weight_count is %u, must be %u%s", pose->morph_weight_count, pose->morph_weights ? weights : 0,
+                      pose->morph_weights ? ", the number of morph targets" : ": morph_weights is NULL");
+    if (pose->joints ? pose->joint_count != joints : pose->joint_count != 0)
+        return misuse(call, "joint_count is %u, must be %u%s", pose->joint_count, pose->joints ? joints : 0,
+                      pose->joints ? ", the number of joints of the skin" : ": joints is NULL");
+    if (pose->morph_weights)
+        TRY(check_floats(call, "morph_weights", pose->morph_weights, weights, -(double)FLT_MAX, (double)FLT_MAX, ""));
+    for (uint32_t i = 0; i < pose->joint_count; i++) {
+        const struct call joint = {.host = call->host, .function = call->function, .in_array = true, .element = i};
+        TRY(scene_check_affine(&joint, &pose->joints[i]));
+    }
+    return FNL_OK;
+}
+
+fnl_result fnl_scene_set_pose(fnl_scene *scene, fnl_instance_id instance, const fnl_pose *pose) {
+    TRY(check_handle(__func__, "scene", scene));
+    const struct call *call = CALL(&scene->host);
+    TRY(scene_check_instance(call, scene, instance));
+    TRY(check_pointer(call, "pose", pose));
+    struct scene_node *node = &scene->nodes.data[instance.index];
+    TRY(check_pose(call, scene, node, pose));
+    float *weights = pose->morph_weight_count ? own_weights(scene, node) : NULL;
+    if (pose->morph_weight_count && !weights) return FNL_ERROR_MEMORY;
+    const struct scene_skin *skin = pose->joint_count ? &scene->skins.data[node->skin] : NULL;
+    size_t size = pose->joint_count * (sizeof(fnl_instance_id) + sizeof(mat4));
+    mat4 *locals = skin ? host_allocate(&scene->host, size) : NULL;
+    if (skin && !locals) return FNL_ERROR_MEMORY;
+
+    if (weights) {
+        memcpy(weights, pose->morph_weights, sizeof *weights * pose->morph_weight_count);
+        scene_weights_changed(scene, instance.index);
+    }
+    if (!skin) return FNL_OK;
+    fnl_instance_id *joints = (fnl_instance_id *)(locals + pose->joint_count);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < pose->joint_count; i++) {
+        if (scene->nodes.data[skin->joints[i]].removed) continue; /* stays where it was */
+        joints[count] = (fnl_instance_id){.index = skin->joints[i]};
+        locals[count++] = pose->joints[i];
+    }
+    scene_move_nodes(scene, joints, locals, count);
+    host_free(&scene->host, locals, size);
     return FNL_OK;
 }

@@ -49,6 +49,8 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->images);
     array_free(&host, &scene->samplers);
     array_free(&host, &scene->materials);
+    for (uint32_t i = 0; i < scene->nodes.count; i++) scene_free_weights(scene, &scene->nodes.data[i]);
+    for (uint32_t i = 0; i < scene->primitives.count; i++) arena_finish(&scene->primitives.data[i].memory);
     array_free(&host, &scene->primitives);
     array_free(&host, &scene->meshes);
     array_free(&host, &scene->nodes);
@@ -221,18 +223,22 @@ void scene_update_transforms(fnl_scene *scene) {
     scene_pose_lights(scene, version);
 }
 
+/* At the present transform_version; `before` is the moved_version that the node had. */
+static void list_moved(fnl_scene *scene, uint32_t node, uint64_t before) {
+    if (before > scene->moved_since) return;
+    /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
+    uint32_t limit = 1024 + scene->nodes.count / 16;
+    if (scene->moved.count < limit && array_push(&scene->host, &scene->moved, node)) return;
+    scene->moved.count = 0;
+    scene->moved_since = scene->transform_version;
+}
+
 /* Updates what is below a node that moved, and lists what that moves. */
 static void move_tree(fnl_scene *scene, uint32_t root, uint64_t version) {
     struct scene_node *nodes = scene->nodes.data;
-    /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
-    uint32_t limit = 1024 + scene->nodes.count / 16;
     for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
-        bool listed = nodes[i].moved_version > scene->moved_since;
-        if (!update_node(nodes, i, version) || listed) continue;
-        if (scene->moved.count >= limit || !array_push(&scene->host, &scene->moved, i)) {
-            scene->moved.count = 0;
-            scene->moved_since = version;
-        }
+        uint64_t before = nodes[i].moved_version;
+        if (update_node(nodes, i, version)) list_moved(scene, i, before);
     }
 }
 
@@ -253,6 +259,20 @@ void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *ids, const mat4 *
     }
     for (uint32_t i = 0; i < count; i++) nodes[ids[i].index].moves = false;
     if (linked) scene_pose_lights(scene, version);
+}
+
+void scene_weights_changed(fnl_scene *scene, uint32_t index) {
+    struct scene_node *node = &scene->nodes.data[index];
+    uint64_t before = node->moved_version;
+    node->moved_version = ++scene->transform_version;
+    list_moved(scene, index, before);
+}
+
+void scene_free_weights(fnl_scene *scene, struct scene_node *node) {
+    if (node->owns_weights)
+        host_free(&scene->host, node->morph_weights, sizeof(float) * scene->meshes.data[node->mesh].morph_target_count);
+    node->morph_weights = NULL;
+    node->owns_weights = false;
 }
 
 /* ---- showing and removing ---- */
@@ -301,6 +321,7 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
     for (uint32_t i = index, next; i != SCENE_NONE; i = next) {
         next = next_in_tree(nodes, i, index);
         nodes[i].active = false;
+        scene_free_weights(scene, &nodes[i]);
         nodes[i].mesh = SCENE_NONE;
         if (nodes[i].linked)
             scene->lost_nodes++; /* joints keep the pose that they had */

@@ -15,6 +15,9 @@
 
 #define SCENE_NONE UINT32_MAX
 
+/** The generation of images, materials and meshes, which are never removed. */
+enum { FIXED_GENERATION = 1 };
+
 /** A picture: encoded bytes that are decoded when they are first needed, or RGBA8 pixels. */
 struct scene_image {
     const char *name;             /* for messages, such as "car.glb: /images/2" */
@@ -79,7 +82,7 @@ struct scene_morph_target {
     const vec3 *positions, *normals, *tangents;
 };
 
-/** Arrays belong to the scene's arena. Only positions and indices are always there; importers generate missing normals and tangents (lines and points stay without, and are unlit). */
+/** Arrays belong to the scene's arena, or once they were replaced to `memory`. Only positions and indices are always there; importers generate missing normals and tangents (lines and points stay without, and are unlit). */
 struct scene_primitive {
     uint32_t material; /* index; SCENE_NONE: glTF's default material */
     enum scene_topology topology;
@@ -95,6 +98,8 @@ struct scene_primitive {
     const struct scene_morph_target *morph_targets;
     uint32_t morph_target_count;
     struct box bounds; /* of the base vertices grown by all morph targets */
+    uint32_t version, shape_version; /* count the changes of all arrays; of positions and indices among them */
+    struct arena memory; /* holds the arrays that fnl_scene_set_mesh has replaced; empty: the scene's does */
 };
 
 struct scene_mesh {
@@ -121,6 +126,7 @@ struct scene_node {
     mat4 local, world;
     uint32_t mesh, skin, camera; /* SCENE_NONE: none */
     float *morph_weights;        /* this node's weights, or NULL: the mesh's */
+    bool owns_weights;           /* they are the host's; else the arena's */
     const mat4 *instances;       /* EXT_mesh_gpu_instancing: transforms in node space, or NULL */
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id */
@@ -288,10 +294,13 @@ void scene_show_lights(fnl_scene *scene, uint32_t root);
 void scene_add_message(fnl_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /**
- * Recomputes world matrices, light poses and `moved` from the local transforms; call once after building. Whoever
- * changes a node's morph weights sets its moved_version to transform_version + 1 before the call.
+ * Recomputes world matrices, light poses and `moved` from the local transforms; call once after building.
  */
 void scene_update_transforms(fnl_scene *scene);
+/** After the morph weights of a node changed. */
+void scene_weights_changed(fnl_scene *scene, uint32_t node);
+/** Frees weights that are the node's own. */
+void scene_free_weights(fnl_scene *scene, struct scene_node *node);
 /**
  * Gives nodes new local transforms; of a node that stands there twice the last one counts. Costs what is below them, each node once, and a
  * look at the lights if one is linked.

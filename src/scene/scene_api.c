@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The public calls that fill and ask a scene, but for loading (scene_load.c), cameras (scene_camera.c), lights (light.c) and time
-   (animation.c). */
+/* The public calls that fill and ask a scene, but for loading (scene_load.c), cameras (scene_camera.c), lights (light.c), meshes (scene_mesh.c)
+   and time (animation.c). */
 #include "base/check.h"
 #include "image/image.h"
 #include "scene/scene.h"
@@ -12,8 +12,6 @@ fnl_result fnl_scene_create(const fnl_host *host, fnl_scene **out) {
 }
 
 /* ---- images and materials: never removed, so one generation marks them all ---- */
-
-enum { FIXED_GENERATION = 1 };
 
 fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool color, fnl_image_id *out) {
     TRY(check_handle(__func__, "scene", scene));
@@ -216,80 +214,7 @@ fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_
     return FNL_OK;
 }
 
-/* ---- meshes and instances ---- */
-
-static fnl_result check_indices(const struct call *call, const fnl_mesh_params *p) {
-    for (uint32_t i = 0; i < p->index_count; i++)
-        if (p->indices[i] >= p->vertex_count)
-            return misuse(call, "indices[%u] is %u, must be below vertex_count, %u", i, p->indices[i], p->vertex_count);
-    return FNL_OK;
-}
-
-static fnl_result check_vertices(const struct call *call, const char *name, const float *values, uint64_t count) {
-    return values ? check_floats(call, name, values, count, -(double)FLT_MAX, (double)FLT_MAX, "") : FNL_OK;
-}
-
-static fnl_result check_mesh(const struct call *call, const fnl_scene *scene, const fnl_mesh_params *p) {
-    uint64_t count = p->vertex_count;
-    TRY(check_count(call, "vertex_count", count, 1, UINT32_MAX - 1));
-    TRY(check_pointer(call, "positions", p->positions));
-    if (!p->indices && p->index_count)
-        return misuse(call, "indices is NULL, but index_count is %u; both or neither must be there", p->index_count);
-    if (p->indices && !p->index_count)
-        return misuse(call, "index_count is 0, but indices is not NULL; both or neither must be there");
-    if ((p->indices ? p->index_count : p->vertex_count) % 3 != 0)
-        return misuse(call, "%s is %u, must be a multiple of 3", p->indices ? "index_count" : "vertex_count (without indices)",
-                      p->indices ? p->index_count : p->vertex_count);
-    TRY(check_indices(call, p));
-    TRY(check_vertices(call, "positions", p->positions, count * 3));
-    TRY(check_vertices(call, "normals", p->normals, count * 3));
-    TRY(check_vertices(call, "tangents", p->tangents, count * 4));
-    TRY(check_vertices(call, "uv", p->uv, count * 2));
-    TRY(check_vertices(call, "colors", p->colors, count * 4));
-    bool none = p->material.index == 0 && p->material.generation == 0;
-    return check_id(call, "material",
-                    none || (p->material.generation == FIXED_GENERATION && p->material.index < scene->materials.count),
-                    p->material.index, p->material.generation, "a material");
-}
-
-/** A copy of an optional array; `failed` is set when memory ran out. */
-static const void *copy_optional(struct arena *arena, const void *data, uint64_t size, bool *failed) {
-    if (!data) return NULL;
-    void *copy = arena_copy(arena, data, (size_t)size);
-    if (!copy) *failed = true;
-    return copy;
-}
-
-fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *params, fnl_mesh_id *out) {
-    TRY(check_handle(__func__, "scene", scene));
-    const struct call *call = CALL(&scene->host);
-    TRY(check_pointer(call, "out", out));
-    *out = (fnl_mesh_id){0};
-    TRY(check_pointer(call, "params", params));
-    const fnl_mesh_params *p = params;
-    uint64_t count = p->vertex_count;
-    TRY(check_mesh(call, scene, p));
-    bool failed = false;
-    struct arena *arena = &scene->arena;
-    struct scene_primitive primitive = {
-        .material = p->material.generation ? p->material.index : SCENE_NONE,
-        .topology = SCENE_TOPOLOGY_TRIANGLES,
-        .vertex_count = p->vertex_count,
-        .index_count = p->index_count,
-        .indices = copy_optional(arena, p->indices, (uint64_t)p->index_count * 4, &failed),
-        .positions = copy_optional(arena, p->positions, count * sizeof(vec3), &failed),
-        .normals = copy_optional(arena, p->normals, count * sizeof(vec3), &failed),
-        .tangents = copy_optional(arena, p->tangents, count * sizeof(vec4), &failed),
-        .uv = {copy_optional(arena, p->uv, count * sizeof(vec2), &failed)},
-        .colors = copy_optional(arena, p->colors, count * sizeof(vec4), &failed),
-    };
-    if (failed) return FNL_ERROR_MEMORY;
-    TRY(mesh_complete(arena, &primitive));
-    uint32_t index = scene_add_mesh(scene, "", &primitive, 1);
-    if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
-    *out = (fnl_mesh_id){index, FIXED_GENERATION};
-    return FNL_OK;
-}
+/* ---- instances ---- */
 
 fnl_result scene_check_affine(const struct call *call, const fnl_mat4 *m) {
     TRY(check_pointer(call, "transform", m));

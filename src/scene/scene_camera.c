@@ -2,17 +2,6 @@
 /* The cameras of a scene, and the one that frames it. */
 #include "scene/scene.h"
 
-fnl_camera fnl_camera_default(void) {
-    return (fnl_camera){
-        .position = {0, 0, 5},
-        .up = {0, 1, 0},
-        .vertical_fov = 0.9f,
-        .vertical_extent = 10,
-        .near_distance = 0.05f,
-        .far_distance = 1000,
-    };
-}
-
 fnl_result fnl_scene_query_camera(const fnl_scene *scene, uint32_t index, fnl_camera *out) {
     TRY(check_handle(__func__, "scene", scene));
     TRY(check_pointer(CALL(&scene->host), "out", out));

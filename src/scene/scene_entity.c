@@ -39,7 +39,6 @@ static const char *const plurals[FNL_ENTITY_COUNT] = {"instances", "lights",  "d
 
 static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
     fnl_entity_info info = {.name = ""};
-    const uint32_t fixed = 1; /* the generation of what is never removed */
     switch (kind) {
     case FNL_ENTITY_INSTANCE:
         info.name = scene->nodes.data[slot].name;
@@ -57,16 +56,16 @@ static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_
     case FNL_ENTITY_MESH:
         info.name = scene->meshes.data[slot].name;
         info.extras = scene->meshes.data[slot].extras;
-        info.id.mesh = (fnl_mesh_id){slot, fixed};
+        info.id.mesh = (fnl_mesh_id){slot, FIXED_GENERATION};
         break;
     case FNL_ENTITY_MATERIAL:
         info.name = scene->materials.data[slot].name;
         info.extras = scene->materials.data[slot].extras;
-        info.id.material = (fnl_material_id){slot, fixed};
+        info.id.material = (fnl_material_id){slot, FIXED_GENERATION};
         break;
     case FNL_ENTITY_IMAGE:
         info.name = scene->images.data[slot].name;
-        info.id.image = (fnl_image_id){slot, fixed};
+        info.id.image = (fnl_image_id){slot, FIXED_GENERATION};
         break;
     case FNL_ENTITY_CAMERA:
         info.name = scene->cameras.data[slot].name;
@@ -141,7 +140,12 @@ fnl_result fnl_scene_query_instance(const fnl_scene *scene, uint32_t index, fnl_
         .transform = node->local, .world = node->world, .visible = !node->hidden, .shown = node->active};
     if (node->parent != SCENE_NONE)
         out->parent = (fnl_instance_id){node->parent, scene->nodes.data[node->parent].generation};
-    if (node->mesh != SCENE_NONE) out->mesh = (fnl_mesh_id){node->mesh, 1};
+    if (node->skin != SCENE_NONE) out->joint_count = scene->skins.data[node->skin].joint_count;
+    if (node->mesh == SCENE_NONE) return FNL_OK;
+    const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
+    out->mesh = (fnl_mesh_id){node->mesh, FIXED_GENERATION};
+    out->morph_target_count = mesh->morph_target_count;
+    out->morph_weights = node->morph_weights ? node->morph_weights : mesh->morph_weights;
     return FNL_OK;
 }
 

@@ -171,7 +171,7 @@ fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_lo
     append_words(into, from);
     scene_materials_changed(into);
     arena_adopt(&into->arena, &from->arena);
-    from->files.count = from->resources.count = 0; /* they are the scene's now */
+    from->files.count = from->resources.count = from->nodes.count = from->primitives.count = 0; /* they are the scene's now */
 
     loaded.root = (fnl_instance_id){root, into->nodes.data[root].generation};
     for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++)

@@ -19,7 +19,7 @@ static struct gpu_attributes pack_attributes(const struct scene_primitive *p, ui
         .color = {pack_unorm16(c.x) | pack_unorm16(c.y) << 16, pack_unorm16(c.z) | pack_unorm16(c.w) << 16}};
 }
 
-/* ---- what the device keeps of the scene's primitives: sent once, as meshes are never removed ---- */
+/* ---- what the device keeps of the scene's primitives: sent when they come and when they change; meshes are never removed ---- */
 
 /* Blended surfaces stay in the order that they came in. */
 static bool is_clustered(const struct device_scene *d, const struct scene_primitive *p) {
@@ -27,26 +27,42 @@ static bool is_clustered(const struct device_scene *d, const struct scene_primit
            (p->material == SCENE_NONE || d->scene->materials.data[p->material].alpha_mode != FNL_ALPHA_BLEND);
 }
 
-/* Takes places for the primitives that have come. */
+/* Takes room of the present size for vertices and indices, and gives back what had another. */
+static fnl_result place_arrays(struct device_scene *d, const struct scene_primitive *p, struct device_primitive *place) {
+    if (place->vertex_count != p->vertex_count) {
+        if (place->vertex_count) ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);
+        place->first_vertex = p->vertex_count ? ranges_take(&d->vertices_taken, p->vertex_count) : 0;
+        place->vertex_count = p->vertex_count;
+    }
+    if (place->index_count != p->index_count) {
+        if (place->index_count) ranges_give(&d->host, &d->indices_taken, place->first_index, place->index_count);
+        place->first_index = p->index_count ? ranges_take(&d->indices_taken, p->index_count) : 0;
+        place->index_count = p->index_count;
+    }
+    bool fits = place->first_vertex != RANGES_NONE && place->first_index != RANGES_NONE && d->vertices_taken.end <= INT32_MAX;
+    return fits ? FNL_OK : device_too_many_vertices(d);
+}
+
+/* Takes places for the primitives that have come, and others for those whose counts have changed. */
 static fnl_result place_primitives(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    uint64_t indices = d->index_count, influences = d->influence_count, morphs = d->morph_count;
+    uint64_t influences = d->influence_count, morphs = d->morph_count;
     if (!array_reserve(&d->host, &d->primitive_places, scene->primitives.count)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < d->primitive_places.count; i++)
+        TRY(place_arrays(d, &scene->primitives.data[i], &d->primitive_places.data[i]));
     for (uint32_t i = d->primitive_places.count; i < scene->primitives.count; i++) {
         const struct scene_primitive *p = &scene->primitives.data[i];
-        struct device_primitive place = {.first_index = (uint32_t)indices,
+        struct device_primitive place = {.version = p->version,
+                                         .shape_version = p->shape_version,
                                          .first_influence = (uint32_t)influences,
                                          .first_morph = (uint32_t)morphs};
-        if (p->vertex_count) place.first_vertex = ranges_take(&d->vertices_taken, p->vertex_count);
-        indices += p->index_count;
+        TRY(place_arrays(d, p, &place));
         influences += (uint64_t)p->vertex_count * p->joint_count;
         morphs += (uint64_t)p->vertex_count * p->morph_target_count * 9;
-        if (place.first_vertex == RANGES_NONE || d->vertices_taken.end > INT32_MAX || indices > UINT32_MAX ||
-            influences > UINT32_MAX || morphs > UINT32_MAX)
-            return device_too_many_vertices(d);
+        if (influences > UINT32_MAX || morphs > UINT32_MAX) return device_too_many_vertices(d);
         d->primitive_places.data[d->primitive_places.count++] = place;
     }
-    d->index_count = (uint32_t)indices;
+    d->index_count = d->indices_taken.end;
     d->influence_count = (uint32_t)influences;
     d->morph_count = (uint32_t)morphs;
     return FNL_OK;
@@ -69,10 +85,13 @@ static fnl_result reserve_pools(struct device_scene *d, const struct pools *befo
     return device_buffer_reserve(d, "morph targets", &d->morphs, before->morphs * 4ull, d->morph_count * 4ull);
 }
 
-static fnl_result upload_vertices(struct device_scene *d, const struct scene_primitive *p, uint32_t first) {
+static fnl_result upload_positions(struct device_scene *d, const struct scene_primitive *p, uint32_t first) {
+    return device_upload(d, &d->positions, first * 12ull, p->positions, p->vertex_count * 12ull);
+}
+
+static fnl_result upload_attributes(struct device_scene *d, const struct scene_primitive *p, uint32_t first) {
     struct gpu_attributes packed[256];
     if (p->colors) d->color_bits |= GEOMETRY_COLORS;
-    TRY(device_upload(d, &d->positions, first * 12ull, p->positions, p->vertex_count * 12ull));
     for (uint32_t v = 0; v < p->vertex_count;) {
         uint32_t count = MIN(p->vertex_count - v, COUNT_OF(packed));
         for (uint32_t i = 0; i < count; i++) packed[i] = pack_attributes(p, v + i);
@@ -161,7 +180,7 @@ static fnl_result place_clusters(struct device_scene *d, struct cluster_batch *b
     return device_upload(d, &d->cluster_words, first_word * 4ull, batch->words.data, batch->words.count * 4ull);
 }
 
-/* Of the primitives from `first` on, and of those before whose material has begun or ceased to blend. */
+/* Of the primitives from `first` on, and of those before that have another shape, or whose material has begun or ceased to blend. */
 static fnl_result upload_all_triangles(struct device_scene *d, uint32_t first) {
     struct cluster_batch batch = {{0}, {0}};
     ARRAY(uint32_t) changed = {0};
@@ -169,7 +188,8 @@ static fnl_result upload_all_triangles(struct device_scene *d, uint32_t first) {
     for (uint32_t i = 0; i < d->primitive_places.count && result == FNL_OK; i++) {
         const struct scene_primitive *p = &d->scene->primitives.data[i];
         struct device_primitive *place = &d->primitive_places.data[i];
-        if (i < first && place->clustered == is_clustered(d, p)) continue;
+        if (i < first && place->clustered == is_clustered(d, p) && place->shape_version == p->shape_version) continue;
+        place->shape_version = p->shape_version;
         ranges_give(&d->host, &d->clusters_taken, place->first_cluster, place->cluster_count);
         ranges_give(&d->host, &d->words_taken, place->first_word, place->word_count);
         result = upload_triangles(d, p, place, &batch);
@@ -292,8 +312,17 @@ fnl_result device_geometry_upload(struct device_scene *d) {
     TRY(reserve_pools(d, &before));
     for (uint32_t i = first; i < scene->primitives.count; i++) {
         const struct scene_primitive *p = &scene->primitives.data[i];
-        TRY(upload_vertices(d, p, d->primitive_places.data[i].first_vertex));
+        TRY(upload_positions(d, p, d->primitive_places.data[i].first_vertex));
+        TRY(upload_attributes(d, p, d->primitive_places.data[i].first_vertex));
         TRY(upload_deformation(d, p, &d->primitive_places.data[i]));
+    }
+    for (uint32_t i = 0; i < first; i++) {
+        const struct scene_primitive *p = &scene->primitives.data[i];
+        struct device_primitive *place = &d->primitive_places.data[i];
+        if (place->version == p->version) continue;
+        if (place->shape_version != p->shape_version) TRY(upload_positions(d, p, place->first_vertex));
+        TRY(upload_attributes(d, p, place->first_vertex));
+        place->version = p->version;
     }
     TRY(upload_all_triangles(d, first));
     struct upload u = {.d = d};

@@ -67,7 +67,7 @@ static void free_structure(struct device_scene *d) {
         gpu_buffer_destroy(d->device, &arrays[i]->buffer);
         array_free(&d->host, &arrays[i]->sent);
     }
-    struct ranges *ranges[] = {&d->vertices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
+    struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
     for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;

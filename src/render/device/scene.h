@@ -23,7 +23,8 @@ struct device_array {
 
 /** Where what belongs to a primitive of the scene lies in the pools. */
 struct device_primitive {
-    uint32_t first_vertex, first_index, first_influence, first_morph;
+    uint32_t version, shape_version; /* of the scene's primitive, when it was sent */
+    uint32_t first_vertex, vertex_count, first_index, index_count, first_influence, first_morph;
     uint32_t first_cluster, cluster_count, first_word, word_count;
     bool clustered;
 };
@@ -81,7 +82,7 @@ struct device_scene {
     struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
     struct device_array primitives, materials, material_entries, items, groups, table, deforms;
-    struct ranges vertices_taken, instances_taken, clusters_taken, words_taken;
+    struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
     ARRAY(struct gpu_image) images;  /* one per scene image; handle 0: missing */
@@ -93,7 +94,7 @@ struct device_scene {
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
     uint32_t color_bits, texture_bits; /* GEOMETRY_…: what meshes and materials have */
     uint64_t cluster_count, triangle_count; /* of all items that culling by clusters is for */
-    uint32_t index_count, influence_count, morph_count; /* of the scene's primitives; morph_count: floats */
+    uint32_t index_count, influence_count, morph_count; /* in use by the scene's primitives; morph_count: floats */
     uint32_t pool_triangles;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 

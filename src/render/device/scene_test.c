@@ -51,9 +51,8 @@ static fnl_material_params look(struct world *w, bool plain) {
     return look;
 }
 
-/* A bumpy sheet of side * side squares, on both sides where its material is. */
-static void add_mesh(struct world *w, uint32_t side, bool plain) {
-    fnl_scene *scene = w->stage.scene;
+/* A bumpy sheet of side * side squares, on both sides where its material is. Free its arrays by free_sheet(). */
+static fnl_mesh_params sheet(struct world *w, uint32_t side) {
     uint32_t row = side + 1, vertex_count = row * row, at = 0;
     float *positions = malloc(vertex_count * 12), *uv = malloc(vertex_count * 8);
     uint32_t *indices = malloc(side * side * 24);
@@ -70,18 +69,24 @@ static void add_mesh(struct world *w, uint32_t side, bool plain) {
         memcpy(indices + at, square, sizeof square);
         at += 6;
     }
+    return (fnl_mesh_params){
+        .vertex_count = vertex_count, .index_count = at, .positions = positions, .uv = uv, .indices = indices};
+}
+
+static void free_sheet(const fnl_mesh_params *sheet) {
+    free((void *)sheet->positions);
+    free((void *)sheet->uv);
+    free((void *)sheet->indices);
+}
+
+static void add_mesh(struct world *w, uint32_t side, bool plain) {
+    fnl_scene *scene = w->stage.scene;
+    fnl_mesh_params mesh = sheet(w, side);
     fnl_material_params params = look(w, plain);
     assert_int_equal(fnl_scene_add_material(scene, &params, &w->materials[w->mesh_count]), FNL_OK);
-    fnl_mesh_params mesh = {.vertex_count = vertex_count,
-                            .index_count = at,
-                            .positions = positions,
-                            .uv = uv,
-                            .indices = indices,
-                            .material = w->materials[w->mesh_count]};
+    mesh.material = w->materials[w->mesh_count];
     assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &w->meshes[w->mesh_count++]), FNL_OK);
-    free(positions);
-    free(uv);
-    free(indices);
+    free_sheet(&mesh);
 }
 
 /* A copy of the first mesh with two morph targets, as only files have them. */
@@ -167,6 +172,37 @@ static void edit_instance(struct world *w) {
     }
 }
 
+/* Some that are there, one of them twice; the scene shows the last. */
+static void move_several(struct world *w) {
+    fnl_instance_id ids[8];
+    fnl_mat4 transforms[8];
+    uint32_t count = 0;
+    for (uint32_t i = pick(w, INSTANCES), k = 0; k < INSTANCES && count < 7; k++, i = (i + 1) % INSTANCES) {
+        if (!w->instance_there[i]) continue;
+        transforms[count] = pose(w);
+        ids[count++] = w->instances[i];
+    }
+    if (count == 0) return;
+    ids[count] = ids[0];
+    transforms[count++] = pose(w);
+    assert_int_equal(fnl_scene_set_instance_transforms(w->stage.scene, ids, transforms, count), FNL_OK);
+    assert_memory_equal(&w->stage.scene->nodes.data[ids[0].index].world, &transforms[count - 1], sizeof transforms[0]);
+}
+
+static void change_lights(struct world *w) {
+    fnl_light_id ids[LIGHTS];
+    fnl_light_params params[LIGHTS];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        if (!w->light_there[i] || pick(w, 2)) continue;
+        params[count] = w->stage.scene->lights.data[w->lights[i].index].params;
+        params[count].kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
+        params[count].position = place(w);
+        ids[count++] = w->lights[i];
+    }
+    assert_int_equal(fnl_scene_set_lights(w->stage.scene, ids, params, count), FNL_OK);
+}
+
 static void edit_light(struct world *w) {
     fnl_scene *scene = w->stage.scene;
     uint32_t i = pick(w, LIGHTS);
@@ -220,31 +256,64 @@ static void edit_decal(struct world *w) {
 
 static void edit_weights(struct world *w) {
     fnl_scene *scene = w->stage.scene;
-    for (uint32_t n = 0; n < scene->nodes.count; n++) {
-        struct scene_node *node = &scene->nodes.data[n];
-        if (node->removed || node->mesh != w->morphed_mesh) continue;
-        if (!node->morph_weights) node->morph_weights = ARENA_ARRAY(&scene->arena, float, 2);
-        node->morph_weights[pick(w, 2)] = number(w, 0, 1);
-        node->moved_version = scene->transform_version + 1;
+    for (uint32_t i = 0; i < INSTANCES; i++) {
+        if (!w->instance_there[i] || scene->nodes.data[w->instances[i].index].mesh != w->morphed_mesh) continue;
+        const float weights[2] = {number(w, 0, 1), number(w, 0, 1)};
+        const fnl_pose bent = {.morph_weights = weights, .morph_weight_count = 2};
+        assert_int_equal(fnl_scene_set_pose(scene, w->instances[i], &bent), FNL_OK);
     }
-    scene_update_transforms(scene);
+}
+
+/* Other positions, other colours, another material, or a sheet of another size. */
+static void edit_mesh(struct world *w) {
+    fnl_scene *scene = w->stage.scene;
+    fnl_mesh_id id = w->meshes[pick(w, w->mesh_count)];
+    fnl_mesh_info info;
+    assert_int_equal(fnl_scene_query_mesh(scene, id.index, 0, &info), FNL_OK);
+    float *values = malloc(info.params.vertex_count * 16);
+    fnl_mesh_params changed = info.params;
+    switch (pick(w, id.index == w->morphed_mesh ? 3 : 4)) {
+    case 0:
+        for (uint32_t i = 0; i < 3 * info.params.vertex_count; i++) values[i] = info.params.positions[i] * number(w, 0.7f, 1.2f);
+        changed.positions = values;
+        break;
+    case 1:
+        for (uint32_t i = 0; i < 4 * info.params.vertex_count; i++) values[i] = number(w, 0.2f, 1);
+        changed.colors = values;
+        break;
+    case 2:
+        changed.material = w->materials[pick(w, w->mesh_count)];
+        break;
+    default:
+        changed = sheet(w, 1 + pick(w, 12));
+        changed.material = info.params.material;
+    }
+    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &changed), FNL_OK);
+    if (changed.uv != info.params.uv) free_sheet(&changed);
+    free(values);
 }
 
 static void edit(struct world *w) {
     fnl_scene *scene = w->stage.scene;
-    uint32_t what = pick(w, 16), mesh = pick(w, w->mesh_count);
+    uint32_t what = pick(w, 20), mesh = pick(w, w->mesh_count);
     fnl_material_params params = look(w, false);
-    if (what < 5)
+    if (what < 4)
         edit_instance(w);
-    else if (what < 8)
+    else if (what == 4)
+        move_several(w);
+    else if (what < 7)
         edit_light(w);
+    else if (what == 7)
+        change_lights(w);
     else if (what < 10)
         edit_decal(w);
     else if (what < 12)
         edit_weights(w);
     else if (what < 14)
         assert_int_equal(fnl_scene_set_material(scene, w->materials[mesh], &params), FNL_OK);
-    else if (what == 14 && w->image_count < IMAGES)
+    else if (what < 17)
+        edit_mesh(w);
+    else if (what == 17 && w->image_count < IMAGES)
         add_image(w);
     else if (w->mesh_count < MESHES)
         add_mesh(w, 1 + pick(w, 12), false);
@@ -349,6 +418,75 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     uint64_t mesh = p->vertex_count * (12 + sizeof(struct gpu_attributes)) + p->index_count * 4, cut = p->index_count / 3 * 20;
     uint64_t sent = cost(&w);
     assert_true(sent > mesh && sent < mesh + cut);
+    stage_close(&w.stage);
+}
+
+/* Of a mesh only what differs is sent, whatever else there is; and its clusters take the places of the old ones. */
+static void test_a_changed_mesh_uploads_what_differs(void **state) {
+    UNUSED(state);
+    struct world w = open_world();
+    fnl_scene *scene = w.stage.scene;
+    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const fnl_mesh_id id = w.meshes[1];
+    const fnl_mat4 identity = mat4_identity();
+    fnl_instance_id shown;
+    assert_int_equal(fnl_scene_add_instance(scene, id, &identity, &shown), FNL_OK);
+    shoot(&w);
+    fnl_mesh_info info;
+    assert_int_equal(fnl_scene_query_mesh(scene, id.index, 0, &info), FNL_OK);
+    const struct device_primitive *place = &d->primitive_places.data[scene->meshes.data[id.index].first_primitive];
+    const uint64_t vertices = info.params.vertex_count, attributes = vertices * sizeof(struct gpu_attributes),
+                   row = sizeof(struct gpu_primitive);
+
+    /* What it has already costs nothing, and no structure is sorted again. */
+    uint64_t structures = d->upload_count;
+    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &info.params), FNL_OK);
+    assert_int_equal(cost(&w), 0);
+    assert_int_equal(d->upload_count, structures);
+
+    float *colors = malloc(vertices * 16), *positions = malloc(vertices * 12);
+    for (uint64_t i = 0; i < 4 * vertices; i++) colors[i] = 0.5f;
+    for (uint64_t i = 0; i < 3 * vertices; i++) positions[i] = info.params.positions[i] * 1.5f;
+    fnl_mesh_params changed = info.params;
+    changed.colors = colors;
+    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &changed), FNL_OK);
+    assert_int_equal(cost(&w), attributes);
+
+    assert_int_equal(fnl_scene_query_mesh(scene, id.index, 0, &info), FNL_OK);
+    changed = info.params;
+    changed.positions = positions;
+    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &changed), FNL_OK);
+    uint64_t sent = cost(&w), words = place->word_count * 4ull, indices = info.params.index_count * 4ull;
+    assert_int_equal(sent, vertices * 12 + attributes + indices + place->cluster_count * sizeof(struct gpu_cluster) + words + row);
+    free(colors);
+    free(positions);
+
+    assert_int_equal(fnl_scene_query_mesh(scene, id.index, 0, &info), FNL_OK);
+    changed = info.params;
+    changed.material = w.materials[2];
+    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &changed), FNL_OK);
+    assert_int_equal(cost(&w), row); /* both are opaque and one-sided: items keep their order */
+
+    /* A cloth that is another in each frame: memory on the device and in the scene stays what it was. */
+    uint64_t device_bytes = 0;
+    long long host_bytes = 0;
+    uint32_t ends[2] = {0};
+    for (uint32_t round = 0; round < 40; round++) {
+        fnl_mesh_params other = sheet(&w, round % 2 ? 9 : 14);
+        other.material = changed.material;
+        assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &other), FNL_OK);
+        free_sheet(&other);
+        shoot(&w);
+        if (round == 9) {
+            device_bytes = gpu_memory_stats(harness_device()).used_bytes;
+            host_bytes = test_device_memory.live_bytes;
+            ends[0] = d->vertices_taken.end;
+            ends[1] = d->indices_taken.end;
+        }
+    }
+    assert_true(d->vertices_taken.end <= ends[0] && d->indices_taken.end <= ends[1]);
+    assert_int_equal(gpu_memory_stats(harness_device()).used_bytes, device_bytes);
+    assert_true(test_device_memory.live_bytes < host_bytes + 16384); /* a mesh of its own takes more */
     stage_close(&w.stage);
 }
 
@@ -466,6 +604,7 @@ static void test_no_frame_is_long(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_an_edit_uploads_what_was_edited, harness_check),
+        cmocka_unit_test_teardown(test_a_changed_mesh_uploads_what_differs, harness_check),
         cmocka_unit_test_teardown(test_random_edits_show_what_a_fresh_renderer_shows, harness_check),
         cmocka_unit_test_teardown(test_memory_stays_flat, harness_check),
         cmocka_unit_test_teardown(test_no_frame_is_long, harness_check),
