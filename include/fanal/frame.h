@@ -120,8 +120,8 @@ typedef enum fnl_output {
     FNL_OUTPUT_POSITION = 16, /**< RGBA32F: world-space position, draw item id + 1; 0 where there is nothing */
     /**
      * RGBA32F. XY: how many pixels right and down an opaque surface, or the background, was in the last frame. Z: its view depth then in metres,
-     * 1e30 for an empty background. W: 1 plus the part of the motion in pixels that is not the camera's, or 0 where it was behind the camera or
-     * there was no last frame. No MSAA.
+     * 1e30 for an empty background. W: 1 plus the part of the motion in pixels that is not the camera's, or 0 where it was behind the camera,
+     * was not shown, or there was no last frame. No MSAA.
      */
     FNL_OUTPUT_MOTION = 32
 } fnl_output;

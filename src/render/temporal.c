@@ -13,7 +13,6 @@ bool temporal_needs_motion(const fnl_frame *frame) {
 static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
     return s->valid && !f->frame->reset_history && s->frame.view_count == f->frame->view_count &&
-           s->uploads == f->r->device_scene.upload_count &&
            s->view.size.x == view->size.x && s->view.size.y == view->size.y && s->view.orthographic == view->orthographic;
 }
 
@@ -22,7 +21,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
-    return !f->scene->moved && s->light_version == f->r->scene->light_version &&
+    return !f->scene->moved && s->uploads == f->r->device_scene.upload_count && s->light_version == f->r->scene->light_version &&
            s->decal_version == f->r->scene->decal_version &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Motion vectors: where what a pixel shows was in the last frame. What stands still is found from depth and the two cameras; objects
- * that moved or deformed are drawn once more, with their last transforms and positions, wherever they are what depth holds. Cost: a
- * pass over the screen; in frames where objects move, one over the geometry, whose triangles at rest are dropped before they are
- * rasterised.
+ * Motion vectors: where what a pixel shows was in the last frame. What stands still is found from depth and the two cameras;
+ * objects that moved or deformed are drawn once more, with their last transforms and positions, wherever they are what depth
+ * holds. Cost: a pass over the screen; in frames where objects move, one over the geometry, whose triangles at rest are
+ * dropped before they are rasterised.
  */
 #ifndef FNL_PASSES_MOTION_H
 #define FNL_PASSES_MOTION_H
@@ -15,8 +15,8 @@
 struct motion_objects {
     const struct geometry_scene *scene;
     const struct geometry_draws *draws;
-    /** The instances of the last frame; behind them, at position_offset, the positions of vertices from first_deformed on. id 0: nothing
-        moved. */
+    /** The instances of the last frame, with rows of 0 for those that it did not draw; behind them, at position_offset, the positions of
+        vertices from first_deformed on. id 0: nothing moved or came. */
     graph_buffer previous;
     uint64_t position_offset;
     uint32_t first_deformed;
@@ -32,9 +32,9 @@ struct motion_input {
 };
 
 /**
- * RGBA32F: motion in pixels, right and down, from this frame's place to the last one's, both without jitter; view depth in the last frame,
- * metres, 1e30 for an empty sky; 1 and by how many pixels the object itself has moved, or 0 where it was behind the camera or there was no
- * last frame (motion is 0 then).
+ * RGBA32F: motion in pixels, right and down, from this frame's place to the last one's, both without jitter; view depth in
+ * the last frame, metres, 1e30 for an empty sky; 1 and by how many pixels the object itself has moved, or 0 where it was
+ * behind the camera, or was not drawn, or there was no last frame (motion is 0 then).
  */
 graph_image motion_add(struct graph *graph, gpu_device *device, const struct motion_input *input);
 

@@ -7,6 +7,7 @@
 layout(push_constant, scalar) uniform push_block { gpu_motion_objects_push push; };
 
 layout(location = 0) out vec3 out_previous; // in the last frame's view space
+layout(location = 1) flat out uint out_new; // 1: the last frame did not draw it
 
 invariant gl_Position;
 
@@ -15,6 +16,7 @@ void main() {
     gpu_item item = scene.scene.items.at[push.geometry.visible.at[gl_InstanceIndex]];
     gpu_instance instance = scene.scene.instances.at[item.instance], before = push.instances.at[item.instance];
     vec3 point = scene.scene.positions.at[gl_VertexIndex];
+    out_new = uint(before.rows[0] == vec4(0.0) && before.rows[1] == vec4(0.0) && before.rows[2] == vec4(0.0));
     bool deforms = uint(gl_VertexIndex) >= push.first_deformed;
     vec3 point_before = deforms ? push.positions.at[uint(gl_VertexIndex) - push.first_deformed] : point;
 
@@ -22,7 +24,8 @@ void main() {
     precise vec4 clip = push.geometry.view.view.world_to_clip * vec4(position, 1.0);
     gl_Position = clip;
     gl_PointSize = 1.0;
+    if (out_new == 1u) before = instance; // as if it had stood there
     out_previous = (push.motion.motion.previous.world_to_view * vec4(transform_point(before, point_before), 1.0)).xyz;
     // Triangles of what is at rest fall together before the near plane.
-    if (!deforms && instance.rows == before.rows) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+    if (out_new == 0u && !deforms && instance.rows == before.rows) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 }

@@ -97,8 +97,20 @@ static fnl_result send_instances(struct device_scene *d, uint32_t n) {
     return FNL_OK;
 }
 
+/* For the next frame that is drawn. */
+static bool note_arrival(struct device_scene *d, const struct device_node *place) {
+    struct range *last = d->arrived.count > d->arrived_shown ? &d->arrived.data[d->arrived.count - 1] : NULL;
+    if (last && last->first + last->count == place->first_instance) {
+        last->count += place->instance_count;
+        return true;
+    }
+    const struct range range = {place->first_instance, place->instance_count};
+    return array_push(&d->host, &d->arrived, range);
+}
+
 fnl_result device_nodes_place(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
+    if (d->arrived_shown == d->arrived.count) d->arrived_shown = d->arrived.count = 0;
     if (!array_reserve(&d->host, &d->nodes, scene->nodes.count)) return FNL_ERROR_MEMORY;
     while (d->nodes.count < scene->nodes.count)
         d->nodes.data[d->nodes.count++] =
@@ -116,6 +128,7 @@ fnl_result device_nodes_place(struct device_scene *d) {
         if (!d->nodes.data[n].fresh) continue;
         d->nodes.data[n].fresh = false;
         TRY(send_instances(d, n));
+        if (!note_arrival(d, &d->nodes.data[n])) return FNL_ERROR_MEMORY;
     }
     return FNL_OK;
 }

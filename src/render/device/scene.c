@@ -69,6 +69,7 @@ static void free_structure(struct device_scene *d) {
     }
     struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
     for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
+    d->arrived.count = d->arrived_shown = 0;
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
@@ -90,6 +91,7 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->image_versions);
     array_free(&d->host, &d->primitive_places);
     array_free(&d->host, &d->nodes);
+    array_free(&d->host, &d->arrived);
     array_free(&d->host, &d->deformed);
     array_free(&d->host, &d->deform_vertex_counts);
 }
@@ -253,15 +255,34 @@ static void execute_previous(const struct graph_context *context, const void *da
                         d->deformed_vertex_count * 12ull);
 }
 
-/* Keeps what the last frame drew before it is overwritten. */
+struct arrived_data {
+    const struct device_scene *d;
+    uint32_t first, end; /* of d->arrived */
+};
+
+static void execute_arrived(const struct graph_context *context, const void *data) {
+    const struct arrived_data *a = data;
+    const uint64_t size = sizeof(struct gpu_instance);
+    for (uint32_t i = a->first; i < a->end; i++) {
+        const struct range *range = &a->d->arrived.data[i];
+        gpu_fill_buffer(context->commands, &a->d->previous, range->first * size, range->count * size, 0);
+    }
+}
+
+/* Keeps what the last frame drew before it is overwritten, and marks what it did not draw. */
 static void add_previous(struct device_scene *d, struct graph *graph, graph_buffer vertices,
                          struct device_scene_frame *out) {
+    const struct arrived_data arrived = {d, d->arrived_shown, d->arrived.count};
+    d->arrived_shown = d->arrived.count;
     out->moved = d->transform_version != d->scene->transform_version;
     out->previous = (graph_buffer){0};
-    if (!out->moved || !d->keeps_previous) return;
+    if (!d->keeps_previous || (!out->moved && arrived.first == arrived.end)) return;
     out->previous = graph_import_buffer(graph, "previous vertices", &d->previous);
     struct graph_pass *pass = graph_add_pass(graph, "keep previous", GRAPH_QUEUE_GRAPHICS, execute_previous, &d, sizeof d);
     graph_use_buffer(pass, vertices, GRAPH_COPY_FROM);
+    graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
+    if (arrived.first == arrived.end) return;
+    pass = graph_add_pass(graph, "mark new instances", GRAPH_QUEUE_GRAPHICS, execute_arrived, &arrived, sizeof arrived);
     graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
 }
 

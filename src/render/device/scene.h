@@ -98,6 +98,8 @@ struct device_scene {
     uint32_t pool_triangles;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
+    ARRAY(struct range) arrived; /* places of instances that were sent since the last structure; frames know all before arrived_shown */
+    uint32_t arrived_shown;
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
     struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
     uint32_t first_deformed, deformed_vertex_count; /* vertices */
@@ -134,7 +136,8 @@ struct device_scene_frame {
     struct geometry_scene geometry;
     struct light_input lights; /* view, width and height are left to the caller */
     bool moved;                /* instances or vertices are elsewhere than in the last frame */
-    graph_buffer previous;     /* with keeps_previous, where something moved: what the last frame drew; else id 0 */
+    /** With keeps_previous, where something moved or came: what the last frame drew, and rows of 0 for instances that it did not draw; else id 0. */
+    graph_buffer previous;
 };
 /** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
 fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);
@@ -142,16 +145,18 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
 /** What the device has been sent, as far as this struct knows; for frames that are declared and never executed, which send nothing. */
 struct device_scene_sent {
     uint64_t transform_version, light_version, decal_version, decal_transform_version;
+    uint32_t arrived_shown;
 };
 static inline struct device_scene_sent device_scene_sent(const struct device_scene *d) {
     return (struct device_scene_sent){d->transform_version, d->light_version, d->decals.sent_version,
-                                      d->decals.transform_version};
+                                      d->decals.transform_version, d->arrived_shown};
 }
 static inline void device_scene_unsend(struct device_scene *d, const struct device_scene_sent *sent) {
     d->transform_version = sent->transform_version;
     d->light_version = sent->light_version;
     d->decals.sent_version = sent->decal_version;
     d->decals.transform_version = sent->decal_transform_version;
+    d->arrived_shown = sent->arrived_shown;
 }
 
 /* ---- the parts ---- */
