@@ -73,6 +73,8 @@ static fnl_scene *load(const struct file *f) {
     fnl_scene *scene;
     if (gltf_load_memory(&host, glb, size, "test.glb", NULL, &scene) != FNL_OK || lines.count) fail_msg("%s", lines.text);
     free(glb);
+    const fnl_vec3 ambient = {0.2f, 0.2f, 0.2f}; /* what is shown is seen without the lamp, too */
+    assert_int_equal(fnl_scene_set_ambient(scene, ambient, ambient), FNL_OK);
     return scene;
 }
 
@@ -461,8 +463,8 @@ static void test_baked_decals_follow_their_mesh(void **state) {
         fnl_mesh_info info;
         assert_int_equal(fnl_scene_query_mesh(scene, scene->painted.data[0].mesh, 0, &info), FNL_OK);
         lines.length = 0;
-        assert_int_equal(fnl_scene_set_mesh(edited.scene, (fnl_mesh_id){scene->painted.data[0].own_mesh, 1}, 0, &info.params),
-                         FNL_ERROR_INVALID);
+        const fnl_mesh_id copy = {scene->painted.data[0].own_mesh, 1};
+        assert_int_equal(fnl_scene_set_mesh(edited.scene, copy, 0, &info.params), FNL_ERROR_INVALID);
         assert_non_null(strstr(lines.text, "is a copy that baked decals are painted on, change the mesh itself (index 0)"));
         stage_close(&edited);
         stage_close(&built);
@@ -478,7 +480,8 @@ static void test_poses_show_as_if_built_so(void **state) {
     wanted.tip[0] = 0.5f;
     wanted.tip[1] = 0.25f;
     const fnl_mat4 joints[2] = {mat4_translation(vec3_make(-2.2f, 0, 0)), mat4_translation(vec3_make(0.5f, 0.25f, 0))};
-    assert_int_equal(fnl_scene_set_pose(stage.scene, instance(stage.scene, "arm"), &(fnl_pose){.joints = joints, .joint_count = 2}), FNL_OK);
+    const fnl_pose pose = {.joints = joints, .joint_count = 2};
+    assert_int_equal(fnl_scene_set_pose(stage.scene, instance(stage.scene, "arm"), &pose), FNL_OK);
     assert_true(expect_file(&stage, &wanted, &first) > 200);
     fnl_image_free(gpu_host(harness_device()), &first);
     stage_close(&stage);

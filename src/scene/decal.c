@@ -182,8 +182,7 @@ fnl_result fnl_scene_set_instance_receivers(fnl_scene *scene, fnl_instance_id in
     TRY(check_handle(__func__, "scene", scene));
     TRY(scene_check_instance(CALL(&scene->host), scene, instance));
     TRY(check_count(CALL(&scene->host), "receivers", receivers, 0, 255));
-    scene->nodes.data[instance.index].refuses = (uint8_t)~receivers;
-    scene->structure_version++;
+    scene_set_receivers(scene, instance.index, receivers);
     return FNL_OK;
 }
 

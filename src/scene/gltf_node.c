@@ -173,7 +173,7 @@ void gltf_load_nodes(struct gltf *g) {
         };
     }
     g->scene->nodes.count = g->node_count;
-    g->scene->structure_version++;
+    scene_structure_changed(g->scene);
     for (uint32_t i = 0; i < g->node_count && g->result == FNL_OK; i++) {
         json_t *object = gltf_element(g, array, at, i);
         if (!object) continue;

@@ -64,6 +64,7 @@ void fnl_scene_destroy(fnl_scene **scene_address) {
     array_free(&host, &scene->extensions);
     array_free(&host, &scene->messages);
     array_free(&host, &scene->moved);
+    array_free(&host, &scene->edited);
     array_free(&host, &scene->free_nodes);
     array_free(&host, &scene->free_lights);
     array_free(&host, &scene->free_decals);
@@ -82,9 +83,27 @@ struct scene_texture scene_texture_none(void) {
     return (struct scene_texture){.image = SCENE_NONE, .transform = {1, 0, 0, 0, 1, 0}};
 }
 
+void scene_structure_changed(fnl_scene *scene) {
+    scene->edited_since = ++scene->structure_version;
+    scene->edited.count = 0;
+}
+
+/* A longer list than this would cost a renderer more than reading all nodes once in a while. */
+static uint32_t longest_list(const fnl_scene *scene) { return 1024 + scene->nodes.count / 16; }
+
+/* At the present structure_version. */
+static void list_edited(fnl_scene *scene, uint32_t index) {
+    struct scene_node *node = &scene->nodes.data[index];
+    bool listed = node->edited_version > scene->edited_since;
+    node->edited_version = scene->structure_version;
+    if (listed) return;
+    if (scene->edited.count < longest_list(scene) && array_push(&scene->host, &scene->edited, index)) return;
+    scene_structure_changed(scene);
+}
+
 void scene_materials_changed(fnl_scene *scene) {
     scene->material_version++;
-    scene->structure_version++;
+    scene_structure_changed(scene);
 }
 
 uint32_t scene_add_image(fnl_scene *scene, const struct scene_image *image) {
@@ -118,16 +137,17 @@ uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_p
         mesh.morph_target_count = MAX(mesh.morph_target_count, primitive->morph_target_count);
     }
     scene->meshes.data[scene->meshes.count++] = mesh;
-    scene->structure_version++;
+    scene_structure_changed(scene);
     return scene->meshes.count - 1;
 }
 
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh) {
     uint32_t index;
-    uint64_t moved_version = 0;
+    uint64_t moved_version = 0, edited_version = 0;
     if (scene->free_nodes.count > 0) {
         index = scene->free_nodes.data[--scene->free_nodes.count];
-        moved_version = scene->nodes.data[index].moved_version; /* it may still be in `moved`, where it must not stand twice */
+        moved_version = scene->nodes.data[index].moved_version; /* it may still be in the lists, where it must not stand twice */
+        edited_version = scene->nodes.data[index].edited_version;
     } else {
         if (scene->nodes.count == SCENE_NONE ||
             !array_reserve(&scene->host, &scene->nodes, (uint64_t)scene->nodes.count + 1))
@@ -152,6 +172,7 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         .instance_count = 1,
         .generation = scene_take_generation(scene),
         .moved_version = moved_version,
+        .edited_version = edited_version,
     };
     if (parent != SCENE_NONE) {
         struct scene_node *above = &scene->nodes.data[parent];
@@ -161,6 +182,7 @@ uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, con
         node->active = above->active;
     }
     scene->structure_version++;
+    list_edited(scene, index);
     return index;
 }
 
@@ -226,9 +248,7 @@ void scene_update_transforms(fnl_scene *scene) {
 /* At the present transform_version; `before` is the moved_version that the node had. */
 static void list_moved(fnl_scene *scene, uint32_t node, uint64_t before) {
     if (before > scene->moved_since) return;
-    /* A longer list than this would cost a renderer more per frame than reading all nodes once in a while. */
-    uint32_t limit = 1024 + scene->nodes.count / 16;
-    if (scene->moved.count < limit && array_push(&scene->host, &scene->moved, node)) return;
+    if (scene->moved.count < longest_list(scene) && array_push(&scene->host, &scene->moved, node)) return;
     scene->moved.count = 0;
     scene->moved_since = scene->transform_version;
 }
@@ -279,8 +299,18 @@ void scene_free_weights(fnl_scene *scene, struct scene_node *node) {
 
 void scene_activate(fnl_scene *scene, uint32_t root) {
     struct scene_node *nodes = scene->nodes.data;
-    for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root))
-        nodes[i].active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+    scene->structure_version++;
+    for (uint32_t i = root; i != SCENE_NONE; i = next_in_tree(nodes, i, root)) {
+        bool active = !nodes[i].hidden && (nodes[i].parent == SCENE_NONE || nodes[nodes[i].parent].active);
+        if (active != nodes[i].active) list_edited(scene, i);
+        nodes[i].active = active;
+    }
+}
+
+void scene_set_receivers(fnl_scene *scene, uint32_t index, uint32_t receivers) {
+    scene->nodes.data[index].refuses = (uint8_t)~receivers;
+    scene->structure_version++;
+    list_edited(scene, index);
 }
 
 void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {
@@ -288,7 +318,6 @@ void scene_show_node(fnl_scene *scene, uint32_t index, bool visible) {
     if (nodes[index].hidden == !visible) return;
     nodes[index].hidden = !visible;
     scene_activate(scene, index);
-    scene->structure_version++;
     scene->decal_version++;
     if (nodes[index].linked) scene_show_lights(scene, index);
 }
@@ -318,9 +347,11 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
         while (*link != index) link = &nodes[*link].next_sibling;
         *link = nodes[index].next_sibling;
     }
+    scene->structure_version++;
     for (uint32_t i = index, next; i != SCENE_NONE; i = next) {
         next = next_in_tree(nodes, i, index);
         nodes[i].active = false;
+        list_edited(scene, i);
         scene_free_weights(scene, &nodes[i]);
         nodes[i].mesh = SCENE_NONE;
         if (nodes[i].linked)
@@ -328,7 +359,6 @@ fnl_result scene_remove_node(fnl_scene *scene, uint32_t index) {
         else
             scene->free_nodes.data[scene->free_nodes.count++] = i;
     }
-    scene->structure_version++;
     scene->decal_version++;
     return FNL_OK;
 }

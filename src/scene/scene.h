@@ -131,6 +131,7 @@ struct scene_node {
     uint32_t instance_count;     /* 1 without `instances` */
     uint32_t generation;         /* for fnl_instance_id */
     uint64_t moved_version;      /* transform_version at which `world` or `morph_weights` last changed */
+    uint64_t edited_version;     /* structure_version at which it last came, went, was hidden or shown, or got other receivers */
     uint8_t refuses;             /* receiver bits that the node lacks: decals that share no other are not on it */
 };
 
@@ -241,6 +242,8 @@ struct fnl_scene {
 
     /* A renderer remembers the versions it has seen. */
     uint64_t structure_version;     /* images, materials, meshes, nodes came, changed or went */
+    ARRAY(uint32_t) edited; /* every node whose edited_version is above edited_since, once; nothing else has changed since then */
+    uint64_t edited_since;
     uint64_t material_version;      /* … images, samplers and materials among them */
     uint64_t light_version;         /* lights, ambient */
     uint64_t light_set_version;     /* … at which all changed: re-read all */
@@ -275,12 +278,14 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
+/** After a change of the structure that is more than a few nodes. */
+void scene_structure_changed(fnl_scene *scene);
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);
 uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint32_t node);
 /**
- * Makes room for `count` lights to come, or to become local or directional: so many scene_add_light() cannot fail after it, where nothing is
- * removed. False when memory ran out.
+ * Makes room for `count` lights to come, or to become local or directional: so many scene_add_light() cannot fail after it,
+ * where nothing is removed. False when memory ran out.
  */
 bool scene_reserve_lights(fnl_scene *scene, uint32_t count);
 /** After a change of one light, of some, or of all. */
@@ -302,15 +307,17 @@ void scene_weights_changed(fnl_scene *scene, uint32_t node);
 /** Frees weights that are the node's own. */
 void scene_free_weights(fnl_scene *scene, struct scene_node *node);
 /**
- * Gives nodes new local transforms; of a node that stands there twice the last one counts. Costs what is below them, each node once, and a
- * look at the lights if one is linked.
+ * Gives nodes new local transforms; of a node that stands there twice the last one counts. Costs what is below them, each
+ * node once, and a look at the lights if one is linked.
  */
 void scene_move_nodes(fnl_scene *scene, const fnl_instance_id *nodes, const mat4 *locals, uint32_t count);
+/** Which decals a node receives. */
+void scene_set_receivers(fnl_scene *scene, uint32_t node, uint32_t receivers);
 /** Finds out which nodes of a tree are active. */
 void scene_activate(fnl_scene *scene, uint32_t root);
 /**
- * Appends what a file was loaded into, under a new node; `from` is then empty, and can only be destroyed. Both have the same host. An error
- * leaves both as they were.
+ * Appends what a file was loaded into, under a new node; `from` is then empty, and can only be destroyed. Both have the same
+ * host. An error leaves both as they were.
  */
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out);
 /** Hides a node with what is below it, or shows what is not hidden below it. */
@@ -373,7 +380,8 @@ fnl_result builtin_load(const fnl_host *host, const char *text, fnl_scene **out)
 
 /**
  * Fills in what a triangle primitive lacks (mesh_build.c): indices, flat normals (vertices are split where faces meet),
- * tangents where there are uvs (mesh_tangents.c; vertices are split where they differ). The arrays may be replaced; new ones come from `arena`.
+ * tangents where there are uvs (mesh_tangents.c; vertices are split where they differ). The arrays may be replaced; new ones
+ * come from `arena`.
  */
 fnl_result mesh_complete(struct arena *arena, struct scene_primitive *primitive);
 /** The most memory that mesh_complete may hold at once for it, what stays included; and what one vertex of it takes as it is. */

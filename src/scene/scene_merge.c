@@ -65,7 +65,7 @@ static void append_nodes(fnl_scene *into, const fnl_scene *from, const struct of
         node->skin = moved(node->skin, at->skins);
         node->camera = moved(node->camera, at->cameras);
         node->generation = scene_take_generation(into);
-        node->moved_version = 0;
+        node->moved_version = node->edited_version = 0;
         if (!is_root) continue;
         *link = i;
         link = &node->next_sibling;

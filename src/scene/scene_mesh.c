@@ -197,7 +197,7 @@ fnl_result fnl_scene_set_mesh(fnl_scene *scene, fnl_mesh_id id, uint32_t primiti
         update_bounds(scene, id.index, old);
     }
     if (other_vertices || other_material) {
-        scene->structure_version++;
+        scene_structure_changed(scene);
         result = update_painted(scene, id.index, primitive, other_material);
     }
     arena_finish(&memory); /* what is not used, or no longer */

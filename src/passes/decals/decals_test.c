@@ -128,7 +128,7 @@ static void test_characters_stay_clean_ES_32(void **state) {
     for (uint32_t refuses = 0; refuses < 2; refuses++)
         for (int way = FNL_DECALS_LISTS; way <= FNL_DECALS_GBUFFER; way++) {
             for (uint32_t i = 0; i < node_count; i++) scene->nodes.data[i].refuses = refuses ? 1 : 0;
-            scene->structure_version++;
+            scene_structure_changed(scene);
             frame.decals = (fnl_decals)way;
             test_render_frame(r, &frame);
             fnl_image seen = test_read(r, FNL_OUTPUT_COLOR);

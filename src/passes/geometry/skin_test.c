@@ -301,7 +301,7 @@ static void test_hand_made_skin(void **state) {
     struct scene_skin skin = {.name = "", .joints = bones, .inverse_bind = inverse, .joint_count = 2};
     assert_true(array_push(&scene->host, &scene->skins, skin));
     scene->nodes.data[node].skin = 0;
-    scene->structure_version++;
+    scene_structure_changed(scene);
     scene_update_transforms(scene);
     fnl_renderer *renderer = test_renderer(scene);
     fnl_frame frame = test_frame(FNL_OUTPUT_POSITION);

@@ -290,7 +290,11 @@ static fnl_result upload_all(struct upload *u) {
     TRY(device_array_set(d, "primitives", &d->primitives, u->primitives.data, u->primitives.count,
                          sizeof *u->primitives.data));
     TRY(device_array_set(d, "deforms", &d->deforms, u->deforms.data, u->deforms.count, sizeof *u->deforms.data));
-    TRY(device_items_upload(d, u->primitives.data, u->primitives.count));
+    TRY(device_items_upload(d));
+    return device_table_send(d);
+}
+
+fnl_result device_table_send(struct device_scene *d) {
     struct gpu_scene table = {.positions = d->positions.address,
                               .attributes = d->attributes.address,
                               .instances = d->instances.address,
@@ -308,7 +312,7 @@ fnl_result device_geometry_upload(struct device_scene *d) {
     uint32_t first = d->primitive_places.count;
     const struct pools before = {d->vertices_taken.end, d->index_count, d->influence_count, d->morph_count};
     TRY(place_primitives(d));
-    TRY(device_nodes_place(d));
+    TRY(device_nodes_place(d, NULL, scene->nodes.count));
     TRY(reserve_pools(d, &before));
     for (uint32_t i = first; i < scene->primitives.count; i++) {
         const struct scene_primitive *p = &scene->primitives.data[i];

@@ -6,11 +6,6 @@ static const struct scene_material *material_of(const fnl_scene *scene, const st
     return p->material == SCENE_NONE ? standard : &scene->materials.data[p->material];
 }
 
-/* A group of items: one primitive, one handedness. Ordered by bucket; the bucket's bits are its sort key. */
-struct group_key {
-    uint32_t bucket, primitive, mirrored, count, first;
-};
-
 enum { BUCKET_SORTED = 1 << 16, BUCKET_TOPOLOGY = 4, BUCKET_LAYOUTS = 6 };
 
 static uint32_t bucket_bits(const struct scene_material *m, uint32_t forward_layouts, enum scene_topology topology,
@@ -24,44 +19,61 @@ static uint32_t bucket_bits(const struct scene_material *m, uint32_t forward_lay
 }
 
 static int compare_groups(const void *a, const void *b) {
-    const struct group_key *x = a, *y = b;
+    const struct device_group *x = a, *y = b;
     if (x->bucket != y->bucket) return x->bucket < y->bucket ? -1 : 1;
     if (x->primitive != y->primitive) return x->primitive < y->primitive ? -1 : 1;
     return (int)x->mirrored - (int)y->mirrored;
 }
 
 /* The primitives on the device: those of the scene, then those of deforming nodes, which start at first_primitive. */
+static const struct gpu_primitive *primitives_of(const struct device_scene *d) {
+    return (const struct gpu_primitive *)(const void *)d->primitives.sent.data;
+}
+
+/* What draws a primitive, of which `source` is the scene's. */
+static struct device_group group_of(const struct device_scene *d, uint32_t primitive, uint32_t source, bool mirrored) {
+    const struct scene_material standard = scene_material_default();
+    const struct scene_primitive *p = &d->scene->primitives.data[source];
+    const struct scene_material *material = material_of(d->scene, p, &standard);
+    uint32_t id = p->material == SCENE_NONE ? d->scene->materials.count : p->material;
+    return (struct device_group){
+        .bucket = bucket_bits(material, device_material_forward_layouts(d, material, id), p->topology, mirrored),
+        .primitive = primitive,
+        .mirrored = mirrored};
+}
+
+/* Sorts all items: by group, and within one as nodes and their instances follow. */
 struct item_walk {
     struct device_scene *d;
-    const struct gpu_primitive *primitives;
-    uint32_t key_count;              /* keys are primitive * 2 + mirrored */
-    uint32_t *sources;               /* scene primitive of each key */
-    struct group_key *keys;          /* by key while items are counted, then by group */
-    uint32_t *groups;                /* group of each key */
-    struct gpu_item *items;          /* NULL while items are counted */
+    uint32_t key_count;  /* keys are primitive * 2 + mirrored */
+    uint32_t *sources;   /* scene primitive of each key */
+    uint32_t *counts;    /* of each key; then where its next item goes */
+    bool counts_only;
 };
 
-/* Visits every item in the order of nodes; counts (items NULL) or places them. */
+/* Visits every item in the order of nodes; counts or places them. */
 static void walk_items(struct item_walk *w) {
-    const fnl_scene *scene = w->d->scene;
+    struct device_scene *d = w->d;
+    const fnl_scene *scene = d->scene;
+    const struct gpu_primitive *primitives = primitives_of(d);
     for (uint32_t n = 0; n < scene->nodes.count; n++) {
         const struct scene_node *node = &scene->nodes.data[n];
-        if (w->d->nodes.data[n].first_instance == SCENE_NONE) continue;
+        if (d->nodes.data[n].first_instance == SCENE_NONE) continue;
         const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
-        uint32_t own = w->d->nodes.data[n].first_primitive;
-        for (uint32_t i = 0; i < mesh->primitive_count; i++) {
-            uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
-            if (w->primitives[primitive].index_count == 0) continue;
-            for (uint32_t k = 0; k < node->instance_count; k++) {
-                mat4 m = device_instance_matrix(node, k);
-                uint32_t key = primitive * 2 + (mat4_determinant3(&m) < 0);
-                if (!w->items) {
-                    w->keys[key].count++;
-                    continue;
+        uint32_t own = d->nodes.data[n].first_primitive;
+        for (uint32_t k = 0; k < node->instance_count; k++) {
+            mat4 m = device_instance_matrix(node, k);
+            bool mirrored = mat4_determinant3(&m) < 0;
+            for (uint32_t i = 0; i < mesh->primitive_count; i++) {
+                uint32_t primitive = own == SCENE_NONE ? mesh->first_primitive + i : own + i;
+                if (primitives[primitive].index_count == 0) continue;
+                uint32_t *at = &w->counts[primitive * 2 + mirrored];
+                if (!w->counts_only) {
+                    d->item_list.data[*at] = (struct gpu_item){
+                        d->nodes.data[n].first_instance + k, primitive, (uint8_t)~node->refuses};
+                    d->item_nodes.data[*at] = n;
                 }
-                struct group_key *group = &w->keys[w->groups[key]];
-                w->items[group->first + group->count++] =
-                    (struct gpu_item){w->d->nodes.data[n].first_instance + k, primitive, (uint8_t)~node->refuses};
+                ++*at;
             }
         }
     }
@@ -73,88 +85,89 @@ static VkPrimitiveTopology vulkan_topology(uint32_t topology) {
                                                : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
-static fnl_result upload_groups(struct item_walk *w) {
-    struct device_scene *d = w->d;
-    struct group_key *keys = w->keys;
-    const fnl_scene *scene = d->scene;
-    struct scene_material standard = scene_material_default();
-    walk_items(w);
+/* Appends a group to the buckets; those of one bucket follow one another. */
+static fnl_result add_to_bucket(struct device_scene *d, uint32_t index) {
+    const struct device_group *group = &d->group_list.data[index];
+    const bool sorted = group->bucket == BUCKET_SORTED;
+    if (index == 0 || d->group_list.data[index - 1].bucket != group->bucket) {
+        const struct geometry_bucket bucket = {.topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+                                                                  : vulkan_topology(group->bucket >> BUCKET_TOPOLOGY & 3),
+                                               .blend = sorted || group->bucket & 8,
+                                               .mask = !sorted && group->bucket & 4,
+                                               .double_sided = !sorted && group->bucket & 2,
+                                               .mirrored = !sorted && group->bucket & 1,
+                                               .forward_layouts = sorted ? 0 : group->bucket >> BUCKET_LAYOUTS,
+                                               .first_item = group->first,
+                                               .first_group = index};
+        if (!array_push(&d->host, &d->buckets, bucket)) return FNL_ERROR_MEMORY;
+        if (sorted) d->blend_first_item = group->first;
+    }
+    struct geometry_bucket *bucket = &d->buckets.data[d->buckets.count - 1];
+    const struct gpu_primitive *primitive = &primitives_of(d)[group->primitive];
+    if (geometry_bucket_clustered(bucket)) {
+        d->cluster_count += (uint64_t)group->count * primitive->cluster_count;
+        d->triangle_count += (uint64_t)group->count * (primitive->index_count / 3);
+    }
+    d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);
+    bucket->item_count += group->count;
+    bucket->group_count++;
+    if (sorted) d->blend_item_count += group->count;
+    return FNL_OK;
+}
 
-    /* What each key draws, from the scene primitive it came from. */
-    uint32_t group_count = 0;
+/* What follows from the lists: buckets, sums, and what the device has. */
+fnl_result device_items_send(struct device_scene *d) {
+    d->buckets.count = d->most_triangles = d->blend_item_count = 0;
+    d->cluster_count = d->triangle_count = 0;
+    d->group_count = d->group_list.count;
+    d->item_count = d->item_list.count;
+    size_t size = MAX(d->group_count, 1u) * sizeof(struct gpu_group);
+    struct gpu_group *groups = host_allocate_zero(&d->host, size);
+    fnl_result result = groups ? FNL_OK : FNL_ERROR_MEMORY;
+    for (uint32_t i = 0; i < d->group_count && result == FNL_OK; i++) {
+        const struct device_group *group = &d->group_list.data[i];
+        groups[i] = (struct gpu_group){.first_item = group->first, .item_count = group->count, .primitive = group->primitive};
+        result = add_to_bucket(d, i);
+    }
+    if (result == FNL_OK)
+        result = device_array_set(d, "items", &d->items, d->item_list.data, d->item_count, sizeof(struct gpu_item));
+    if (result == FNL_OK) result = device_array_set(d, "groups", &d->groups, groups, d->group_count, sizeof *groups);
+    if (groups) host_free(&d->host, groups, size);
+    return result;
+}
+
+static fnl_result sort_items(struct item_walk *w) {
+    struct device_scene *d = w->d;
+    w->counts_only = true;
+    walk_items(w);
     uint64_t item_count = 0;
+    d->group_list.count = 0;
     for (uint32_t key = 0; key < w->key_count; key++) {
-        if (keys[key].count == 0) continue;
-        struct group_key group = {.primitive = key / 2, .mirrored = key & 1, .count = keys[key].count};
-        keys[key].count = 0;
-        const struct scene_primitive *source = &scene->primitives.data[w->sources[key]];
-        const struct scene_material *material = material_of(scene, source, &standard);
-        uint32_t id = source->material == SCENE_NONE ? scene->materials.count : source->material;
-        group.bucket =
-            bucket_bits(material, device_material_forward_layouts(d, material, id), source->topology, group.mirrored);
+        if (w->counts[key] == 0) continue;
+        struct device_group group = group_of(d, key / 2, w->sources[key], key & 1);
+        group.count = w->counts[key];
         item_count += group.count;
-        const struct gpu_primitive *primitive = &w->primitives[group.primitive];
-        d->most_triangles = MAX(d->most_triangles, primitive->index_count / primitive->corners);
-        keys[group_count++] = group; /* never overtakes `key` */
+        if (!array_push(&d->host, &d->group_list, group)) return FNL_ERROR_MEMORY;
     }
     if (item_count > UINT32_MAX - 1) {
         log_error(&d->host, "%s: has %llu instances of primitives, more than 32 bits can count", d->scene->source,
                   (unsigned long long)item_count);
         return FNL_ERROR_UNSUPPORTED;
     }
-    qsort(keys, group_count, sizeof *keys, compare_groups);
-
-    struct gpu_group *groups = host_allocate_zero(&d->host, MAX(group_count, 1u) * sizeof *groups);
-    struct gpu_item *items = host_allocate_zero(&d->host, MAX(item_count, 1u) * sizeof *items);
-    fnl_result result = groups && items ? FNL_OK : FNL_ERROR_MEMORY;
-    uint32_t first = 0;
-    d->blend_item_count = 0;
-    for (uint32_t i = 0; i < group_count && result == FNL_OK; i++) {
-        struct group_key *key = &keys[i];
-        w->groups[key->primitive * 2 + key->mirrored] = i;
-        key->first = first;
-        groups[i] = (struct gpu_group){.first_item = first, .item_count = key->count, .primitive = key->primitive};
-        struct geometry_bucket *last = d->buckets.count ? &d->buckets.data[d->buckets.count - 1] : NULL;
-        if (i == 0 || keys[i - 1].bucket != key->bucket) {
-            bool sorted = key->bucket == BUCKET_SORTED;
-            struct geometry_bucket bucket = {.topology = sorted ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
-                                                                : vulkan_topology(key->bucket >> BUCKET_TOPOLOGY & 3),
-                                             .blend = sorted || key->bucket & 8,
-                                             .mask = !sorted && key->bucket & 4,
-                                             .double_sided = !sorted && key->bucket & 2,
-                                             .mirrored = !sorted && key->bucket & 1,
-                                             .forward_layouts = sorted ? 0 : key->bucket >> BUCKET_LAYOUTS,
-                                             .first_item = first,
-                                             .first_group = i};
-            if (!array_push(&d->host, &d->buckets, bucket)) {
-                result = FNL_ERROR_MEMORY;
-                break;
-            }
-            last = &d->buckets.data[d->buckets.count - 1];
-            if (sorted) d->blend_first_item = first;
-        }
-        if (geometry_bucket_clustered(last)) {
-            const struct gpu_primitive *primitive = &w->primitives[key->primitive];
-            d->cluster_count += (uint64_t)key->count * primitive->cluster_count;
-            d->triangle_count += (uint64_t)key->count * (primitive->index_count / 3);
-        }
-        last->item_count += key->count;
-        last->group_count++;
-        if (key->bucket == BUCKET_SORTED) d->blend_item_count += key->count;
-        first += key->count;
-        key->count = 0;
+    if (!array_reserve(&d->host, &d->item_list, item_count) || !array_reserve(&d->host, &d->item_nodes, item_count))
+        return FNL_ERROR_MEMORY;
+    if (d->group_list.count) qsort(d->group_list.data, d->group_list.count, sizeof *d->group_list.data, compare_groups);
+    d->item_list.count = d->item_nodes.count = 0;
+    for (uint32_t i = 0; i < d->group_list.count; i++) {
+        struct device_group *group = &d->group_list.data[i];
+        group->first = d->item_list.count;
+        w->counts[group->primitive * 2 + group->mirrored] = group->first;
+        d->item_list.count += group->count;
     }
-    if (result == FNL_OK) {
-        w->items = items;
-        walk_items(w);
-        d->item_count = (uint32_t)item_count;
-        d->group_count = group_count;
-        result = device_array_set(d, "items", &d->items, items, item_count, sizeof *items);
-        if (result == FNL_OK) result = device_array_set(d, "groups", &d->groups, groups, group_count, sizeof *groups);
-    }
-    if (groups) host_free(&d->host, groups, MAX(group_count, 1u) * sizeof *groups);
-    if (items) host_free(&d->host, items, MAX(item_count, 1u) * sizeof *items);
-    return result;
+    d->item_nodes.count = d->item_list.count;
+    w->counts_only = false;
+    walk_items(w);
+    return device_items_send(d);
 }
 
 static void map_sources(struct item_walk *w) {
@@ -171,21 +184,111 @@ static void map_sources(struct item_walk *w) {
     }
 }
 
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count) {
-    struct item_walk walk = {.d = d, .primitives = primitives, .key_count = primitive_count * 2};
-    d->buckets.count = d->item_count = d->group_count = d->most_triangles = d->blend_item_count = 0;
-    d->cluster_count = d->triangle_count = 0;
-    size_t keys_size = MAX(walk.key_count, 1u) * sizeof *walk.keys, map_size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
-    walk.keys = host_allocate_zero(&d->host, keys_size);
-    walk.sources = host_allocate_zero(&d->host, map_size);
-    walk.groups = host_allocate_zero(&d->host, map_size);
+fnl_result device_items_upload(struct device_scene *d) {
+    const uint32_t primitive_count = d->primitives.sent.count / (uint32_t)sizeof(struct gpu_primitive);
+    struct item_walk walk = {.d = d, .key_count = primitive_count * 2};
+    size_t size = MAX(walk.key_count, 1u) * sizeof(uint32_t);
+    walk.sources = host_allocate_zero(&d->host, size);
+    walk.counts = host_allocate_zero(&d->host, size);
     fnl_result result = FNL_ERROR_MEMORY;
-    if (walk.keys && walk.sources && walk.groups) {
+    if (walk.sources && walk.counts) {
         map_sources(&walk);
-        result = upload_groups(&walk);
+        result = sort_items(&walk);
     }
-    host_free(&d->host, walk.keys, keys_size);
-    host_free(&d->host, walk.sources, map_size);
-    host_free(&d->host, walk.groups, map_size);
+    host_free(&d->host, walk.sources, size);
+    host_free(&d->host, walk.counts, size);
+    d->sort_count++;
     return result;
+}
+
+/* ---- edits of a few nodes: their items are taken out of the lists, and put where sorting all would have them ---- */
+
+/* The first group that is not before `wanted`. */
+static uint32_t find_group(const struct device_scene *d, const struct device_group *wanted) {
+    uint32_t low = 0;
+    for (uint32_t high = d->group_list.count; low < high;) {
+        uint32_t middle = low + (high - low) / 2;
+        if (compare_groups(&d->group_list.data[middle], wanted) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The first item of a group that is of this node, or of one behind it. */
+static uint32_t find_item(const struct device_scene *d, const struct device_group *group, uint32_t node) {
+    uint32_t low = group->first;
+    for (uint32_t high = group->first + group->count; low < high;) {
+        uint32_t middle = low + (high - low) / 2;
+        if (d->item_nodes.data[middle] < node)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Makes room for an element at a place with `by` 1, and takes out the one that is there with -1. */
+#define SHIFT(array, at, by)                                                                                                \
+    do {                                                                                                                    \
+        uint32_t from_ = (by) > 0 ? (at) : (at) + 1, behind_ = (array).count - from_;                                       \
+        if (behind_) memmove((array).data + from_ + (by), (array).data + from_, behind_ * sizeof *(array).data);            \
+        (array).count += (uint32_t)(by);                                                                                    \
+    } while (0)
+
+static void shift_groups(struct device_scene *d, uint32_t first, int by) {
+    for (uint32_t i = first; i < d->group_list.count; i++) d->group_list.data[i].first += (uint32_t)by;
+}
+
+static void remove_item(struct device_scene *d, const struct device_group *wanted, uint32_t node) {
+    uint32_t g = find_group(d, wanted), at = find_item(d, &d->group_list.data[g], node);
+    SHIFT(d->item_list, at, -1);
+    SHIFT(d->item_nodes, at, -1);
+    shift_groups(d, g + 1, -1);
+    if (--d->group_list.data[g].count == 0) SHIFT(d->group_list, g, -1);
+}
+
+/* There is room for an item and a group more. */
+static void insert_item(struct device_scene *d, const struct device_group *wanted, uint32_t node, struct gpu_item item) {
+    uint32_t g = find_group(d, wanted);
+    if (g == d->group_list.count || compare_groups(&d->group_list.data[g], wanted) != 0) {
+        uint32_t first = g < d->group_list.count ? d->group_list.data[g].first : d->item_list.count;
+        SHIFT(d->group_list, g, 1);
+        d->group_list.data[g] = *wanted;
+        d->group_list.data[g].first = first;
+        d->group_list.data[g].count = 0;
+    }
+    uint32_t at = find_item(d, &d->group_list.data[g], node);
+    SHIFT(d->item_list, at, 1);
+    SHIFT(d->item_nodes, at, 1);
+    d->item_list.data[at] = item;
+    d->item_nodes.data[at] = node;
+    d->group_list.data[g].count++;
+    shift_groups(d, g + 1, 1);
+}
+
+void device_items_remove(struct device_scene *d, uint32_t node) {
+    const struct device_node *place = &d->nodes.data[node];
+    const struct scene_mesh *mesh = &d->scene->meshes.data[place->mesh];
+    for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count; i++) {
+        const struct device_group group = group_of(d, i, i, place->mirrored);
+        if (primitives_of(d)[i].index_count) remove_item(d, &group, node);
+    }
+}
+
+fnl_result device_items_insert(struct device_scene *d, uint32_t node) {
+    const struct device_node *place = &d->nodes.data[node];
+    const struct scene_mesh *mesh = &d->scene->meshes.data[place->mesh];
+    const uint64_t items = (uint64_t)d->item_list.count + mesh->primitive_count;
+    if (!array_reserve(&d->host, &d->item_list, items) || !array_reserve(&d->host, &d->item_nodes, items) ||
+        !array_reserve(&d->host, &d->group_list, (uint64_t)d->group_list.count + mesh->primitive_count))
+        return FNL_ERROR_MEMORY;
+    for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count; i++) {
+        if (primitives_of(d)[i].index_count == 0) continue;
+        const struct device_group group = group_of(d, i, i, place->mirrored);
+        insert_item(d, &group, node,
+                    (struct gpu_item){place->first_instance, i, (uint8_t)~d->scene->nodes.data[node].refuses});
+    }
+    return FNL_OK;
 }

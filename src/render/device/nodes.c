@@ -44,19 +44,17 @@ fnl_result device_too_many_vertices(const struct device_scene *d) {
     return FNL_ERROR_UNSUPPORTED;
 }
 
-/* Gives back the places of nodes that went, were hidden, or show something else. */
-static void give_places(struct device_scene *d) {
-    for (uint32_t n = 0; n < d->nodes.count; n++) {
-        const struct scene_node *node = &d->scene->nodes.data[n];
-        struct device_node *place = &d->nodes.data[n];
-        if (place->first_instance == SCENE_NONE) continue;
-        if (device_node_draws(node) && place->generation == node->generation && place->mesh == node->mesh &&
-            place->skin == node->skin && place->instance_count == MAX(node->instance_count, 1u))
-            continue;
-        ranges_give(&d->host, &d->instances_taken, place->first_instance, place->instance_count);
-        ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);
-        *place = (struct device_node){.first_instance = SCENE_NONE, .first_primitive = SCENE_NONE};
-    }
+/* Gives back the place of a node that went, was hidden, or shows something else. */
+static void give_place(struct device_scene *d, uint32_t n) {
+    const struct scene_node *node = &d->scene->nodes.data[n];
+    struct device_node *place = &d->nodes.data[n];
+    if (place->first_instance == SCENE_NONE) return;
+    if (device_node_draws(node) && place->generation == node->generation && place->mesh == node->mesh &&
+        place->skin == node->skin && place->instance_count == MAX(node->instance_count, 1u))
+        return;
+    ranges_give(&d->host, &d->instances_taken, place->first_instance, place->instance_count);
+    ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);
+    *place = (struct device_node){.first_instance = SCENE_NONE, .first_primitive = SCENE_NONE};
 }
 
 static fnl_result take_place(struct device_scene *d, uint32_t n) {
@@ -108,27 +106,82 @@ static bool note_arrival(struct device_scene *d, const struct device_node *place
     return array_push(&d->host, &d->arrived, range);
 }
 
-fnl_result device_nodes_place(struct device_scene *d) {
+static fnl_result reserve_nodes(struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    if (d->arrived_shown == d->arrived.count) d->arrived_shown = d->arrived.count = 0;
     if (!array_reserve(&d->host, &d->nodes, scene->nodes.count)) return FNL_ERROR_MEMORY;
     while (d->nodes.count < scene->nodes.count)
         d->nodes.data[d->nodes.count++] =
             (struct device_node){.first_instance = SCENE_NONE, .first_primitive = SCENE_NONE};
-    give_places(d);
+    return FNL_OK;
+}
+
+fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uint32_t count) {
+    const fnl_scene *scene = d->scene;
+    if (d->arrived_shown == d->arrived.count) d->arrived_shown = d->arrived.count = 0;
+    TRY(reserve_nodes(d));
+    for (uint32_t i = 0; i < count; i++) give_place(d, nodes ? nodes[i] : i);
     uint64_t before = d->instances.size;
-    for (uint32_t n = 0; n < d->nodes.count; n++) {
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t n = nodes ? nodes[i] : i;
         const struct scene_node *node = &scene->nodes.data[n];
         if (d->nodes.data[n].first_instance == SCENE_NONE && device_node_draws(node)) TRY(take_place(d, n));
         d->nodes.data[n].mirrored = device_node_mirrors(node);
     }
     TRY(device_buffer_reserve(d, "instances", &d->instances, before,
                               (uint64_t)d->instances_taken.end * sizeof(struct gpu_instance)));
-    for (uint32_t n = 0; n < d->nodes.count; n++) {
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t n = nodes ? nodes[i] : i;
         if (!d->nodes.data[n].fresh) continue;
         d->nodes.data[n].fresh = false;
         TRY(send_instances(d, n));
         if (!note_arrival(d, &d->nodes.data[n])) return FNL_ERROR_MEMORY;
     }
+    return FNL_OK;
+}
+
+/* ---- edits of a few nodes ---- */
+
+/* Whether a node is an instance that only comes or goes: one matrix, and no vertices of its own. */
+static bool is_plain(const struct device_scene *d, uint32_t n) {
+    const struct scene_node *node = &d->scene->nodes.data[n];
+    const struct device_node *place = &d->nodes.data[n];
+    if (place->first_instance != SCENE_NONE && (place->vertex_count || place->instance_count != 1)) return false;
+    return !device_node_draws(node) || (!node->instances && node->instance_count == 1 && own_vertices(d->scene, node) == 0);
+}
+
+static void grow_bounds(struct device_scene *d, const struct scene_node *node) {
+    mat4 matrix = device_instance_matrix(node, 0);
+    struct box box = box_transform(&d->scene->meshes.data[node->mesh].bounds, &matrix);
+    if (!box_is_empty(&box)) box_add_box(&d->bounds, &box);
+}
+
+fnl_result device_nodes_edit(struct device_scene *d, uint64_t since, bool *done) {
+    enum { MOST = 64 }; /* from where on sorting all items is cheaper than as many copies of the list */
+    const fnl_scene *scene = d->scene;
+    uint32_t edited[MOST] = {0}, count = 0;
+    *done = false;
+    TRY(reserve_nodes(d));
+    for (uint32_t i = 0; i < scene->edited.count; i++) {
+        uint32_t n = scene->edited.data[i];
+        if (scene->nodes.data[n].edited_version <= since) continue;
+        if (count == MOST || !is_plain(d, n)) return FNL_OK;
+        edited[count++] = n;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (d->nodes.data[edited[i]].first_instance != SCENE_NONE) device_items_remove(d, edited[i]);
+    TRY(device_nodes_place(d, edited, count));
+    for (uint32_t i = 0; i < count; i++) {
+        if (d->nodes.data[edited[i]].first_instance == SCENE_NONE) continue;
+        TRY(device_items_insert(d, edited[i]));
+        grow_bounds(d, &scene->nodes.data[edited[i]]);
+    }
+    TRY(device_items_send(d));
+    TRY(device_table_send(d));
+    d->bounds_edits += count;
+    if (d->bounds_edits > scene->nodes.count) { /* what went makes them smaller, once in a while */
+        d->bounds = scene_bounds(scene);
+        d->bounds_edits = 0;
+    }
+    *done = true;
     return FNL_OK;
 }

@@ -70,6 +70,7 @@ static void free_structure(struct device_scene *d) {
     struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
     for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
     d->arrived.count = d->arrived_shown = 0;
+    d->group_list.count = d->item_list.count = d->item_nodes.count = 0;
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
@@ -88,6 +89,9 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->image_blues);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
+    array_free(&d->host, &d->group_list);
+    array_free(&d->host, &d->item_list);
+    array_free(&d->host, &d->item_nodes);
     array_free(&d->host, &d->image_versions);
     array_free(&d->host, &d->primitive_places);
     array_free(&d->host, &d->nodes);
@@ -111,28 +115,35 @@ static bool handedness_changed(const struct device_scene *d) {
     uint32_t count = listed ? scene->moved.count : scene->nodes.count;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t n = listed ? scene->moved.data[i] : i;
+        if (n >= d->nodes.count) continue; /* has come since */
         const struct device_node *place = &d->nodes.data[n];
         if (place->first_instance != SCENE_NONE && device_node_mirrors(&scene->nodes.data[n]) != place->mirrored) return true;
     }
     return false;
 }
 
-static fnl_result prepare_structure(struct device_scene *d, bool anew) {
+/* Since `before`; UINT64_MAX: nothing is there. */
+static fnl_result prepare_structure(struct device_scene *d, uint64_t before, bool mirrors) {
     const fnl_scene *scene = d->scene;
-    if (anew) {
+    bool done = false;
+    if (before == UINT64_MAX) {
         free_structure(d);
         free_images(d);
         d->material_version = UINT64_MAX;
     }
-    if (d->material_version != scene->material_version) {
-        TRY(device_images_upload(d, gpu_jobs(d->device)));
-        TRY(device_materials_upload(d));
+    if (before != UINT64_MAX && before >= scene->edited_since && !mirrors) TRY(device_nodes_edit(d, before, &done));
+    if (!done) {
+        if (d->material_version != scene->material_version) {
+            TRY(device_images_upload(d, gpu_jobs(d->device)));
+            TRY(device_materials_upload(d));
+        }
+        TRY(device_geometry_upload(d));
+        d->bounds = scene_bounds(scene);
+        d->bounds_edits = 0;
     }
-    TRY(device_geometry_upload(d));
     d->upload_count++;
     d->material_version = scene->material_version;
     d->structure_version = scene->structure_version;
-    d->bounds = scene_bounds(scene);
     return FNL_OK;
 }
 
@@ -145,10 +156,11 @@ fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count
 }
 
 fnl_result device_scene_prepare(struct device_scene *d) {
-    if (d->structure_version != d->scene->structure_version || handedness_changed(d)) {
-        bool anew = d->structure_version == UINT64_MAX;
+    const bool mirrors = handedness_changed(d); /* sorts all */
+    if (d->structure_version != d->scene->structure_version || mirrors) {
+        const uint64_t before = d->structure_version;
         d->structure_version = UINT64_MAX; /* until it is whole */
-        TRY(prepare_structure(d, anew));
+        TRY(prepare_structure(d, before, mirrors));
     }
     TRY(device_decals_prepare(d));
     uint64_t previous_size = d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull;

@@ -44,6 +44,11 @@ struct device_deform {
     uint32_t node, skin, matrix_count, first_matrix, weight_count, first_weight;
 };
 
+/** Items of one primitive and one handedness. Groups are ordered by bucket, whose bits are a sort key, then by primitive. */
+struct device_group {
+    uint32_t bucket, primitive, mirrored, first, count;
+};
+
 /** A picture of a decal: images of materials serve them not, as alpha is multiplied in before mips are made. */
 enum decal_picture_kind { DECAL_PICTURE_DATA, DECAL_PICTURE_COLOR, DECAL_PICTURE_PREMULTIPLIED };
 struct decal_picture {
@@ -89,6 +94,9 @@ struct device_scene {
     ARRAY(uint32_t) image_versions;  /* of each, when it was uploaded */
     ARRAY(int16_t) image_blues;      /* of each: the blue of all its pixels, or -1 where it varies */
     ARRAY(struct geometry_bucket) buckets;
+    ARRAY(struct device_group) group_list;
+    ARRAY(struct gpu_item) item_list; /* by group, and within one as nodes follow */
+    ARRAY(uint32_t) item_nodes;       /* of each */
     ARRAY(struct device_deform) deformed;
     ARRAY(uint32_t) deform_vertex_counts;
     uint32_t material_count, material_classes; /* classes: bit 1 << c, some material is of GPU_CLASS_… bits c */
@@ -98,15 +106,17 @@ struct device_scene {
     uint32_t pool_triangles;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
-    ARRAY(struct range) arrived; /* places of instances that were sent since the last structure; frames know all before arrived_shown */
+    ARRAY(struct range) arrived; /* places of instances that have come; frames have drawn those before arrived_shown */
     uint32_t arrived_shown;
     bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
     struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
     uint32_t first_deformed, deformed_vertex_count; /* vertices */
     uint64_t upload_count, image_upload_count; /* changes of structure, and images, so far */
+    uint64_t sort_count;                       /* of the former, those for which all items were sorted */
     uint64_t bytes_uploaded;                   /* outside of frames, so far; lights, moves and decals are not in it */
 
-    struct box bounds; /* of the scene when it was uploaded, grown by what moved since */
+    struct box bounds;      /* of the scene when it was uploaded, grown by what moved or came since */
+    uint32_t bounds_edits;  /* nodes that came or went since */
     struct device_decals decals;
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
@@ -136,7 +146,8 @@ struct device_scene_frame {
     struct geometry_scene geometry;
     struct light_input lights; /* view, width and height are left to the caller */
     bool moved;                /* instances or vertices are elsewhere than in the last frame */
-    /** With keeps_previous, where something moved or came: what the last frame drew, and rows of 0 for instances that it did not draw; else id 0. */
+    /** With keeps_previous, where something moved or came: what the last frame drew, with rows of 0 for instances that it did not
+        draw. Else id 0. */
     graph_buffer previous;
 };
 /** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
@@ -223,16 +234,27 @@ uint32_t device_material_forward_layouts(const struct device_scene *d, const str
 
 /** What has come of vertices, indices, clusters and what deforms; then everything below (geometry.c). */
 fnl_result device_geometry_upload(struct device_scene *d);
-/** Takes and gives back the places of nodes, and sends the instances of those that got one (nodes.c). */
-fnl_result device_nodes_place(struct device_scene *d);
+/** Takes and gives back the places of nodes, and sends the instances of those that got one (nodes.c). `nodes` NULL: of all. */
+fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uint32_t count);
+/**
+ * Follows edits of nodes since a structure_version, with the outcome of device_geometry_upload(). `*done` is false where there are too
+ * many, or one has several instances or deforms; nothing has changed then. Costs what was edited, and moving the items behind it.
+ */
+fnl_result device_nodes_edit(struct device_scene *d, uint64_t since, bool *done);
 bool device_node_mirrors(const struct scene_node *node);
 /** Whether the vertices of a primitive are the node's own, moved every frame. */
 bool device_node_deforms(const struct scene_node *node, const struct scene_primitive *p);
 /** Logs it. */
 fnl_result device_too_many_vertices(const struct device_scene *d);
 
-/** Items, groups and buckets (items.c). `primitives` are those of the scene, then those of deforming nodes. */
-fnl_result device_items_upload(struct device_scene *d, const struct gpu_primitive *primitives, uint32_t primitive_count);
+/** Items, groups and buckets, of d->primitives (items.c). */
+fnl_result device_items_upload(struct device_scene *d);
+/** The items of a node that has one instance and does not deform, out of the lists or into them; then device_items_send. */
+void device_items_remove(struct device_scene *d, uint32_t node);
+fnl_result device_items_insert(struct device_scene *d, uint32_t node);
+fnl_result device_items_send(struct device_scene *d);
+/** The addresses of all arrays (geometry.c). */
+fnl_result device_table_send(struct device_scene *d);
 /** Object to world of one of a node's instances, at its present pose; and the device form of all of them. */
 mat4 device_instance_matrix(const struct scene_node *node, uint32_t k);
 void device_scene_node_instances(const struct scene_node *node, struct gpu_instance *out);

@@ -18,6 +18,7 @@ struct world {
     fnl_decal_id decals[DECALS];
     bool instance_there[INSTANCES], light_there[LIGHTS], decal_there[DECALS];
     uint32_t mesh_count, image_count, morphed_mesh; /* the latter: index in the scene */
+    bool keeps_handedness;                          /* instances do not begin or cease to mirror */
 };
 
 static uint32_t pick(struct world *w, uint32_t count) { return (uint32_t)(random_bits(&w->random) % count); }
@@ -168,6 +169,8 @@ static void edit_instance(struct world *w) {
         assert_int_equal(fnl_scene_set_instance_receivers(scene, id, pick(w, 256)), FNL_OK);
         break;
     default:
+        if (w->keeps_handedness && mat4_determinant3(&transform) * mat4_determinant3(&scene->nodes.data[id.index].world) < 0)
+            transform = mat4_mul(transform, mat4_scaling(vec3_make(-1, 1, 1)));
         assert_int_equal(fnl_scene_set_instance_transform(scene, id, &transform), FNL_OK);
     }
 }
@@ -379,6 +382,7 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     assert_int_equal(fnl_scene_set_material(scene, w.materials[w.mesh_count - 1], &params), FNL_OK);
     assert_true(cost(&w) > 61 * 61 * 44);
     assert_int_equal(cost(&w), 0);
+    const uint64_t sorts = w.stage.renderer->device_scene.sort_count;
     const uint64_t item = sizeof(struct gpu_item), group = sizeof(struct gpu_group), placed = sizeof(struct gpu_instance),
                    material = sizeof(struct gpu_material);
     fnl_mat4 transform = pose(&w);
@@ -407,6 +411,7 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     params.base_color[1] *= 0.5f;
     assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
     assert_int_equal(cost(&w), material);
+    assert_int_equal(w.stage.renderer->device_scene.sort_count, sorts + 1); /* the first edit of the rest that sorts */
     params.base_color_image = w.images[1];
     assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
     assert_int_equal(cost(&w), material + 16 * 16 * 4);
@@ -487,6 +492,82 @@ static void test_a_changed_mesh_uploads_what_differs(void **state) {
     assert_true(d->vertices_taken.end <= ends[0] && d->indices_taken.end <= ends[1]);
     assert_int_equal(gpu_memory_stats(harness_device()).used_bytes, device_bytes);
     assert_true(test_device_memory.live_bytes < host_bytes + 16384); /* a mesh of its own takes more */
+    stage_close(&w.stage);
+}
+
+/* The lists of a device that has followed edits against those of one that sorts everything now; places of instances may differ. */
+static void check_lists(const struct device_scene *d, const struct device_scene *fresh, uint32_t round) {
+    if (d->item_count != fresh->item_count || d->group_count != fresh->group_count)
+        fail_msg("round %u: %u items in %u groups instead of %u in %u", round, d->item_count, d->group_count, fresh->item_count,
+                 fresh->group_count);
+    const struct gpu_item *items = (const void *)d->items.sent.data, *others = (const void *)fresh->items.sent.data;
+    for (uint32_t i = 0; i < d->item_count; i++) {
+        uint32_t node = d->item_nodes.data[i];
+        assert_int_equal(node, fresh->item_nodes.data[i]);
+        assert_true(items[i].primitive == others[i].primitive && items[i].receivers == others[i].receivers);
+        uint32_t first = d->nodes.data[node].first_instance;
+        assert_int_equal(items[i].instance - first, others[i].instance - fresh->nodes.data[node].first_instance);
+    }
+    if (d->group_count) assert_memory_equal(d->groups.sent.data, fresh->groups.sent.data, d->group_count * sizeof(struct gpu_group));
+    assert_int_equal(d->buckets.count, fresh->buckets.count);
+    for (uint32_t i = 0; i < d->buckets.count; i++) {
+        const struct geometry_bucket *a = &d->buckets.data[i], *b = &fresh->buckets.data[i];
+        assert_true(a->first_item == b->first_item && a->item_count == b->item_count && a->first_group == b->first_group &&
+                    a->group_count == b->group_count && a->topology == b->topology && a->blend == b->blend &&
+                    a->mask == b->mask && a->double_sided == b->double_sided && a->mirrored == b->mirrored &&
+                    a->forward_layouts == b->forward_layouts);
+    }
+    assert_true(d->cluster_count == fresh->cluster_count && d->triangle_count == fresh->triangle_count);
+    assert_true(d->most_triangles == fresh->most_triangles && d->blend_item_count == fresh->blend_item_count);
+    if (d->blend_item_count) assert_int_equal(d->blend_first_item, fresh->blend_first_item);
+    const struct box *all = &d->bounds, *box = &fresh->bounds;
+    assert_true(all->low.x <= box->low.x && all->low.y <= box->low.y && all->low.z <= box->low.z);
+    assert_true(all->high.x >= box->high.x && all->high.y >= box->high.y && all->high.z >= box->high.z);
+}
+
+/* Instances that come, go, hide and move do not have all others sorted again, and stand in the lists where sorting would have them. */
+static void test_instances_are_edited_in_place(void **state) {
+    UNUSED(state);
+    struct world w = open_world();
+    fnl_scene *scene = w.stage.scene;
+    for (uint32_t i = 0; i < 8; i++) add_mesh(&w, 1 + i, false);
+    for (uint32_t i = 0; i < w.mesh_count; i++) /* what deforms is sorted with all others */
+        if (w.meshes[i].index == w.morphed_mesh) w.meshes[i] = w.meshes[0];
+    for (uint32_t i = 0; i < INSTANCES; i++) {
+        if (w.instance_there[i]) assert_int_equal(fnl_scene_remove_instance(scene, w.instances[i]), FNL_OK);
+        add_instance(&w, i);
+    }
+    w.stage.frame.width = 17;
+    w.stage.frame.height = 9;
+    check_picture(&w, 0);
+    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const uint64_t sorts = d->sort_count, structures = d->upload_count;
+    w.keeps_handedness = true; /* else all are sorted */
+    for (uint32_t round = 0; round < 150; round++) {
+        for (uint32_t i = 0; i < 1 + round % 5; i++) edit_instance(&w);
+        if (round % 50 == 49) /* all of them */
+            for (uint32_t i = 0; i < INSTANCES; i++)
+                if (w.instance_there[i]) assert_int_equal(fnl_scene_set_instance_visible(scene, w.instances[i], round == 99), FNL_OK);
+        struct device_scene fresh;
+        device_scene_init(&fresh, harness_device(), scene);
+        assert_int_equal(device_scene_prepare(&fresh), FNL_OK);
+        shoot(&w);
+        check_lists(d, &fresh, round);
+        device_scene_finish(&fresh);
+    }
+    assert_true(d->upload_count - structures > 100);
+    assert_int_equal(d->sort_count, sorts);
+
+    /* So many that sorting is cheaper; then a renderer that has missed none goes on in place. */
+    for (uint32_t i = 0; i < 100; i++) add_instance(&w, i % INSTANCES);
+    shoot(&w);
+    assert_int_equal(d->sort_count, sorts + 1);
+    assert_int_equal(fnl_scene_remove_instance(scene, w.instances[3]), FNL_OK);
+    w.instance_there[3] = false;
+    w.stage.frame.width = 65;
+    w.stage.frame.height = 37;
+    for (uint32_t i = 0; i < 3; i++) check_picture(&w, i);
+    assert_int_equal(d->sort_count, sorts + 1);
     stage_close(&w.stage);
 }
 
@@ -605,6 +686,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_an_edit_uploads_what_was_edited, harness_check),
         cmocka_unit_test_teardown(test_a_changed_mesh_uploads_what_differs, harness_check),
+        cmocka_unit_test_teardown(test_instances_are_edited_in_place, harness_check),
         cmocka_unit_test_teardown(test_random_edits_show_what_a_fresh_renderer_shows, harness_check),
         cmocka_unit_test_teardown(test_memory_stays_flat, harness_check),
         cmocka_unit_test_teardown(test_no_frame_is_long, harness_check),
