@@ -162,6 +162,11 @@ static inline void calls_add_mesh(struct fuzz_input *in, fnl_scene *scene, struc
     bool good = no_material || calls_pick(in, &c->materials, &p.material.index, &p.material.generation, &slot);
     bool zero = p.material.index == 0 && p.material.generation == 0;
     fnl_mesh_id id;
+    if (has & 128) {
+        bool alive = calls_pick(in, &c->meshes, &id.index, &id.generation, &slot);
+        calls_check(fnl_scene_set_mesh(scene, id, 0, &p), alive, slot, &c->meshes);
+        return;
+    }
     fnl_result result = fnl_scene_add_mesh(scene, &p, &id);
     if (!good && !zero && c->materials.count < CALLS_IDS) EXPECT(result != FNL_OK);
     if (!p.positions || count == 0) EXPECT(result != FNL_OK);
@@ -186,6 +191,9 @@ static inline void calls_on_instance(struct fuzz_input *in, fnl_scene *scene, st
     if (what == 1) {
         fnl_mat4 m = calls_matrix(in);
         calls_check(fnl_scene_set_instance_transform(scene, id, &m), alive, slot, &c->instances);
+        const fnl_instance_id twice[2] = {id, id};
+        const fnl_mat4 moves[2] = {calls_matrix(in), m};
+        calls_check(fnl_scene_set_instance_transforms(scene, twice, moves, 2), alive, slot, &c->instances);
     } else if (what == 2) {
         calls_check(fnl_scene_set_instance_receivers(scene, id, fuzz_byte(in)), alive, slot, &c->instances);
     } else {
@@ -209,6 +217,9 @@ static inline void calls_on_light(struct fuzz_input *in, fnl_scene *scene, struc
     if (what == 1) {
         fnl_light_params p = calls_light(in);
         calls_check(fnl_scene_set_light(scene, id, &p), alive, slot, &c->lights);
+        const fnl_light_id twice[2] = {id, id};
+        const fnl_light_params both[2] = {calls_light(in), p};
+        calls_check(fnl_scene_set_lights(scene, twice, both, 2), alive, slot, &c->lights);
     } else if (what == 2) {
         fnl_vec3 points[8];
         uint32_t count = fuzz_byte(in) % 9;
