@@ -591,7 +591,7 @@ static bool nearest_of_hull(double points[4][3], uint32_t *count, double out[3])
 /* By the algorithm of Gilbert, Johnson and Keerthi (1988) on extreme points of cell and cone. */
 double reference_cone_gap(const struct reference_cell *cell, const struct list_request *request, uint32_t light) {
     const struct gpu_light *l = &request->lights[light];
-    if (l->kind != GPU_LIGHT_SPOT) return 0;
+    if (l->kind != GPU_SHAPE_CONE) return 0;
     const mat4 *m = &request->view.world_to_view;
     double apex[3], tip[3], axis[3], world[3] = {l->position.x, l->position.y, l->position.z}, range = l->range;
     double cosine = fmax(-(double)l->spot_offset / (double)l->spot_scale, 0), sine = sqrt(fmax(1 - cosine * cosine, 0));

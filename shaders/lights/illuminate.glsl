@@ -21,7 +21,7 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
     vec3 direction = l.list.lights.at[light].direction;
     vec3 size = l.list.lights.at[light].size;
     to_light = -direction;
-    if (kind == GPU_LIGHT_CAPSULE) {
+    if (kind == GPU_SHAPE_CAPSULE) {
         precise float along = clamp(-dot(ray, direction), -size.x, size.x);
         precise vec3 nearest = ray + direction * along;
         precise float distance2 = max(dot(nearest, nearest), 1e-8);
@@ -35,7 +35,7 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
     precise vec3 up = cross(side, direction);
     precise vec3 at = vec3(-dot(ray, side), -dot(ray, up), -dot(ray, direction));
     float scale = l.list.lights.at[light].spot_scale;
-    if (kind == GPU_LIGHT_WEDGE) {
+    if (kind == GPU_SHAPE_WEDGE) {
         if (at.z <= 0.0) return 0.0;
         precise vec2 limit = max(size.xy * at.z, vec2(1e-20));
         precise float edge = light_edge(abs(at.x) / limit.x, scale) * light_edge(abs(at.y) / limit.y, scale);
@@ -74,11 +74,11 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
     if (ratio2 >= 1.0) return 0.0;
     uint kind = l.list.lights.at[light].kind;
     precise float attenuation;
-    if (kind <= GPU_LIGHT_SPOT) {
+    if (kind <= GPU_SHAPE_CONE) {
         precise float inverse_distance = inversesqrt(distance2);
         to_light = ray * inverse_distance;
         attenuation = (1.0 - ratio2 * ratio2) / distance2;
-        if (kind == GPU_LIGHT_SPOT) {
+        if (kind == GPU_SHAPE_CONE) {
             precise float angular = clamp(dot(l.list.lights.at[light].direction, -to_light) * l.list.lights.at[light].spot_scale +
                                               l.list.lights.at[light].spot_offset, 0.0, 1.0);
             attenuation *= angular * angular;

@@ -5,12 +5,12 @@
 
 #include "shared.h"
 
-#define GPU_LIGHT_DIRECTIONAL 0u /* the values of fnl_light_kind */
-#define GPU_LIGHT_POINT 1u
-#define GPU_LIGHT_SPOT 2u
-#define GPU_LIGHT_CAPSULE 3u
-#define GPU_LIGHT_WEDGE 4u
-#define GPU_LIGHT_BOX 5u
+#define GPU_SHAPE_NONE 0u /* of directional lights. These are the values of fnl_light_kind */
+#define GPU_SHAPE_SPHERE 1u
+#define GPU_SHAPE_CONE 2u
+#define GPU_SHAPE_CAPSULE 3u
+#define GPU_SHAPE_WEDGE 4u
+#define GPU_SHAPE_BOX 5u
 
 /* What an entry of the light array is. Lists carry whatever has a bound; shading visits lights only. */
 #define GPU_ENTITY_LIGHT 0u

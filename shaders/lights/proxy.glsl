@@ -19,25 +19,25 @@ vec2 light_proxy_spread(float range, float tangent) {
 void light_corners(gpu_light light, out vec3 corners[8]) {
     vec3 side = vec3(1.0, 0.0, 0.0), up = vec3(0.0, 1.0, 0.0), along = vec3(0.0, 0.0, 1.0), center = light.position;
     vec2 x = vec2(light.range), y = vec2(light.range), z = vec2(-light.range, light.range); // near and far
-    if (light.kind != GPU_LIGHT_POINT) {
+    if (light.kind != GPU_SHAPE_SPHERE) {
         side = light.side;
         along = light.direction;
         up = cross(side, along);
     }
-    if (light.kind == GPU_LIGHT_SPOT) {
+    if (light.kind == GPU_SHAPE_CONE) {
         // Rounding of the ramp may light a hair more than the cone.
         float cosine = -light.spot_offset / light.spot_scale - 4e-7, sine = sqrt(max(1.0 - cosine * cosine, 0.0));
         x = cosine > 0.5 ? vec2(0.0, light.range * sine / cosine) : vec2(light.range * sine);
         y = x;
         z = vec2(min(0.0, light.range * cosine), light.range);
-    } else if (light.kind == GPU_LIGHT_CAPSULE) {
+    } else if (light.kind == GPU_SHAPE_CAPSULE) {
         x = y = vec2(light.size.y);
         z = vec2(-light.size.x - light.size.y, light.size.x + light.size.y);
-    } else if (light.kind == GPU_LIGHT_WEDGE) {
+    } else if (light.kind == GPU_SHAPE_WEDGE) {
         x = light_proxy_spread(light.range, light.size.x);
         y = light_proxy_spread(light.range, light.size.y);
         z = vec2(0.0, light.range);
-    } else if (light.kind == GPU_LIGHT_BOX) {
+    } else if (light.kind == GPU_SHAPE_BOX) {
         x = vec2(light.size.x);
         y = vec2(light.size.y);
         z = vec2(-light.size.z, light.size.z);

@@ -32,9 +32,9 @@ light_source light_source_of(light_list_block l, uint light) {
     light_source s;
     s.first = s.last = l.list.lights.at[light].position;
     uint kind = l.list.lights.at[light].kind;
-    s.parallel = kind == GPU_LIGHT_BOX;
+    s.parallel = kind == GPU_SHAPE_BOX;
     if (s.parallel) s.first = s.last = -l.list.lights.at[light].direction;
-    if (kind == GPU_LIGHT_CAPSULE) {
+    if (kind == GPU_SHAPE_CAPSULE) {
         vec3 half_segment = l.list.lights.at[light].direction * l.list.lights.at[light].size.x;
         s.first -= half_segment;
         s.last += half_segment;

@@ -123,9 +123,9 @@ static double facing(const struct gpu_light *light, const double point[3], const
     double best = -1e30;
     for (int end = -1; end <= 1; end += 2) {
         vec3 at = light->position;
-        if (light->kind == GPU_LIGHT_CAPSULE) at = vec3_add_scaled(at, light->direction, (float)end * light->size.x);
+        if (light->kind == GPU_SHAPE_CAPSULE) at = vec3_add_scaled(at, light->direction, (float)end * light->size.x);
         double ray[3] = {(double)at.x - point[0], (double)at.y - point[1], (double)at.z - point[2]};
-        if (light->kind == GPU_LIGHT_BOX) {
+        if (light->kind == GPU_SHAPE_BOX) {
             ray[0] = -(double)light->direction.x;
             ray[1] = -(double)light->direction.y;
             ray[2] = -(double)light->direction.z;
@@ -196,7 +196,7 @@ static void check_sets(const struct gpu_view *view, const struct surfaces *s, co
             bool kept = list_holds(list, c, light);
             counts->plain++;
             counts->kept += kept;
-            if (by_angles && lights[light].kind <= GPU_LIGHT_SPOT &&
+            if (by_angles && lights[light].kind <= GPU_SHAPE_CONE &&
                 dropped_by_angles(view, s, x0, y0, size, lights[light].position)) {
                 counts->angles++;
                 assert_false(kept);

@@ -15,13 +15,13 @@ bool cell_faces(uint cell, uint i) {
     uint light = push.list.list.directional_count + push.visible_ids.at[i];
     uint kind = push.list.list.lights.at[light].kind;
     gpu_reach r = push.reaches.at[i];
-    if (kind == GPU_LIGHT_BOX) { // the same direction everywhere
+    if (kind == GPU_SHAPE_BOX) { // the same direction everywhere
         for (int k = 0; k < 4; k++)
             if (!(-dot(push.facings.at[cell].planes[k].xyz, r.axis) < -CELL_SLACK)) return true;
         return false;
     }
     float slack = r.slack + 3.0 * CELL_SLACK * push.list.list.lights.at[light].range;
-    if (kind == GPU_LIGHT_CAPSULE) slack += push.list.list.lights.at[light].size.x; // the nearest point of its segment shines
+    if (kind == GPU_SHAPE_CAPSULE) slack += push.list.list.lights.at[light].size.x; // the nearest point of its segment shines
     for (int k = 0; k < 4; k++) {
         vec4 plane = push.facings.at[cell].planes[k];
         if (!(dot(plane.xyz, r.apex) + plane.w < -slack)) return true;

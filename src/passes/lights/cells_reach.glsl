@@ -14,10 +14,10 @@ void reach_cone(gpu_light light, mat4 world_to_view, float slack, inout gpu_reac
     r.apex = (world_to_view * vec4(light.position, 1.0)).xyz;
     r.axis = normalize(mat3(world_to_view) * light.direction);
     r.range = 0.0;
-    if (light.kind == GPU_LIGHT_SPOT) {
+    if (light.kind == GPU_SHAPE_CONE) {
         r.cosine = -light.spot_offset / light.spot_scale;
         r.range = light.range;
-    } else if (light.kind == GPU_LIGHT_WEDGE) {
+    } else if (light.kind == GPU_SHAPE_WEDGE) {
         r.cosine = inversesqrt(1.0 + dot(light.size.xy, light.size.xy));
         r.range = light.range;
     }

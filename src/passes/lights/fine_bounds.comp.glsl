@@ -138,10 +138,10 @@ void main() {
     gpu_bound bound = push.bounds.at[index];
     low = vec3(FINE_FAR);
     high = vec3(-FINE_FAR);
-    if (light.kind != GPU_LIGHT_POINT) extend_by_proxy(light);
+    if (light.kind != GPU_SHAPE_SPHERE) extend_by_proxy(light);
     vec3 proxy_low = low, proxy_high = high;
     extend_by_sphere(bound);
-    if (light.kind != GPU_LIGHT_POINT) {
+    if (light.kind != GPU_SHAPE_SPHERE) {
         low = max(low, proxy_low);
         high = min(high, proxy_high);
     }

@@ -91,11 +91,11 @@ fine_volume fine_volume_of(uint light) {
     v.direction = v.side = v.size = vec3(0.0);
     v.spot_scale = v.spot_offset = 0.0;
     v.hull_first = 0u;
-    if (v.kind != GPU_LIGHT_POINT) v.direction = push.list.list.lights.at[light].direction;
-    if (v.kind == GPU_LIGHT_SPOT) {
+    if (v.kind != GPU_SHAPE_SPHERE) v.direction = push.list.list.lights.at[light].direction;
+    if (v.kind == GPU_SHAPE_CONE) {
         v.spot_scale = push.list.list.lights.at[light].spot_scale;
         v.spot_offset = push.list.list.lights.at[light].spot_offset;
-    } else if (v.kind != GPU_LIGHT_POINT) {
+    } else if (v.kind != GPU_SHAPE_SPHERE) {
         v.side = push.list.list.lights.at[light].side;
         v.size = push.list.list.lights.at[light].size;
     }
@@ -117,18 +117,18 @@ bool fine_shape_holds(fine_volume v, vec3 position, float slack) {
     float distance2 = dot(from, from), range = v.range + slack;
     if (distance2 > range * range) return false;
     slack += 2e-6 * v.range;
-    if (v.kind == GPU_LIGHT_SPOT) {
+    if (v.kind == GPU_SHAPE_CONE) {
         // A step of s at the distance d > s turns the ray by asin(s / d) at most, which is below 1.6 s / d; others may reach the apex.
         float d = sqrt(distance2), along = dot(v.direction, from) + 1.6 * slack + 2e-6 * d;
         if (d > slack && along * v.spot_scale + v.spot_offset * d < 0.0) return false;
-    } else if (v.kind == GPU_LIGHT_CAPSULE) {
+    } else if (v.kind == GPU_SHAPE_CAPSULE) {
         vec3 nearest = from - v.direction * clamp(dot(from, v.direction), -v.size.x, v.size.x);
         float radius = v.size.y + slack;
         if (dot(nearest, nearest) > radius * radius) return false;
-    } else if (v.kind >= GPU_LIGHT_WEDGE) {
+    } else if (v.kind >= GPU_SHAPE_WEDGE) {
         vec3 at = vec3(dot(from, v.side), dot(from, cross(v.side, v.direction)), dot(from, v.direction));
-        vec3 limit = v.kind == GPU_LIGHT_WEDGE ? vec3(v.size.xy * (at.z + slack), v.range) : v.size;
-        if (v.kind == GPU_LIGHT_WEDGE && at.z < -slack) return false;
+        vec3 limit = v.kind == GPU_SHAPE_WEDGE ? vec3(v.size.xy * (at.z + slack), v.range) : v.size;
+        if (v.kind == GPU_SHAPE_WEDGE && at.z < -slack) return false;
         if (any(greaterThan(abs(at), limit * (1.0 + 2e-6) + slack))) return false;
     }
     return true;

@@ -18,22 +18,22 @@ static struct extent extent_of(const struct gpu_light *light) {
     float r = light->range, s = 0;
     struct extent e = {{r, r}, {r, r}, {-r, r}};
     switch (light->kind) {
-    case GPU_LIGHT_SPOT: { /* rounding of the ramp may light a hair more than the cone */
+    case GPU_SHAPE_CONE: { /* rounding of the ramp may light a hair more than the cone */
         float cosine = -light->spot_offset / light->spot_scale - 4e-7f, sine = sqrtf(fmaxf(1 - cosine * cosine, 0));
         s = cosine > 0.5f ? r * sine / cosine : r * sine;
         e = (struct extent){{cosine > 0.5f ? 0 : s, s}, {cosine > 0.5f ? 0 : s, s}, {fminf(0, r * cosine), r}};
         break;
     }
-    case GPU_LIGHT_CAPSULE:
+    case GPU_SHAPE_CAPSULE:
         s = light->size.x + light->size.y;
         e = (struct extent){{light->size.y, light->size.y}, {light->size.y, light->size.y}, {-s, s}};
         break;
-    case GPU_LIGHT_WEDGE:
+    case GPU_SHAPE_WEDGE:
         spread(r, light->size.x, e.x);
         spread(r, light->size.y, e.y);
         e.z[0] = 0;
         break;
-    case GPU_LIGHT_BOX:
+    case GPU_SHAPE_BOX:
         e = (struct extent){{light->size.x, light->size.x}, {light->size.y, light->size.y}, {-light->size.z, light->size.z}};
         break;
     default:
@@ -45,7 +45,7 @@ static struct extent extent_of(const struct gpu_light *light) {
 void light_corners(const struct gpu_light *light, vec3 corners[8]) {
     vec3 side = {1, 0, 0}, up = {0, 1, 0}, along = {0, 0, 1}, center = light->position;
     struct extent e = extent_of(light);
-    if (light->kind != GPU_LIGHT_POINT) {
+    if (light->kind != GPU_SHAPE_SPHERE) {
         side = light->side;
         along = light->direction;
         up = vec3_cross(side, along);

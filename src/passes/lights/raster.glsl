@@ -47,8 +47,8 @@ light_mesh mesh_of(uint local) {
         if (own.count != 0u) return light_mesh(MESH_OWN, light, 0u, own.count, 0u, own.first);
     }
     uint kind = RASTER.list.list.lights.at[light].kind;
-    if (kind == GPU_LIGHT_POINT) return light_mesh(MESH_SPHERE, light, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES, 0u, 0u);
-    if (kind == GPU_LIGHT_SPOT)
+    if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, light, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES, 0u, 0u);
+    if (kind == GPU_SHAPE_CONE)
         return light_mesh(MESH_CONE, light, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES);
     return light_mesh(MESH_BOX, light, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, 0u, GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES);
 }

@@ -70,7 +70,7 @@ void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[G
 
 /* As in raster.glsl. */
 static vec3 mesh_vertex(const struct gpu_light *light, vec3 part) {
-    if (light->kind == GPU_LIGHT_POINT)
+    if (light->kind == GPU_SHAPE_SPHERE)
         return vec3_add_scaled(light->bound_center, part, light->bound_radius * (float)GPU_SPHERE_SCALE);
     float cosine = fminf(fmaxf(-light->spot_offset / light->spot_scale - 1e-6f, 0), 1), sine = sqrtf(1 - cosine * cosine);
     float along = part.z == (float)GPU_CONE_APEX ? 0 : part.z == (float)GPU_CONE_RIM ? cosine : 1;
@@ -86,11 +86,11 @@ uint32_t light_mesh(const struct gpu_light *light, vec3 *corners) {
     vec3 tables[GPU_RASTER_VERTICES], points[GPU_SPHERE_VERTICES];
     uint32_t triangles[GPU_RASTER_TRIANGLES], first = GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES, count = GPU_BOX_TRIANGLES;
     raster_mesh_tables(tables, triangles);
-    if (light->kind == GPU_LIGHT_POINT) {
+    if (light->kind == GPU_SHAPE_SPHERE) {
         for (uint32_t i = 0; i < GPU_SPHERE_VERTICES; i++) points[i] = mesh_vertex(light, tables[i]);
         first = 0;
         count = GPU_SPHERE_TRIANGLES;
-    } else if (light->kind == GPU_LIGHT_SPOT) {
+    } else if (light->kind == GPU_SHAPE_CONE) {
         for (uint32_t i = 0; i < GPU_CONE_VERTICES; i++) points[i] = mesh_vertex(light, tables[GPU_SPHERE_VERTICES + i]);
         first = GPU_SPHERE_TRIANGLES;
         count = GPU_CONE_TRIANGLES;
@@ -111,7 +111,7 @@ static void put_quad(vec3 *corners, uint32_t *count, const vec3 *p, uint32_t a, 
 
 uint32_t light_mesh_from_depth(const struct gpu_light *light, const float *depth, uint32_t size, uint32_t blocks,
                                vec3 *corners) {
-    if (light->kind != GPU_LIGHT_SPOT) return 0;
+    if (light->kind != GPU_SHAPE_CONE) return 0;
     float cosine = -light->spot_offset / light->spot_scale - 1e-6f;
     if (!(cosine > 0.02f) || !blocks || size % blocks) return 0;
     float tangent = sqrtf(fmaxf(1 - cosine * cosine, 0)) / cosine * (1 + 1e-5f);

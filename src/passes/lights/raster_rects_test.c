@@ -50,7 +50,7 @@ static bool extent_of(const struct gpu_view *view, const struct gpu_light *light
         if (!orthographic) reference_slopes(at[axis], -at[2], radius, 1e-6, slopes[axis]);
     }
     vec3 corners[240];
-    uint32_t count = light->kind == GPU_LIGHT_POINT ? 0 : 3 * light_mesh(light, corners);
+    uint32_t count = light->kind == GPU_SHAPE_SPHERE ? 0 : 3 * light_mesh(light, corners);
     double mesh[2][2] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}, depths[2] = {INFINITY, -INFINITY};
     for (uint32_t i = 0; i < count; i++) {
         const double corner[3] = {(double)corners[i].x, (double)corners[i].y, (double)corners[i].z};

@@ -123,7 +123,7 @@ static uint64_t check_reached(const struct raster_request *r, const struct list_
             vec3 low = vec3_lerp(vec3_lerp(corners[0], corners[1], a), vec3_lerp(corners[2], corners[3], a), b),
                  high = vec3_lerp(vec3_lerp(corners[4], corners[5], a), vec3_lerp(corners[6], corners[7], a), b);
             vec3 at = vec3_lerp(low, high, c);
-            if (light->kind == GPU_LIGHT_POINT || (light->kind == GPU_LIGHT_SPOT && k % 2)) { /* near the rim */
+            if (light->kind == GPU_SHAPE_SPHERE || (light->kind == GPU_SHAPE_CONE && k % 2)) { /* near the rim */
                 vec3 ray = vec3_sub(at, light->position);
                 float length = vec3_length(ray);
                 if (length > 0) at = vec3_add_scaled(light->position, ray, light->range / length * (k % 3 ? 0.9999f : b));
@@ -164,12 +164,12 @@ static void check_tight(const struct raster_request *r, const struct list_copy *
             bool known = false;
             for (uint32_t slice = 0; slice < g->slices; slice++) {
                 uint32_t cell = slice * g->tiles_x * g->tiles_y + tile;
-                if (!spots_only || lights[i].kind == GPU_LIGHT_SPOT) {
+                if (!spots_only || lights[i].kind == GPU_SHAPE_CONE) {
                     struct reference_cell c = reference_cell_of(&sphere_request, g, cell, 0);
                     *out_spheres += reference_touches(&c, &sphere_request, i, 0, true);
                 }
                 if (!list_holds(list, cell, i)) continue;
-                if (!spots_only || lights[i].kind == GPU_LIGHT_SPOT) ++*out_listed;
+                if (!spots_only || lights[i].kind == GPU_SHAPE_CONE) ++*out_listed;
                 if (!known) {
                     range = mesh_in_tile(&r->view, corners, triangles, g->tile_size, tile % g->tiles_x, tile / g->tiles_x,
                                          0.05, near);

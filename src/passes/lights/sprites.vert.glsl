@@ -16,14 +16,14 @@ float edge_part(float scale) { return 1.0 - 2.0 / (3.0 * scale); }
 // Luminous intensity in candela, of colour 1, that matt surfaces which catch half the light of a lamp, or all of a beam, send to one side.
 float reflected_intensity(gpu_light light) {
     float part = 1.0; // lumens over 2 pi
-    if (light.kind == GPU_LIGHT_SPOT) {
+    if (light.kind == GPU_SHAPE_CONE) {
         float outer = -light.spot_offset / light.spot_scale, inner = outer + 1.0 / light.spot_scale;
         part = 1.0 - inner + (inner - outer) / 3.0;
-    } else if (light.kind == GPU_LIGHT_WEDGE) {
+    } else if (light.kind == GPU_SHAPE_WEDGE) {
         vec2 tangent = light.size.xy * edge_part(light.spot_scale);
         float angle = 4.0 * asin(tangent.x * tangent.y * inversesqrt((1.0 + tangent.x * tangent.x) * (1.0 + tangent.y * tangent.y)));
         part = angle / (2.0 * PI);
-    } else if (light.kind == GPU_LIGHT_BOX) {
+    } else if (light.kind == GPU_SHAPE_BOX) {
         vec2 side = 2.0 * light.size.xy * edge_part(light.spot_scale);
         part = side.x * side.y / (2.0 * PI);
     }

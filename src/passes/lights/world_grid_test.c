@@ -8,7 +8,7 @@ static struct gpu_light lights[LIGHTS];
 
 static void random_lights(struct random_state *random, vec3 about, float spread, float radius) {
     for (uint32_t i = 0; i < LIGHTS; i++) {
-        lights[i] = (struct gpu_light){.kind = GPU_LIGHT_POINT, .bound_radius = radius * random_range(random, 0.01f, 1)};
+        lights[i] = (struct gpu_light){.kind = GPU_SHAPE_SPHERE, .bound_radius = radius * random_range(random, 0.01f, 1)};
         lights[i].bound_center = vec3_make(about.x + random_range(random, -spread, spread),
                                            about.y + random_range(random, -spread, spread) * 0.3f,
                                            about.z + random_range(random, -spread, spread));

@@ -68,7 +68,7 @@ coarse_light ambient_parts(surface s, vec3 to_view) {
 // Lights whose illuminance ends at an edge that shows: cones, wedges, boxes. That of points and capsules fades out to nothing.
 bool has_edge(uint light) {
     uint kind = push.lights.list.lights.at[light].kind;
-    return kind != GPU_LIGHT_POINT && kind != GPU_LIGHT_CAPSULE || push.lights.list.lights.at[light].hull_count != 0u;
+    return kind != GPU_SHAPE_SPHERE && kind != GPU_SHAPE_CAPSULE || push.lights.list.lights.at[light].hull_count != 0u;
 }
 
 // `parts` of the light at a pixel's surface. The sum of the parts is what shade_surface() gives but for the order of its additions.

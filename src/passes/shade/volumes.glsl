@@ -14,6 +14,6 @@ layout(buffer_reference) buffer volume_draws;
 float volume_cosine(gpu_light light) { return -light.spot_offset / light.spot_scale - 4e-7; }
 
 // Wide cones fit into a sphere better than into a pyramid.
-bool volume_is_cone(gpu_light light) { return light.kind == GPU_LIGHT_SPOT && volume_cosine(light) > 0.5; }
+bool volume_is_cone(gpu_light light) { return light.kind == GPU_SHAPE_CONE && volume_cosine(light) > 0.5; }
 
 #endif

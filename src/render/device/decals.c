@@ -211,7 +211,7 @@ static struct gpu_light device_box(const mat4 *transform) {
         radius = fmaxf(radius, vec3_length(corner));
     }
     struct gpu_light g = {.position = column(transform, 3),
-                          .kind = GPU_LIGHT_POINT,
+                          .kind = GPU_SHAPE_SPHERE,
                           .color = {1, 1, 1},
                           .range = radius * BOX_SLACK + 1e-6f,
                           .entity = GPU_ENTITY_DECAL};
@@ -223,7 +223,7 @@ static struct gpu_light device_box(const mat4 *transform) {
         square = square && fabsf(vec3_dot(half[i], half[k])) <= 1e-5f * size[i] * size[k];
     }
     if (!square || !(size[0] > 0 && size[1] > 0 && size[2] > 0)) return g;
-    g.kind = GPU_LIGHT_BOX;
+    g.kind = GPU_SHAPE_BOX;
     g.side = vec3_scale(half[0], 1 / size[0]);
     g.direction = vec3_scale(half[2], -1 / size[2]);
     g.size = vec3_scale(vec3_make(size[0], size[1], size[2]), BOX_SLACK);

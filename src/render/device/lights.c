@@ -144,7 +144,7 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
     const struct scene_light *light = light_at(d->scene, slot);
     struct gpu_light *place = &d->light_data.data[slot],
                      g = light ? light_of(d->scene, light)
-                               : (struct gpu_light){.kind = GPU_LIGHT_POINT, .entity = GPU_ENTITY_LIGHT};
+                               : (struct gpu_light){.kind = GPU_SHAPE_SPHERE, .entity = GPU_ENTITY_LIGHT};
     d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
     ranges_give(&d->host, &d->planes_taken, place->hull_first, place->hull_count);
     *place = g;
