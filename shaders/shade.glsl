@@ -56,7 +56,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
 
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].direction);
+        sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     }
 
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, item));

@@ -5,7 +5,8 @@
 #include "tests/light_reference.h"
 
 fnl_light_params params[FINE_LIGHTS_MAX];
-struct gpu_light lights[FINE_LIGHTS_MAX];
+struct list_light lights[FINE_LIGHTS_MAX];
+uint32_t fine_kinds = 1u << GPU_ENTITY_LIGHT;
 
 /* ---- building and reading back ---- */
 
@@ -13,6 +14,7 @@ struct gpu_light lights[FINE_LIGHTS_MAX];
 struct fine_copy fine_build(const struct gpu_view *view, uint32_t light_count, const float *depth, const float *front,
                             const struct fine_params *given) {
     struct list_lab lab = list_lab_open(view, lights, light_count);
+    lab.input.kinds = fine_kinds;
     struct fine_params p = *given;
     graph_image depth_handle = list_lab_depth(&lab, depth);
     p.blend_depth = list_lab_depth(&lab, front);
@@ -179,7 +181,7 @@ void fine_random_lights(const struct gpu_view *view, struct random_state *random
         light.box_size =
             vec3_make(random_range(random, 0.1f, 8), random_range(random, 0.1f, 8), random_range(random, 0.1f, 8));
         params[i] = light;
-        lights[i] = device_light(&light);
+        lights[i] = list_light_of(&light, i);
     }
 }
 
@@ -195,5 +197,5 @@ void fine_place(const struct gpu_view *view, uint32_t index, double x, double y,
         params[index].direction = vec3_make(1, 0, 0);
         params[index].outer_cone_angle = 0.2f;
     }
-    lights[index] = device_light(&params[index]);
+    lights[index] = list_light_of(&params[index], index);
 }

@@ -10,7 +10,9 @@ enum { FINE_LIGHTS_MAX = 6000, FINE_WIDTH = 109, FINE_HEIGHT = 61 };
 
 /** The lights at hand: those of fine_random_lights, or what a test puts there. */
 extern fnl_light_params params[FINE_LIGHTS_MAX];
-extern struct gpu_light lights[FINE_LIGHTS_MAX];
+extern struct list_light lights[FINE_LIGHTS_MAX];
+/** light_input.kinds of what is built: lights, unless a test says more. */
+extern uint32_t fine_kinds;
 
 enum { COPY_CELLS, COPY_IDS, COPY_EXTRA, COPY_BOXES, COPY_VISIBLE, COPY_TOTALS, COPY_COUNT };
 

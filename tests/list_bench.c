@@ -88,6 +88,21 @@ struct list_copy list_copy_of_cpu(const struct clustered_cpu *builder, const str
 
 /* ---- building ---- */
 
+struct list_light list_light_of(const fnl_light_params *light, uint32_t slot) {
+    struct gpu_light device;
+    struct list_light out;
+    device_light(light, slot, &device, &out.bounds);
+    out.shape = device.shape;
+    return out;
+}
+
+struct gpu_entity_bounds *list_bounds_of(const struct list_light *lights, uint32_t count) {
+    struct gpu_entity_bounds *bounds = calloc(MAX(count, 1u), sizeof *bounds);
+    assert_non_null(bounds);
+    for (uint32_t i = 0; i < count; i++) bounds[i] = lights[i].bounds;
+    return bounds;
+}
+
 static bool is_tiled(const struct list_request *request) { return request->builder <= LIST_ENHANCED; }
 static bool has_halves(const struct list_request *request) { return request->builder == LIST_HALFZ && request->depth; }
 
@@ -110,30 +125,51 @@ static struct list_copy build_on_cpu(const struct list_request *request) {
     const struct gpu_view *v = &request->view;
     struct clustered_cpu builder;
     clustered_cpu_init(&builder, gpu_host(device));
-    struct light_input input = {.local_count = request->light_count, .width = v->size.x, .height = v->size.y};
+    struct light_input input = {.kinds = 1u << GPU_ENTITY_LIGHT,
+                                .local_count = request->light_count,
+                                .width = v->size.x,
+                                .height = v->size.y};
+    struct gpu_entity_bounds *bounds = list_bounds_of(request->lights, request->light_count);
     struct clustered_cpu_view view = {v->ndc_scale, v->ndc_offset, v->orthographic > 0.5f, v->size.x, v->size.y};
     struct gpu_light_list grid = list_grid(request);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     struct light_list list =
-        clustered_cpu_add(&builder, device, &input, request->lights, &v->world_to_view, &view, &request->clustered);
+        clustered_cpu_add(&builder, device, &input, bounds, &v->world_to_view, &view, &request->clustered);
     assert_int_equal(gpu_frame_end(device, NULL, 0, NULL), FNL_OK);
     struct list_copy copy = list_copy_of_cpu(&builder, &grid);
     assert_true(list.totals_known);
     copy.totals = list.known;
     clustered_cpu_finish(&builder);
+    free(bounds);
     return copy;
 }
 
-struct list_lab list_lab_open(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count) {
+struct list_lab list_lab_open(const struct gpu_view *view, const struct list_light *lights, uint32_t light_count) {
     gpu_device *device = harness_device();
     struct list_lab lab = {.view = *view};
-    uint64_t size = light_count * sizeof *lights;
+    const uint64_t shapes = light_count * sizeof(struct gpu_light), bounds = shapes + light_count * sizeof(struct gpu_shape),
+                   size = bounds + light_count * sizeof(struct gpu_entity_bounds);
     assert_int_equal(graph_create(gpu_host(device), device, &lab.graph), FNL_OK);
     assert_int_equal(gpu_buffer_create(device, "test lights", size, GPU_MEMORY_UPLOAD, &lab.lights), FNL_OK);
-    if (size) memcpy(lab.lights.mapped, lights, size);
+    char *mapped = lab.lights.mapped;
+    for (uint32_t i = 0; i < light_count; i++) {
+        struct gpu_entity_bounds placed = lights[i].bounds;
+        if (placed.shape != GPU_NO_SHAPE) placed.shape = i * (uint32_t)sizeof(struct gpu_shape);
+        memcpy(mapped + shapes + i * sizeof(struct gpu_shape), &lights[i].shape, sizeof(struct gpu_shape));
+        memcpy(mapped + bounds + i * sizeof placed, &placed, sizeof placed);
+        if (placed.kind != GPU_ENTITY_LIGHT) continue;
+        struct gpu_light light = {.shape = lights[i].shape, .color = {1, 1, 1}};
+        assert_true(placed.user < light_count);
+        memcpy(mapped + placed.user * sizeof light, &light, sizeof light);
+    }
     graph_begin(lab.graph);
-    lab.input = (struct light_input){
-        .lights = lab.lights.address, .local_count = light_count, .width = view->size.x, .height = view->size.y};
+    lab.input = (struct light_input){.entities = lab.lights.address + bounds,
+                                     .shapes = lab.lights.address + shapes,
+                                     .lights = lab.lights.address,
+                                     .kinds = 1u << GPU_ENTITY_LIGHT,
+                                     .local_count = light_count,
+                                     .width = view->size.x,
+                                     .height = view->size.y};
     return lab;
 }
 
@@ -475,10 +511,10 @@ struct reference_cell reference_cell_of(const struct list_request *request, cons
 }
 
 static double bound_in_view(const struct list_request *request, uint32_t light, double center[3]) {
-    const struct gpu_light *l = &request->lights[light];
-    double world[3] = {l->bound_center.x, l->bound_center.y, l->bound_center.z};
+    const struct list_light *l = &request->lights[light];
+    double world[3] = {l->bounds.center.x, l->bounds.center.y, l->bounds.center.z};
     transform(&request->view.world_to_view, world, center);
-    return l->bound_radius;
+    return l->bounds.radius;
 }
 
 bool reference_touches(const struct reference_cell *cell, const struct list_request *request, uint32_t light, double slack,
@@ -590,15 +626,15 @@ static bool nearest_of_hull(double points[4][3], uint32_t *count, double out[3])
 
 /* By the algorithm of Gilbert, Johnson and Keerthi (1988) on extreme points of cell and cone. */
 double reference_cone_gap(const struct reference_cell *cell, const struct list_request *request, uint32_t light) {
-    const struct gpu_light *l = &request->lights[light];
-    if (l->kind != GPU_SHAPE_CONE) return 0;
+    const struct list_light *l = &request->lights[light];
+    if (l->shape.kind != GPU_SHAPE_CONE) return 0;
     const mat4 *m = &request->view.world_to_view;
-    double apex[3], tip[3], axis[3], world[3] = {l->position.x, l->position.y, l->position.z}, range = l->range;
-    double cosine = fmax(-(double)l->spot_offset / (double)l->spot_scale, 0), sine = sqrt(fmax(1 - cosine * cosine, 0));
+    double apex[3], tip[3], axis[3], world[3] = {l->shape.position.x, l->shape.position.y, l->shape.position.z}, range = l->shape.range;
+    double cosine = fmax(-(double)l->shape.spot_offset / (double)l->shape.spot_scale, 0), sine = sqrt(fmax(1 - cosine * cosine, 0));
     transform(m, world, apex);
-    world[0] += (double)l->direction.x;
-    world[1] += (double)l->direction.y;
-    world[2] += (double)l->direction.z;
+    world[0] += (double)l->shape.direction.x;
+    world[1] += (double)l->shape.direction.y;
+    world[2] += (double)l->shape.direction.z;
     transform(m, world, tip);
     for (int i = 0; i < 3; i++) axis[i] = tip[i] - apex[i];
     double axis_length = sqrt(dot3(axis, axis));
@@ -716,7 +752,7 @@ static vec3 world_of(const struct gpu_view *view, double x, double y, double vie
 }
 
 void list_random_lights(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
-                        struct gpu_light *lights) {
+                        struct list_light *lights) {
     for (uint32_t i = 0; i < count; i++) {
         fnl_light_params light = fnl_light_params_default();
         double depth = exp2((double)random_range(random, -2, 6.5f));
@@ -744,12 +780,12 @@ void list_random_lights(const struct gpu_view *view, struct random_state *random
             light.inner_cone_angle = light.outer_cone_angle * 0.5f;
         }
         params[i] = light;
-        lights[i] = device_light(&light);
+        lights[i] = list_light_of(&light, i);
     }
 }
 
 void list_random_shapes(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
-                        struct gpu_light *lights) {
+                        struct list_light *lights) {
     list_random_lights(view, random, count, params, lights);
     for (uint32_t i = 0; i < count; i += 3) {
         fnl_light_params *p = &params[i];
@@ -776,7 +812,7 @@ void list_random_shapes(const struct gpu_view *view, struct random_state *random
             p->inner_cone_angle = 0;
             p->range *= 3;
         }
-        lights[i] = device_light(p);
+        lights[i] = list_light_of(p, i);
     }
 }
 

@@ -10,10 +10,20 @@
 
 enum list_builder { LIST_TILED, LIST_HALFZ, LIST_25D, LIST_ENHANCED, LIST_CLUSTERED, LIST_CLUSTERED_CPU, LIST_BVH };
 
+/** What lists are built over: a light's shape and bounds, or those of something else that a test makes up. */
+struct list_light {
+    struct gpu_shape shape;
+    struct gpu_entity_bounds bounds;
+};
+/** Of the light of a slot. */
+struct list_light list_light_of(const fnl_light_params *light, uint32_t slot);
+/** The bounds alone, in an array to be freed. */
+struct gpu_entity_bounds *list_bounds_of(const struct list_light *lights, uint32_t count);
+
 struct list_request {
     enum list_builder builder;
     struct gpu_view view;
-    const struct gpu_light *lights; /* local ones */
+    const struct list_light *lights;
     uint32_t light_count;
     const float *depth; /* reversed, one per pixel; NULL: none. For tiles */
     const float *front; /* of the nearest blended surfaces, likewise; NULL: the list is of opaque ones */
@@ -58,11 +68,12 @@ struct list_lab {
     struct light_input input;
     struct lights_in_view in_view;
     struct list_reads reads;
-    struct gpu_buffer lights;
+    struct gpu_buffer lights; /* the lights by user index, then all shapes, then all bounds */
     struct gpu_image images[2];
     uint32_t image_count;
 };
-struct list_lab list_lab_open(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count);
+/** The lists are for lights, unless the test changes lab.input.kinds before it begins. */
+struct list_lab list_lab_open(const struct gpu_view *view, const struct list_light *lights, uint32_t light_count);
 /** An image of the view's size; without texels none. Before the frame begins. */
 graph_image list_lab_image(struct list_lab *lab, VkFormat format, uint32_t texel_bytes, const void *texels);
 static inline graph_image list_lab_depth(struct list_lab *lab, const float *depth) {
@@ -141,10 +152,10 @@ extern const char *const list_view_names[LIST_VIEWS];
 struct gpu_view list_random_view(uint32_t kind, struct random_state *random, uint32_t width, uint32_t height);
 /** Points and spots of all sizes before, around and behind the viewer; some with rim or centre on the edge of a tile. */
 void list_random_lights(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
-                        struct gpu_light *lights);
+                        struct list_light *lights);
 /** The same, but every third is a capsule, a wedge, a box, or a very narrow spot. */
 void list_random_shapes(const struct gpu_view *view, struct random_state *random, uint32_t count, fnl_light_params *params,
-                        struct gpu_light *lights);
+                        struct list_light *lights);
 /** Slanted surfaces with jumps, and sky; reversed. To be freed. */
 float *list_random_depth(const struct gpu_view *view, struct random_state *random);
 

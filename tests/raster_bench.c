@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/raster_bench.h"
 
-struct raster_request raster_request_of(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count) {
+struct raster_request raster_request_of(const struct gpu_view *view, const struct list_light *lights, uint32_t light_count) {
     struct raster_request r = {
         .view = *view, .lights = lights, .light_count = light_count, .raster = raster_params_default()};
     r.raster.grid.tile_size = 32;
@@ -9,7 +9,7 @@ struct raster_request raster_request_of(const struct gpu_view *view, const struc
 }
 
 /* Turns linked lists into arrays; fails on links that leave the pool and on lists that are longer than the pool. */
-static void walk_links(struct raster_copy *copy, const struct gpu_light *lights, uint32_t nodes, uint32_t capacity) {
+static void walk_links(struct raster_copy *copy, const struct list_light *lights, uint32_t nodes, uint32_t capacity) {
     struct list_copy *list = &copy->list;
     list->cells = malloc(list->cell_count * sizeof *list->cells);
     list->ids = malloc(MAX(capacity, 1u) * 4ull);
@@ -25,7 +25,7 @@ static void walk_links(struct raster_copy *copy, const struct gpu_light *lights,
             uint32_t word = copy->words[nodes == GPU_NODES_64 ? 2 * node : node];
             list->ids[total++] = nodes == GPU_NODES_64 ? word & 0xffffff : word >> 20;
             if (nodes == GPU_NODES_64) {
-                assert_int_equal(word >> 24, lights[word & 0xffffff].kind);
+                assert_int_equal(word >> 24, lights[word & 0xffffff].shape.kind);
                 node = copy->words[2 * node + 1];
             } else {
                 node = (word & GPU_NODE_32_END) == GPU_NODE_32_END ? GPU_NODE_END : word & GPU_NODE_32_END;

@@ -8,7 +8,7 @@
 
 struct raster_request {
     struct gpu_view view;
-    const struct gpu_light *lights;
+    const struct list_light *lights;
     uint32_t light_count;
     struct raster_params raster;
     const struct gpu_raster_mesh *meshes; /* or NULL */
@@ -28,7 +28,7 @@ struct raster_copy {
 };
 
 /** Tiles of 32 pixels, everything else by default. */
-struct raster_request raster_request_of(const struct gpu_view *view, const struct gpu_light *lights, uint32_t light_count);
+struct raster_request raster_request_of(const struct gpu_view *view, const struct list_light *lights, uint32_t light_count);
 struct raster_copy raster_build(const struct raster_request *request);
 void raster_copy_free(struct raster_copy *copy);
 

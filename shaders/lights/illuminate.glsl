@@ -18,8 +18,8 @@ float light_edge(float part, float scale) {
 // Capsules, wedges and boxes. `ray` leads from the point to the light's position.
 float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, out vec3 to_light) {
     precise float strength = 0.0;
-    vec3 direction = l.list.lights.at[light].direction;
-    vec3 size = l.list.lights.at[light].size;
+    vec3 direction = l.list.lights.at[light].shape.direction;
+    vec3 size = l.list.lights.at[light].shape.size;
     to_light = -direction;
     if (kind == GPU_SHAPE_CAPSULE) {
         precise float along = clamp(-dot(ray, direction), -size.x, size.x);
@@ -31,15 +31,15 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
         strength = (1.0 - ratio2 * ratio2) / distance2;
         return strength;
     }
-    vec3 side = l.list.lights.at[light].side;
+    vec3 side = l.list.lights.at[light].shape.side;
     precise vec3 up = cross(side, direction);
     precise vec3 at = vec3(-dot(ray, side), -dot(ray, up), -dot(ray, direction));
-    float scale = l.list.lights.at[light].spot_scale;
+    float scale = l.list.lights.at[light].shape.spot_scale;
     if (kind == GPU_SHAPE_WEDGE) {
         if (at.z <= 0.0) return 0.0;
         precise vec2 limit = max(size.xy * at.z, vec2(1e-20));
         precise float edge = light_edge(abs(at.x) / limit.x, scale) * light_edge(abs(at.y) / limit.y, scale);
-        float range = l.list.lights.at[light].range;
+        float range = l.list.lights.at[light].shape.range;
         precise float distance2 = max(dot(ray, ray), 1e-8);
         precise float ratio2 = distance2 / (range * range);
         to_light = ray * inversesqrt(distance2);
@@ -55,7 +55,7 @@ float light_shape_strength(light_list_block l, uint light, uint kind, vec3 ray, 
 // Whether the light's hull holds a point; `ray` leads from the point to the light's position.
 bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
     plane_array planes = l.list.planes;
-    uint first = l.list.lights.at[light].hull_first;
+    uint first = l.list.lights.at[light].shape.hull_first;
     for (uint i = 0u; i < count; i++) {
         precise float from_light = -dot(planes.at[first + i].xyz, ray);
         if (from_light >= planes.at[first + i].w) return false;
@@ -66,27 +66,27 @@ bool light_hull_holds(light_list_block l, uint light, uint count, vec3 ray) {
 // Illuminance at right angles to the ray that a light of colour 1 gives, in lux; `to_light` is unit. Exactly zero where the light's
 // volume does not hold the position. `light` is an index into the light array, not of a directional light.
 float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_light) {
-    precise vec3 ray = l.list.lights.at[light].position - position;
+    precise vec3 ray = l.list.lights.at[light].shape.position - position;
     precise float distance2 = max(dot(ray, ray), 1e-8);
-    float range = l.list.lights.at[light].range;
+    float range = l.list.lights.at[light].shape.range;
     precise float ratio2 = distance2 / (range * range);
     to_light = vec3(0.0);
     if (ratio2 >= 1.0) return 0.0;
-    uint kind = l.list.lights.at[light].kind;
+    uint kind = l.list.lights.at[light].shape.kind;
     precise float attenuation;
     if (kind <= GPU_SHAPE_CONE) {
         precise float inverse_distance = inversesqrt(distance2);
         to_light = ray * inverse_distance;
         attenuation = (1.0 - ratio2 * ratio2) / distance2;
         if (kind == GPU_SHAPE_CONE) {
-            precise float angular = clamp(dot(l.list.lights.at[light].direction, -to_light) * l.list.lights.at[light].spot_scale +
-                                              l.list.lights.at[light].spot_offset, 0.0, 1.0);
+            precise float angular = clamp(dot(l.list.lights.at[light].shape.direction, -to_light) * l.list.lights.at[light].shape.spot_scale +
+                                              l.list.lights.at[light].shape.spot_offset, 0.0, 1.0);
             attenuation *= angular * angular;
         }
     } else {
         attenuation = light_shape_strength(l, light, kind, ray, to_light);
     }
-    uint hull_count = l.list.lights.at[light].hull_count;
+    uint hull_count = l.list.lights.at[light].shape.hull_count;
     if (hull_count != 0u && !light_hull_holds(l, light, hull_count, ray)) return 0.0;
     return attenuation;
 }
@@ -103,7 +103,7 @@ vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light
 bool light_reaches(light_list_block l, uint light, vec3 position) {
     vec3 to_light;
     float strength = light_strength(l, light, position, to_light);
-    return !(strength <= 0.0) && l.list.lights.at[light].bound_radius > 0.0;
+    return !(strength <= 0.0) && any(greaterThan(l.list.lights.at[light].color, vec3(0.0)));
 }
 
 #endif

@@ -14,12 +14,16 @@
 #include "view.glsl"
 
 layout(buffer_reference) buffer light_array;
+layout(buffer_reference) buffer entity_array;
+layout(buffer_reference) buffer shape_block;
 layout(buffer_reference) buffer cell_array;
 layout(buffer_reference) buffer bounds_array;
 
 #include "lights/lights_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_array { gpu_light at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer entity_array { gpu_entity_bounds at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer shape_block { gpu_shape shape; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer cell_array { gpu_cell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer bounds_array { gpu_cell_bounds at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer light_list_block { gpu_light_list list; };

@@ -3,46 +3,16 @@
 #ifndef FNL_SHADERS_LIGHTS_SHARED_H
 #define FNL_SHADERS_LIGHTS_SHARED_H
 
-#include "shared.h"
-
-#define GPU_SHAPE_NONE 0u /* of directional lights. These are the values of fnl_light_kind */
-#define GPU_SHAPE_SPHERE 1u
-#define GPU_SHAPE_CONE 2u
-#define GPU_SHAPE_CAPSULE 3u
-#define GPU_SHAPE_WEDGE 4u
-#define GPU_SHAPE_BOX 5u
-
-/* What an entry of the light array is. Lists carry whatever has a bound; shading visits lights only. */
-#define GPU_ENTITY_LIGHT 0u
-#define GPU_ENTITY_PROBE 1u
-#define GPU_ENTITY_DECAL 2u
+#include "lights/bounds_shared.h"
 
 /* Directional lights come first in the light array; all others follow and are what lists index. Each of those keeps its index from when it is
-   added until it is removed; an index that no light has, or a hidden one, holds a light without range and bound. */
+   added until it is removed; an index that no light has, or a hidden one, holds a light without range, whose bounds have no radius. */
 struct gpu_light {
-    vec3 position;       /* world space: centre, apex, or middle of a capsule or box */
-    float range;         /* metres from the position; exactly no light from here on */
-    vec3 color;          /* colour times intensity: cd, or lux */
-    uint kind;
-    uint hull_count;     /* planes that bound it besides its shape; 0: none */
-    vec3 direction;      /* unit, where it shines to */
-    float spot_scale;    /* angular ramp of KHR_lights_punctual: sat(cos * scale + offset)^2; wedge and box: sat((1 - part) * scale)^2
-                            of the part of the way from axis to edge */
-    float spot_offset;
-    vec3 bound_center;   /* world-space sphere that holds everything that is lit */
-    float bound_radius;  /* 0: nothing is lit */
-    vec3 side;           /* unit, at right angles to the direction: across a wedge or box; not of point lights */
-    vec3 size;           /* capsule: half length, range from the segment; wedge: tangents of the half angles across and up;
-                            box: half sizes across, up and along */
-    uint hull_first;     /* of its first plane in gpu_light_list.planes */
-    uint entity;         /* GPU_ENTITY_… */
+    STRUCT(gpu_shape) shape; /* what it lights: exactly no light outside. The angular ramp of KHR_lights_punctual is
+                                sat(cos * spot_scale + spot_offset)^2; of wedges and boxes sat((1 - part) * spot_scale)^2 of the part of the
+                                way from axis to edge */
+    vec3 color;              /* colour times intensity: cd, or lux */
 };
-
-/* Planes of hulls: xyz is unit and points outward, w the distance of the plane from the light's
-   position; inside is dot(xyz, p - position) < w. */
-#ifdef GL_core_profile
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer plane_array { vec4 at[]; };
-#endif
 
 /* How a pixel finds its lights; a specialisation constant of every shader that iterates. */
 #define GPU_LIST_ALL 0u     /* every light, every pixel: the oracle */
@@ -115,7 +85,7 @@ struct gpu_cell_bounds {
 
 struct gpu_light_list {
     uint directional_count;
-    uint local_count;    /* lights that are not directional */
+    uint local_count;    /* lights that are not directional, or whatever bounds the list is over */
     uint tile_size;      /* pixels */
     uint tiles_x;
     uint tiles_y;
@@ -127,7 +97,9 @@ struct gpu_light_list {
     uint linear;
     uint nodes;          /* GPU_NODES_…, of GPU_LIST_LINKS */
     ADDRESS(light_array) lights; /* directional ones first */
-    ADDRESS(plane_array) planes; /* of their hulls */
+    ADDRESS(entity_array) entities; /* bounds of what the list is over: local lights, decals … */
+    ADDRESS(shape_block) shapes; /* see gpu_entity_bounds */
+    ADDRESS(plane_array) planes; /* of hulls */
     ADDRESS(cell_array) cells;   /* x fastest, then y, then slice */
     ADDRESS(const_uint_array) ids; /* ascending in each cell; 0 is the first local light */
     ADDRESS(const_uint_array) extra; /* what else a kind needs. Bins: lights in view -> local lights. Items: the scene. Fine: masks and

@@ -73,8 +73,9 @@ static void add_list(struct frame_state *f) {
     const struct device_decals *all = decals_of(f);
     struct geometry_scene *geometry = &f->scene->geometry;
     struct frame_decals *d = &f->decals;
-    struct light_input input = {.buffer = d->buffers.boxes,
-                                .lights = all->boxes.address,
+    struct light_input input = {.buffer = d->buffers.bounds,
+                                .entities = all->bounds.address,
+                                .kinds = 1u << GPU_ENTITY_DECAL,
                                 .local_count = all->count,
                                 .view = f->view_address,
                                 .width = f->frame->width,

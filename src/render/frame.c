@@ -127,7 +127,7 @@ static fnl_result fade_lights(struct frame_state *f) {
     float lod = f->frame->light_lod;
     TRY(device_lights_fade(d, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
     f->whole_lights = f->scene->lights;
-    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, lod);
+    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, &d->faded_bounds, lod);
     return FNL_OK;
 }
 

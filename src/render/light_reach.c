@@ -24,12 +24,12 @@ static double slice_at(const struct gpu_light_list *grid, float depth) {
 }
 
 /* Tiles, slices and clusters of one light; all 0 where it is out of the view. */
-static void reach_of(const struct gpu_view *view, const struct gpu_light_list *grid, const struct gpu_light *light,
+static void reach_of(const struct gpu_view *view, const struct gpu_light_list *grid, const struct gpu_entity_bounds *light,
                      double out[4]) {
     out[0] = out[1] = out[2] = out[3] = 0;
-    if (!(light->bound_radius > 0)) return;
-    vec3 at = mat4_point(&view->world_to_view, light->bound_center);
-    float radius = light->bound_radius * 1.001f + 1e-3f, far = radius - at.z, near = fmaxf(-at.z - radius, view->near_distance);
+    if (!(light->radius > 0)) return;
+    vec3 at = mat4_point(&view->world_to_view, light->center);
+    float radius = light->radius * 1.001f + 1e-3f, far = radius - at.z, near = fmaxf(-at.z - radius, view->near_distance);
     float x[2], y[2], near_spread = view->orthographic > 0.5f ? 1 : near, far_spread = view->orthographic > 0.5f ? 1 : far;
     if (!(far > near)) return;
     if (!seen_between(at.x - radius, at.x + radius, near_spread, far_spread, view->ndc_scale.x, view->ndc_offset.x, x)) return;
@@ -46,7 +46,7 @@ static uint32_t sample_of(uint32_t count, uint32_t sampled, uint32_t i) {
     return first + i * 2654435761u % (end - first);
 }
 
-struct light_reach light_reach_estimate(const struct gpu_view *view, const struct gpu_light *lights, uint32_t count,
+struct light_reach light_reach_estimate(const struct gpu_view *view, const struct gpu_entity_bounds *lights, uint32_t count,
                                         const struct clustered_params *params) {
     struct gpu_light_list grid = {0};
     clustered_grid(&grid, view->size.x, view->size.y, params);
@@ -72,7 +72,7 @@ struct light_reach light_reach_estimate(const struct gpu_view *view, const struc
 
 /* How many of the lights touch an item of a node; all do where the item deforms, since it has no box. */
 static uint32_t lights_at(const fnl_scene *scene, const struct scene_node *node, uint32_t item,
-                          const struct gpu_light *const *lights, uint32_t count) {
+                          const struct gpu_entity_bounds *const *lights, uint32_t count) {
     const struct scene_mesh *mesh = &scene->meshes.data[node->mesh];
     const struct box *box = &scene->primitives.data[mesh->first_primitive + item % mesh->primitive_count].bounds;
     if (node->skin != SCENE_NONE || mesh->morph_target_count) return count;
@@ -84,20 +84,20 @@ static uint32_t lights_at(const fnl_scene *scene, const struct scene_node *node,
     extent.z = fabsf(m.m[2]) * half.x + fabsf(m.m[6]) * half.y + fabsf(m.m[10]) * half.z;
     uint32_t touching = 0;
     for (uint32_t i = 0; i < count; i++) {
-        vec3 apart = vec3_sub(lights[i]->bound_center, center);
+        vec3 apart = vec3_sub(lights[i]->center, center);
         vec3 outside = {fmaxf(fabsf(apart.x) - extent.x, 0), fmaxf(fabsf(apart.y) - extent.y, 0),
                         fmaxf(fabsf(apart.z) - extent.z, 0)};
-        touching += vec3_length(outside) <= lights[i]->bound_radius;
+        touching += vec3_length(outside) <= lights[i]->radius;
     }
     return touching;
 }
 
-double light_reach_items(const struct gpu_view *view, const struct gpu_light *lights, uint32_t count, const fnl_scene *scene) {
+double light_reach_items(const struct gpu_view *view, const struct gpu_entity_bounds *lights, uint32_t count, const fnl_scene *scene) {
     const struct gpu_light_list grid = {.tile_size = 64, .slices = 1};
-    const struct gpu_light *seen[ITEM_LIGHTS];
+    const struct gpu_entity_bounds *seen[ITEM_LIGHTS];
     uint32_t sampled = MIN(count, (uint32_t)ITEM_LIGHTS), seen_count = 0;
     for (uint32_t i = 0; i < sampled; i++) {
-        const struct gpu_light *light = &lights[sample_of(count, sampled, i)];
+        const struct gpu_entity_bounds *light = &lights[sample_of(count, sampled, i)];
         double reach[4];
         reach_of(view, &grid, light, reach);
         if (reach[0] > 0) seen[seen_count++] = light;

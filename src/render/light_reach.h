@@ -18,10 +18,10 @@ struct light_reach {
  * Looks at no more than 4096 of the lights, evenly spread, by the box round their bounding sphere; sums are widened by three standard
  * errors of such a sample. Fewer lights are all looked at: then no sum is less than what lists find. Cost: under a millisecond.
  */
-struct light_reach light_reach_estimate(const struct gpu_view *view, const struct gpu_light *lights, uint32_t count,
+struct light_reach light_reach_estimate(const struct gpu_view *view, const struct gpu_entity_bounds *lights, uint32_t count,
                                         const struct clustered_params *grid);
 
 /** Pairs of an item of the scene and a light in view whose sphere touches the item's box; told from no more than 256 nodes and 1024 lights. */
-double light_reach_items(const struct gpu_view *view, const struct gpu_light *lights, uint32_t count, const fnl_scene *scene);
+double light_reach_items(const struct gpu_view *view, const struct gpu_entity_bounds *lights, uint32_t count, const fnl_scene *scene);
 
 #endif

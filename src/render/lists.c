@@ -70,13 +70,13 @@ static bool estimates_room(struct lists_context *c) {
     return !known;
 }
 
-static const struct gpu_light *local_lights(const struct lists_context *c) {
-    return c->input->local_count ? c->device_scene->light_data.data : NULL;
+static const struct gpu_entity_bounds *local_bounds(const struct lists_context *c) {
+    return c->input->local_count ? c->device_scene->light_bounds.data : NULL;
 }
 
 static struct light_reach reach_of(const struct lists_context *c, const struct clustered_params *grid) {
     if (!c->estimates) return (struct light_reach){0};
-    return light_reach_estimate(c->view, local_lights(c), c->input->local_count, grid);
+    return light_reach_estimate(c->view, local_bounds(c), c->input->local_count, grid);
 }
 
 static uint32_t tile_pool(const struct lists_context *c, double lists) {
@@ -150,7 +150,7 @@ static void add_enhanced(struct lists_context *c) {
 static void add_tree(struct lists_context *c) {
     struct light_tree_params params = {.tile_size = c->frame->tiles.size,
                                        .hybrid = c->frame->list.tree_hybrid};
-    c->lights = light_tree_add(&c->state->tree, c->device, c->input, local_lights(c), c->view, &params);
+    c->lights = light_tree_add(&c->state->tree, c->device, c->input, local_bounds(c), c->view, &params);
 }
 
 /* Slices reach as far as the scene does; nearer than a 128th of that they would be thin for nothing. */
@@ -226,7 +226,7 @@ static void add_clustered_cpu(struct lists_context *c) {
     struct clustered_cpu_view view = {c->view->ndc_scale, c->view->ndc_offset, c->frame->camera.orthographic,
                                       c->frame->width, c->frame->height};
     c->lights = clustered_cpu_add(&c->state->clustered_cpu, c->device, input,
-                                  local_lights(c),
+                                  local_bounds(c),
                                   &c->view->world_to_view, &view, &params);
 }
 
@@ -267,7 +267,7 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
     params.flat = flat;
     /* As for pools: a 32nd of the device's memory. */
     params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
-    c->lights = world_grid_add(grid, c->graph, c->device, input, local_lights(c), c->device_scene->light_version,
+    c->lights = world_grid_add(grid, c->graph, c->device, input, local_bounds(c), c->device_scene->light_version,
                                &c->device_scene->bounds, &params);
 }
 
@@ -279,7 +279,7 @@ static void add_mesh(struct lists_context *c) {
     struct mesh_lists_params params = mesh_lists_params_default();
     params.grid = cluster_params(c);
     double pairs = 0;
-    if (c->estimates) pairs = light_reach_items(c->view, local_lights(c), c->input->local_count, c->device_scene->scene);
+    if (c->estimates) pairs = light_reach_items(c->view, local_bounds(c), c->input->local_count, c->device_scene->scene);
     params.grid.pool_capacity = pool_for(c, pairs);
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, &params);
 }

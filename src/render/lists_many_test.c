@@ -26,7 +26,7 @@ static void test_estimates_are_bounds(void **state) {
     UNUSED(state);
     enum { LIGHTS = 1500 };
     static fnl_light_params params[LIGHTS];
-    static struct gpu_light lights[LIGHTS];
+    static struct list_light lights[LIGHTS];
     struct random_state random = {8};
     for (uint32_t kind = 0; kind < LIST_VIEWS; kind++) {
         struct gpu_view view = list_random_view(kind, &random, 301 - kind, 173);
@@ -42,7 +42,9 @@ static void test_estimates_are_bounds(void **state) {
         struct list_copy tiles = list_build(&r);
         r.builder = LIST_CLUSTERED;
         struct list_copy clusters = list_build(&r);
-        struct light_reach reach = light_reach_estimate(&view, lights, LIGHTS, &r.clustered);
+        struct gpu_entity_bounds *bounds = list_bounds_of(lights, LIGHTS);
+        struct light_reach reach = light_reach_estimate(&view, bounds, LIGHTS, &r.clustered);
+        free(bounds);
         print_message("%s: lights %.0f of %u, tiles %.0f of %u, clusters %.0f of %u\n", list_view_names[kind], reach.in_view,
                       tiles.totals.in_view, reach.tiles, tiles.totals.entries, reach.clusters, clusters.totals.entries);
         assert_true(reach.in_view >= tiles.totals.in_view && reach.in_view <= 1.2 * tiles.totals.in_view);
@@ -57,7 +59,7 @@ static void test_estimates_are_bounds(void **state) {
 static void test_estimates_of_samples(void **state) {
     UNUSED(state);
     enum { LIGHTS = 200000 };
-    struct gpu_light *lights = calloc(LIGHTS, sizeof *lights);
+    struct gpu_entity_bounds *lights = calloc(LIGHTS, sizeof *lights);
     assert_non_null(lights);
     struct random_state random = {9};
     struct gpu_view view = list_random_view(0, &random, 640, 360);
@@ -67,8 +69,8 @@ static void test_estimates_of_samples(void **state) {
         view_of_pixel(&view, (double)random_range(&random, -200, 840), (double)random_range(&random, -100, 460),
                       (double)random_range(&random, 1, 60), seen);
         view_to_world(&view, seen, at);
-        lights[i].bound_center = vec3_make((float)at[0], (float)at[1], (float)at[2]);
-        lights[i].bound_radius = i % 100 == 0 ? 5 : 0.2f;
+        lights[i].center = vec3_make((float)at[0], (float)at[1], (float)at[2]);
+        lights[i].radius = i % 100 == 0 ? 5 : 0.2f;
     }
     struct light_reach sampled = light_reach_estimate(&view, lights, LIGHTS, &grid), all = {0};
     for (uint32_t i = 0; i < LIGHTS; i += 4000) {
@@ -110,7 +112,7 @@ static void test_tests_of_a_dispatch_are_bounded(void **state) {
     UNUSED(state);
     enum { LIGHTS = 120000 };
     fnl_light_params *params = calloc(LIGHTS, sizeof *params);
-    struct gpu_light *lights = calloc(LIGHTS, sizeof *lights);
+    struct list_light *lights = calloc(LIGHTS, sizeof *lights);
     assert_non_null(params);
     assert_non_null(lights);
     struct random_state random = {10};
@@ -118,7 +120,7 @@ static void test_tests_of_a_dispatch_are_bounded(void **state) {
     list_random_lights(&view, &random, LIGHTS, params, lights);
     for (uint32_t i = 0; i < LIGHTS; i++) {
         params[i].range = 0.02f * vec3_distance(params[i].position, view.eye);
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     struct list_request r = {.builder = LIST_CLUSTERED,
                              .view = view,

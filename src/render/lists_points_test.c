@@ -125,7 +125,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, frame->camera.orthographic, t.width,
                                               t.height};
         list = clustered_cpu_add(&r->views.data[0].lists.clustered_cpu, device, input,
-                                 r->device_scene.light_data.data, &view.world_to_view, &cpu_view,
+                                 r->device_scene.light_bounds.data, &view.world_to_view, &cpu_view,
                                  &clustered);
     } else {
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);

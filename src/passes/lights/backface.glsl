@@ -26,16 +26,23 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer backface_blo
 struct light_source {
     vec3 first, last; // parallel: the direction to the light twice
     bool parallel;
+    bool shines; // is a light: what is not is never behind
 };
 
-light_source light_source_of(light_list_block l, uint light) {
+// `place` is one of the bounds.
+light_source light_source_of(light_list_block l, uint place) {
     light_source s;
-    s.first = s.last = l.list.lights.at[light].position;
-    uint kind = l.list.lights.at[light].kind;
+    s.shines = l.list.entities.at[place].kind == GPU_ENTITY_LIGHT;
+    s.first = s.last = vec3(0.0);
+    s.parallel = false;
+    if (!s.shines) return s;
+    uint light = l.list.directional_count + l.list.entities.at[place].user;
+    s.first = s.last = l.list.lights.at[light].shape.position;
+    uint kind = l.list.lights.at[light].shape.kind;
     s.parallel = kind == GPU_SHAPE_BOX;
-    if (s.parallel) s.first = s.last = -l.list.lights.at[light].direction;
+    if (s.parallel) s.first = s.last = -l.list.lights.at[light].shape.direction;
     if (kind == GPU_SHAPE_CAPSULE) {
-        vec3 half_segment = l.list.lights.at[light].direction * l.list.lights.at[light].size.x;
+        vec3 half_segment = l.list.lights.at[light].shape.direction * l.list.lights.at[light].shape.size.x;
         s.first -= half_segment;
         s.last += half_segment;
     }
@@ -73,6 +80,7 @@ bool is_behind(vec3 axis, float sine2, float slack, vec3 ray) {
 }
 
 bool light_is_behind(backface_tile t, light_source s) {
+    if (!s.shines) return false;
     if (s.parallel) return is_behind(t.axis, t.sine2, 0.0, s.first);
     float slack = t.slack + BACKFACE_ROUNDING * length(s.first);
     bool behind = true;

@@ -24,7 +24,7 @@ vec3 normal_at(uvec2 pixel) {
 }
 
 // The light with this number of those in view.
-light_source source_of(uint i) { return light_source_of(push.list, push.list.list.directional_count + push.visible_ids.at[i]); }
+light_source source_of(uint i) { return light_source_of(push.list, push.visible_ids.at[i]); }
 
 // Whether it is behind the sampled pixels. Sky, whose normal is 0, has everything behind it.
 bool is_candidate(uint i) {

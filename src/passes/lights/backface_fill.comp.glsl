@@ -33,7 +33,7 @@ void main() {
     for (uint i = chunk * push.chunk_size; i < end; i++) {
         if (!cell_takes(bounds, i)) continue;
         uint id = push.visible_ids.at[i];
-        bool behind = culls && light_is_behind(tile, light_source_of(push.list, push.list.list.directional_count + id));
+        bool behind = culls && light_is_behind(tile, light_source_of(push.list, id));
         if (marking) atomicOr(BACKFACE.marks.at[i], behind ? 1u : 2u);
         if (behind && cone.keeps == 0u) continue;
         if (fits) push.ids.at[slot++] = id;

@@ -8,7 +8,7 @@
 enum { LIGHTS = 400, WIDTH = 157, HEIGHT = 93 };
 
 static fnl_light_params params[2048];
-static struct gpu_light lights[2048];
+static struct list_light lights[2048];
 
 /* ---- made-up surfaces ---- */
 
@@ -119,16 +119,16 @@ static bool point_of(const struct gpu_view *view, const struct surfaces *s, uint
 }
 
 /* Cosine, times a length, between a normal and the direction to the light: the largest that any point of the light has. */
-static double facing(const struct gpu_light *light, const double point[3], const double normal[3]) {
+static double facing(const struct list_light *light, const double point[3], const double normal[3]) {
     double best = -1e30;
     for (int end = -1; end <= 1; end += 2) {
-        vec3 at = light->position;
-        if (light->kind == GPU_SHAPE_CAPSULE) at = vec3_add_scaled(at, light->direction, (float)end * light->size.x);
+        vec3 at = light->shape.position;
+        if (light->shape.kind == GPU_SHAPE_CAPSULE) at = vec3_add_scaled(at, light->shape.direction, (float)end * light->shape.size.x);
         double ray[3] = {(double)at.x - point[0], (double)at.y - point[1], (double)at.z - point[2]};
-        if (light->kind == GPU_SHAPE_BOX) {
-            ray[0] = -(double)light->direction.x;
-            ray[1] = -(double)light->direction.y;
-            ray[2] = -(double)light->direction.z;
+        if (light->shape.kind == GPU_SHAPE_BOX) {
+            ray[0] = -(double)light->shape.direction.x;
+            ray[1] = -(double)light->shape.direction.y;
+            ray[2] = -(double)light->shape.direction.z;
         }
         best = fmax(best, ray[0] * normal[0] + ray[1] * normal[1] + ray[2] * normal[2]);
     }
@@ -196,8 +196,8 @@ static void check_sets(const struct gpu_view *view, const struct surfaces *s, co
             bool kept = list_holds(list, c, light);
             counts->plain++;
             counts->kept += kept;
-            if (by_angles && lights[light].kind <= GPU_SHAPE_CONE &&
-                dropped_by_angles(view, s, x0, y0, size, lights[light].position)) {
+            if (by_angles && lights[light].shape.kind <= GPU_SHAPE_CONE &&
+                dropped_by_angles(view, s, x0, y0, size, lights[light].shape.position)) {
                 counts->angles++;
                 assert_false(kept);
             }
@@ -284,7 +284,7 @@ static void count_candidates(const struct gpu_view *view, const struct surfaces 
     uint32_t x0 = cell % plain->grid.tiles_x * size, y0 = cell / plain->grid.tiles_x * size;
     out[0] = out[1] = 0;
     for (uint32_t i = 0; i < plain->cells[cell].count; i++) {
-        const struct gpu_light *light = &lights[plain->ids[plain->cells[cell].offset + i]];
+        const struct list_light *light = &lights[plain->ids[plain->cells[cell].offset + i]];
         double most = -INFINITY, point[3], normal[3];
         for (uint32_t k = 0; k < 4; k++) {
             uint32_t x = MIN(x0 + (k % 2 * 2 + 1) * size / 4, view->size.x - 1),
@@ -392,7 +392,7 @@ static void test_sizes_overflow_and_broken_lights_TD_11(void **state) {
         }
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
     list_random_shapes(&view, &random, LIGHTS, params, lights);
-    for (uint32_t i = 0; i < LIGHTS; i += 40) lights[i].position.y = NAN; /* NaN is never behind */
+    for (uint32_t i = 0; i < LIGHTS; i += 40) lights[i].shape.position.y = NAN; /* NaN is never behind */
     struct surfaces s = make_surfaces(&view, SURFACE_FLAT, &random);
     struct list_copy plain = build(&view, &s, LIGHTS, &tiles, NULL), full = build(&view, &s, LIGHTS, &tiles, &p);
     for (uint32_t c = 0; c < plain.cell_count; c++)
@@ -449,8 +449,8 @@ static void test_printed_planes_TD_10(void **state) {
             planes[3][k] = c4 + c2[k];
         }
         for (uint32_t i = 0; i < LIGHTS; i++) {
-            vec3 at = mat4_point(&view.world_to_view, lights[i].bound_center);
-            double radius = (double)lights[i].bound_radius, slack = radius * 1e-3 + 1e-3 * (1 + fabs((double)at.z));
+            vec3 at = mat4_point(&view.world_to_view, lights[i].bounds.center);
+            double radius = (double)lights[i].bounds.radius, slack = radius * 1e-3 + 1e-3 * (1 + fabs((double)at.z));
             bool holds = far > 0 && near + (double)at.z <= radius + slack && -far - (double)at.z <= radius + slack;
             for (int p = 0; p < 4; p++) {
                 const double *n = planes[p];

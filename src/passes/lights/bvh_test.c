@@ -6,7 +6,7 @@
 enum { LIGHTS = 400, MOST = 100000, WIDTH = 301, HEIGHT = 173 };
 
 static fnl_light_params params[MOST];
-static struct gpu_light lights[MOST];
+static struct list_light lights[MOST];
 
 static struct list_request request_of(const struct gpu_view *view, uint32_t light_count) {
     struct list_request r = {.builder = LIST_BVH,
@@ -90,7 +90,7 @@ static void test_long_lists_ascend(void **state) {
             params[i] = fnl_light_params_default();
             params[i].position = vec3_add(camera.position, vec3_make(random_float(&random), random_float(&random), -10));
             params[i].range = 2;
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct list_request r = request_of(&view, counts[c]);
         r.clustered.pool_capacity = 1 << 23;
@@ -126,12 +126,12 @@ static void test_broken_lights(void **state) {
     struct random_state random = {9};
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
     list_random_lights(&view, &random, LIGHTS, params, lights);
-    lights[17].bound_radius = 0;
-    lights[40].bound_center.y = NAN;
-    lights[41].bound_radius = INFINITY;
-    lights[42].bound_center.x = INFINITY;
-    lights[43].bound_center.z = 3e38f;
-    lights[43].bound_radius = 3e38f;
+    lights[17].bounds.radius = 0;
+    lights[40].bounds.center.y = NAN;
+    lights[41].bounds.radius = INFINITY;
+    lights[42].bounds.center.x = INFINITY;
+    lights[43].bounds.center.z = 3e38f;
+    lights[43].bounds.radius = 3e38f;
     check_equal(request_of(&view, LIGHTS));
 }
 
@@ -154,7 +154,7 @@ static void test_100k_lights_sublinear_ES_55(void **state) {
     list_random_lights(&view, &random, MOST, params, lights);
     for (uint32_t i = 0; i < MOST; i++) {
         params[i].range = 0.02f * vec3_distance(params[i].position, view.eye);
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     struct list_request few = request_of(&view, MOST / 100), many = request_of(&view, MOST), flat = many;
     few.clustered.pool_capacity = many.clustered.pool_capacity = flat.clustered.pool_capacity = 1 << 20;

@@ -12,7 +12,7 @@
 enum { LIGHTS = 3000, WIDTH = 301, HEIGHT = 173, BLOCK_X = 2, BLOCK_Y = 2, BLOCK_Z = 4 };
 
 static fnl_light_params params[LIGHTS];
-static struct gpu_light lights[LIGHTS];
+static struct list_light lights[LIGHTS];
 
 
 struct node_box {
@@ -101,7 +101,7 @@ static struct gpu_view many_lights(uint32_t kind) {
     list_random_lights(&view, &random, LIGHTS, params, lights);
     for (uint32_t i = 0; i < LIGHTS; i++) {
         params[i].range = 0.02f * vec3_distance(params[i].position, view.eye);
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     return view;
 }

@@ -4,7 +4,7 @@
 #define CELLS_GLSL
 
 #include "view.glsl"
-#include "lights/iterate.glsl"
+#include "lights/shapes.glsl"
 
 layout(buffer_reference) buffer bound_array;
 layout(buffer_reference) buffer reach_array;

@@ -9,17 +9,17 @@ const int CONE_STEPS = 8;
 
 // ---- cones ----
 
-// The cone of a light, in view space. `slack`: metres by which rounding may have moved the light.
-void reach_cone(gpu_light light, mat4 world_to_view, float slack, inout gpu_reach r) {
-    r.apex = (world_to_view * vec4(light.position, 1.0)).xyz;
-    r.axis = normalize(mat3(world_to_view) * light.direction);
+// The cone of a shape, in view space. `slack`: metres by which rounding may have moved it.
+void reach_cone(gpu_shape shape, mat4 world_to_view, float slack, inout gpu_reach r) {
+    r.apex = (world_to_view * vec4(shape.position, 1.0)).xyz;
+    r.axis = normalize(mat3(world_to_view) * shape.direction);
     r.range = 0.0;
-    if (light.kind == GPU_SHAPE_CONE) {
-        r.cosine = -light.spot_offset / light.spot_scale;
-        r.range = light.range;
-    } else if (light.kind == GPU_SHAPE_WEDGE) {
-        r.cosine = inversesqrt(1.0 + dot(light.size.xy, light.size.xy));
-        r.range = light.range;
+    if (shape.kind == GPU_SHAPE_CONE) {
+        r.cosine = -shape.spot_offset / shape.spot_scale;
+        r.range = shape.range;
+    } else if (shape.kind == GPU_SHAPE_WEDGE) {
+        r.cosine = inversesqrt(1.0 + dot(shape.size.xy, shape.size.xy));
+        r.range = shape.range;
     }
     // Shading compares cosines: their rounding opens narrow cones more than wide ones.
     r.cosine = max(r.cosine - 2e-6, 0.0);

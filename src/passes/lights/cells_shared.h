@@ -41,7 +41,8 @@ struct gpu_lights_push {
     ADDRESS(bound_array) bounds;   /* of the lights in ids */
     ADDRESS(reach_array) reaches;  /* of the same */
     uint light_count;              /* local lights */
-    uint cull;                     /* 0: all count as in view that light anything */
+    uint cull;                     /* 0: all count as in view that reach anything */
+    uint kinds;                    /* bits 1 << GPU_ENTITY_…: the others are left out */
     uint reach;                    /* 1: reaches are asked for */
 };
 

@@ -46,9 +46,9 @@ void clustered_cpu_finish(struct clustered_cpu *builder);
 fnl_result clustered_cpu_build(struct clustered_cpu *builder, struct jobs *jobs, const struct gpu_light_list *header,
                                const struct clustered_cpu_view *view);
 
-/** Builds on the CPU and uploads cells and ids with the frame. `lights` are the local lights' bounds in world space. */
+/** Builds on the CPU and uploads cells and ids with the frame. `bounds` are those of `input`. */
 struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *device, const struct light_input *input,
-                                    const struct gpu_light *lights, const mat4 *world_to_view,
+                                    const struct gpu_entity_bounds *bounds, const mat4 *world_to_view,
                                     const struct clustered_cpu_view *view, const struct clustered_params *params);
 
 #endif

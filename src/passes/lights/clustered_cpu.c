@@ -154,7 +154,7 @@ static bool outside_view(const struct clustered_cpu_view *view, const struct clu
 }
 
 struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *device, const struct light_input *input,
-                                    const struct gpu_light *lights, const mat4 *world_to_view,
+                                    const struct gpu_entity_bounds *bounds, const mat4 *world_to_view,
                                     const struct clustered_cpu_view *view, const struct clustered_params *params) {
     struct light_list list = {.kind = GPU_LIST_CLUSTERS, .lights = input->buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
@@ -165,9 +165,10 @@ struct light_list clustered_cpu_add(struct clustered_cpu *builder, gpu_device *d
     float eye_distance = vec3_length((vec3){world_to_view->m[12], world_to_view->m[13], world_to_view->m[14]});
     bool failed = !array_reserve(builder->host, &builder->spheres, input->local_count);
     for (uint32_t i = 0; i < input->local_count && !failed; i++) {
-        struct clustered_cpu_sphere sphere = {mat4_point(world_to_view, lights[i].bound_center), lights[i].bound_radius};
-        if (sphere.radius > 0) sphere.radius += (float)BOUND_ROUNDING * (vec3_length(lights[i].bound_center) + eye_distance);
-        if (!(sphere.radius > 0) || outside_view(view, &sphere))
+        struct clustered_cpu_sphere sphere = {mat4_point(world_to_view, bounds[i].center), bounds[i].radius};
+        bool listed = bounds_are_listed(&bounds[i], input->kinds);
+        if (listed) sphere.radius += (float)BOUND_ROUNDING * (vec3_length(bounds[i].center) + eye_distance);
+        if (!listed || outside_view(view, &sphere))
             sphere.radius = 0;
         else
             builder->in_view++;

@@ -6,7 +6,7 @@
 enum { LIGHTS = 400, WIDTH = 301, HEIGHT = 173, POINTS = 20000 };
 
 static fnl_light_params params[4096];
-static struct gpu_light lights[4096];
+static struct list_light lights[4096];
 
 static struct list_request request_of(const struct gpu_view *view, enum list_builder builder, uint32_t light_count) {
     struct list_request r = {.builder = builder,
@@ -140,7 +140,7 @@ static void test_depths_outside_ES_51(void **state) {
                 view_to_world(&view, at, world);
                 params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
                 params[i].range = i % 4 ? 0.3f : 700;
-                lights[i] = device_light(&params[i]);
+                lights[i] = list_light_of(&params[i], i);
             }
             struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, LIGHTS);
             r.clustered.near = 2;
@@ -195,9 +195,9 @@ static bool in_box_fill(const struct list_request *r, const struct list_copy *li
  */
 static bool in_shrunk_fill(const struct list_request *r, const struct list_copy *list, uint32_t cell, uint32_t light) {
     struct reference_cell c = reference_cell_of(r, &list->grid, cell, 2e-4);
-    const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
-                             (double)lights[light].bound_center.z};
-    double at[3], radius = (double)lights[light].bound_radius, row = 0;
+    const double world[3] = {(double)lights[light].bounds.center.x, (double)lights[light].bounds.center.y,
+                             (double)lights[light].bounds.center.z};
+    double at[3], radius = (double)lights[light].bounds.radius, row = 0;
     world_to_view(&r->view, world, at);
     radius = radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2);
     for (int stage = 0; stage < 3; stage++) {
@@ -234,7 +234,7 @@ static void test_voxels_ES_52(void **state) {
         list_check_form(&list, 80);
         assert_true(check_points(&r, &list, &random, (double)view.near_distance, 300) > 100);
         bool behind[80];
-        for (uint32_t i = 0; i < 80; i++) behind[i] = mat4_point(&view.world_to_view, lights[i].bound_center).z > 0;
+        for (uint32_t i = 0; i < 80; i++) behind[i] = mat4_point(&view.world_to_view, lights[i].bounds.center).z > 0;
         for (uint32_t c = 0; c < list.cell_count; c++)
             for (uint32_t i = 0; i < 80; i++) {
                 if (!reference_in_view(&r, i)) continue;
@@ -277,8 +277,8 @@ static void test_threads_ES_52(void **state) {
         struct clustered_cpu builder;
         clustered_cpu_init(&builder, &host);
         for (uint32_t i = 0; i < LIGHTS; i++) {
-            struct clustered_cpu_sphere sphere = {mat4_point(&view.world_to_view, lights[i].bound_center),
-                                                  lights[i].bound_radius};
+            struct clustered_cpu_sphere sphere = {mat4_point(&view.world_to_view, lights[i].bounds.center),
+                                                  lights[i].bounds.radius};
             assert_true(array_push(&host, &builder.spheres, sphere));
         }
         assert_int_equal(clustered_cpu_build(&builder, jobs, &grid, &cpu_view), FNL_OK);
@@ -314,7 +314,7 @@ static void test_spot_cones_ES_62(void **state) {
             params[i].range = exp2f(random_range(&random, -1, 4.5f));
             params[i].outer_cone_angle = exp2f(random_range(&random, -6, 0));
             params[i].inner_cone_angle = params[i].outer_cone_angle * 0.5f;
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct list_request r = request_of(&view, LIST_CLUSTERED, 300);
         struct list_copy tight = list_build(&r);
@@ -352,7 +352,7 @@ static void test_lamp_row_ES_50(void **state) {
             params[i] = fnl_light_params_default();
             params[i].position = vec3_make(0, 2.2f, -3 - 4 * (float)i);
             params[i].range = 3;
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         for (int cpu = 0; cpu < 2; cpu++) {
             struct list_request r = request_of(&view, cpu ? LIST_CLUSTERED_CPU : LIST_CLUSTERED, LAMPS);

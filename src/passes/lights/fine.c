@@ -39,23 +39,26 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                             .block = MAX(BLOCK_PIXELS / params->tile_size, 1u),
                             .samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
 
-    /* The lists: of opaque surfaces; of blended ones, and of those that MSAA shades elsewhere; of probes. */
+    /* The lists: of opaque surfaces; of blended ones, and of those that MSAA shades elsewhere; of other kinds. */
     bool prunes = depth.id && params->pruning, several = all.samples > 1;
     uint32_t solid = depth.id ? FINE_MIN_DEPTH | FINE_MAX_DEPTH | (prunes ? FINE_PIXELS : 0) : 0;
-    uint32_t flags[FINE_LISTS] = {solid}, blend = 0, probes = 0;
+    uint32_t kind = 0, flags[FINE_LISTS], blend = 0, others[GPU_ENTITY_KINDS] = {0};
+    while (kind + 1 < GPU_ENTITY_KINDS && !(input->kinds >> kind & 1)) kind++;
+    flags[0] = solid | kind << FINE_KIND_SHIFT;
     all.list_count = 1;
     if (depth.id && (params->blend || several)) {
         blend = all.list_count++;
-        flags[blend] = several ? 0 : FINE_MAX_DEPTH;
+        flags[blend] = (several ? 0 : FINE_MAX_DEPTH) | kind << FINE_KIND_SHIFT;
         if (params->blend_depth.id && !several) {
             all.front = params->blend_depth;
-            flags[blend] = solid | FINE_BLENDED;
+            flags[blend] = flags[0] | FINE_BLENDED;
         }
     }
-    if (params->probes) {
-        probes = all.list_count++;
-        flags[probes] = solid | GPU_ENTITY_PROBE << FINE_ENTITY_SHIFT;
-    }
+    for (uint32_t other = kind + 1; other < GPU_ENTITY_KINDS; other++)
+        if (input->kinds >> other & 1) {
+            others[other] = all.list_count++;
+            flags[others[other]] = solid | other << FINE_KIND_SHIFT;
+        }
     for (uint32_t i = 0; i < all.list_count; i++) all.lists |= flags[i] << i * 8;
 
     struct fine_params masked = *params;
@@ -77,7 +80,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         header->tiles_x = tiles_x;
         header->tiles_y = tiles_y;
         header->first_cell = i * tile_count;
-        header->other_cell = several && (i == 0 || i != probes) ? blend * tile_count : GPU_CELL_ALL;
+        header->other_cell = several && (i == 0 || i == blend) ? blend * tile_count : GPU_CELL_ALL;
         header->mask_size = flags[i] & FINE_PIXELS ? mask_size : 0;
         header->positions = compares && (i == 0 || i != blend) ? (uint32_t)mask_words : 0;
         header->eye_distance = params->eye_distance;
@@ -178,9 +181,10 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         lists.blend = other;
         lists.blend.header = addresses[blend];
     }
-    if (probes) {
-        lists.probes = other;
-        lists.probes.header = addresses[probes];
-    }
+    for (uint32_t k = 0; k < GPU_ENTITY_KINDS; k++)
+        if (others[k]) {
+            lists.others[k] = other;
+            lists.others[k].header = addresses[others[k]];
+        }
     return lists;
 }

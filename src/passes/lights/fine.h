@@ -32,18 +32,21 @@ struct fine_params {
     bool blend;          /* a second list for blended surfaces; default false */
     graph_image
         blend_depth; /* of the nearest of them; id 0 (default): they may be anywhere before what is opaque, and are not pruned */
-    bool probes;     /* another for probes (GPU_ENTITY_PROBE), from the same dispatches; default false */
     float eye_distance;     /* metres of the eye from the world's origin; default 0 */
     uint32_t pool_capacity; /* default 2^20 */
 };
 struct fine_params fine_params_default(void);
 
 struct fine_lists {
-    struct light_list lights, blend, probes; /* share their buffers; those that were not asked for have no header */
-    graph_buffer boxes;                      /* struct gpu_fine_box for each light in view */
+    struct light_list lights, blend; /* of the least kind of light_input.kinds; these and the others share their buffers */
+    struct light_list others[GPU_ENTITY_KINDS]; /* by GPU_ENTITY_…: of each further kind. What there is no list of has no header */
+    graph_buffer boxes;                         /* struct gpu_fine_box for each light in view */
 };
 
-/** `depth`: of everything opaque; id 0: none, then tiles reach from the viewer to infinity, nothing is pruned, and `lights` serves blended surfaces too. */
+/**
+ * Each kind of light_input.kinds gets a list of its own, all from the same dispatches. `depth`: of everything opaque; id 0: none, then tiles
+ * reach from the viewer to infinity, nothing is pruned, and `lights` serves blended surfaces too.
+ */
 struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, graph_image depth, const struct fine_params *params);
 

@@ -99,9 +99,9 @@ bool proxy_holds(vec3 point, vec3 center, float size) {
     return true;
 }
 
-void extend_by_proxy(gpu_light light) {
+void extend_by_proxy(gpu_shape shape, gpu_entity_bounds entity) {
     vec3 world[8];
-    light_corners(light, world);
+    shape_corners(shape, entity.center, entity.radius, world);
     vec3 center = vec3(0.0);
     float size = 0.0, extent = 0.0;
     for (uint i = 0u; i < 8u; i++) {
@@ -134,19 +134,20 @@ void extend_by_proxy(gpu_light light) {
 void main() {
     uint index = LINEAR_INVOCATION, light_count = push.list.list.local_count;
     if (index >= push.visible_sums.at[light_count]) return;
-    gpu_light light = push.list.list.lights.at[push.list.list.directional_count + push.visible_ids.at[index]];
+    gpu_entity_bounds entity = push.list.list.entities.at[push.visible_ids.at[index]];
+    gpu_shape shape = shape_of(push.list, entity);
     gpu_bound bound = push.bounds.at[index];
     low = vec3(FINE_FAR);
     high = vec3(-FINE_FAR);
-    if (light.kind != GPU_SHAPE_SPHERE) extend_by_proxy(light);
+    if (shape.kind != GPU_SHAPE_SPHERE) extend_by_proxy(shape, entity);
     vec3 proxy_low = low, proxy_high = high;
     extend_by_sphere(bound);
-    if (light.kind != GPU_SHAPE_SPHERE) {
+    if (shape.kind != GPU_SHAPE_SPHERE) {
         low = max(low, proxy_low);
         high = min(high, proxy_high);
     }
     gpu_fine_box box;
-    box.entity = light.entity;
+    box.kind = entity.kind;
     // Broken numbers are seen everywhere.
     vec4 pair = vec4(bound.center, bound.radius);
     if (any(isnan(pair)) || any(isinf(pair)) || any(isnan(low)) || any(isnan(high))) {

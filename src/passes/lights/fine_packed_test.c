@@ -8,6 +8,7 @@
 /* ---- packed ---- */
 
 enum { PACKED_ALL = -1 };
+enum { PROBE = GPU_ENTITY_DECAL + 1 }; /* a kind that only this test makes */
 
 /* The local lights of a packed tile, or PACKED_ALL; fails unless its words have the form that the source gives them. */
 static int unpack(const struct fine_copy *c, uint32_t cell, uint32_t out[GPU_PACKED_LIGHTS]) {
@@ -116,13 +117,13 @@ static void test_packed_equals_plain_FP_9(void **state) {
         struct gpu_view view = list_random_view(kind, &random, FINE_WIDTH, FINE_HEIGHT);
         fine_random_lights(&view, &random, LIGHTS);
         for (uint32_t i = 0; i < LIGHTS; i++)
-            lights[i].entity = kind == 2 && i % 3 == 0 ? GPU_ENTITY_PROBE : GPU_ENTITY_LIGHT;
+            lights[i].bounds.kind = kind == 2 && i % 3 == 0 ? PROBE : GPU_ENTITY_LIGHT;
         float *depth = list_random_depth(&view, &random), *front = list_random_depth(&view, &random);
         struct fine_params p = fine_params_default();
         p.tile_size = kind == 1 ? 8 : kind == 3 ? 32 : 16;
         p.pruning = kind != 4;
         p.blend = kind != 2;
-        p.probes = kind == 2;
+        fine_kinds = 1u << GPU_ENTITY_LIGHT | (kind == 2 ? 1u << PROBE : 0);
         struct fine_copy c = build_both(&view, LIGHTS, kind == 3 ? NULL : depth, p.blend ? front : NULL, p);
         packed_entries += c.totals.entries;
         overflow += c.totals.overflow_cells;
@@ -135,7 +136,8 @@ static void test_packed_equals_plain_FP_9(void **state) {
 
 /* ---- lists beside the first ---- */
 
-static void test_lights_and_probes_FP_12(void **state) {
+/* Lights, decals and probes in one array: each kind gets a list of its own from the same dispatches, what is asked for and nothing else. */
+static void test_lists_of_kinds_FP_12(void **state) {
     UNUSED(state);
     enum { LIGHTS = 120 };
     struct random_state random = {6};
@@ -145,22 +147,30 @@ static void test_lights_and_probes_FP_12(void **state) {
     struct fine_params p = fine_params_default();
     struct fine_copy one = fine_build(&view, LIGHTS, depth, NULL, &p);
     for (uint32_t i = 0; i < LIGHTS; i++)
-        lights[i].entity = i % 3 == 0 ? GPU_ENTITY_PROBE : i % 7 == 1 ? GPU_ENTITY_DECAL : GPU_ENTITY_LIGHT;
-    p.probes = true;
-    struct fine_copy two = fine_build(&view, LIGHTS, depth, NULL, &p);
-    fine_check_form(&two, LIGHTS);
-    uint32_t tile_count = one.cell_count, probes = 0;
-    assert_int_equal(two.cell_count, 2 * tile_count);
-    for (uint32_t cell = 0; cell < tile_count; cell++)
-        for (uint32_t i = 0; i < LIGHTS; i++) {
-            bool is = fine_holds(&one, cell, i);
-            assert_int_equal(fine_holds(&two, cell, i), is && lights[i].entity == GPU_ENTITY_LIGHT);
-            assert_int_equal(fine_holds(&two, tile_count + cell, i), is && lights[i].entity == GPU_ENTITY_PROBE);
-            probes += is && lights[i].entity == GPU_ENTITY_PROBE;
+        lights[i].bounds.kind = i % 3 == 0 ? PROBE : i % 3 == 1 ? GPU_ENTITY_DECAL : GPU_ENTITY_LIGHT;
+    static const uint32_t asked[] = {1u << GPU_ENTITY_LIGHT | 1u << PROBE, 1u << GPU_ENTITY_DECAL,
+                                     1u << GPU_ENTITY_LIGHT | 1u << GPU_ENTITY_DECAL | 1u << PROBE};
+    for (uint32_t k = 0; k < COUNT_OF(asked); k++) {
+        fine_kinds = asked[k];
+        struct fine_copy lists = fine_build(&view, LIGHTS, depth, NULL, &p);
+        fine_check_form(&lists, LIGHTS);
+        uint32_t tile_count = one.cell_count, list = 0, held[GPU_ENTITY_KINDS] = {0};
+        for (uint32_t kind = 0; kind < GPU_ENTITY_KINDS; kind++) {
+            if (!(asked[k] >> kind & 1)) continue;
+            for (uint32_t cell = 0; cell < tile_count; cell++)
+                for (uint32_t i = 0; i < LIGHTS; i++) {
+                    bool is = fine_holds(&one, cell, i) && lights[i].bounds.kind == kind;
+                    assert_int_equal(fine_holds(&lists, list * tile_count + cell, i), is);
+                    held[kind] += is;
+                }
+            assert_true(held[kind] > 15);
+            list++;
         }
-    assert_true(probes > 15);
+        assert_int_equal(lists.cell_count, list * tile_count);
+        fine_copy_free(&lists);
+    }
+    fine_kinds = 1u << GPU_ENTITY_LIGHT;
     fine_copy_free(&one);
-    fine_copy_free(&two);
     free(depth);
 }
 
@@ -210,7 +220,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_packed_round_trip_FP_9_FP_10, harness_check),
         cmocka_unit_test_teardown(test_packed_equals_plain_FP_9, harness_check),
-        cmocka_unit_test_teardown(test_lights_and_probes_FP_12, harness_check),
+        cmocka_unit_test_teardown(test_lists_of_kinds_FP_12, harness_check),
         cmocka_unit_test_teardown(test_blended_surfaces, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

@@ -10,7 +10,7 @@
 struct gpu_fine_box {
     vec4 rect;           /* left, top, right, bottom in pixels from the top left, within the screen */
     vec2 depth;          /* nearest and farthest view depth */
-    uint entity;         /* GPU_ENTITY_… */
+    uint kind;           /* GPU_ENTITY_… */
 };
 
 /*
@@ -32,12 +32,12 @@ struct gpu_fine_range {
 #define FINE_SLACK 1e-5
 
 /* A byte of gpu_fine_push.lists for each list of the build. */
-#define FINE_LISTS 4
+#define FINE_LISTS 4 /* no fewer than kinds and one of blended surfaces */
 #define FINE_MIN_DEPTH 1u  /* lights before the nearest surface of the tile are left out */
 #define FINE_MAX_DEPTH 2u  /* … and those beyond the farthest, where no sky is */
 #define FINE_PIXELS 4u     /* … and those that hold no pixel's position */
 #define FINE_BLENDED 8u    /* of blended surfaces: those of a pixel lie on a segment of its ray */
-#define FINE_ENTITY_SHIFT 4u /* two bits: GPU_ENTITY_… of the list */
+#define FINE_KIND_SHIFT 4u /* two bits: GPU_ENTITY_… of the list */
 
 struct gpu_fine_push {
     ADDRESS(view_block) view;

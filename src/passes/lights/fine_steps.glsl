@@ -52,7 +52,7 @@ vec2 fine_depths(uint flags, gpu_fine_range range) {
 
 // Whether the light may reach a rectangle of the screen (pixels: left, top, right, bottom) between two view depths.
 bool fine_touches(gpu_fine_box box, uint flags, vec4 rect, vec2 depths) {
-    return box.entity == flags >> FINE_ENTITY_SHIFT && box.rect.x <= box.rect.z && all(lessThanEqual(box.rect.xy, rect.zw)) &&
+    return box.kind == flags >> FINE_KIND_SHIFT && box.rect.x <= box.rect.z && all(lessThanEqual(box.rect.xy, rect.zw)) &&
            all(greaterThanEqual(box.rect.zw, rect.xy)) && box.depth.x <= depths.y && box.depth.y >= depths.x;
 }
 

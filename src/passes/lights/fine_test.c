@@ -88,7 +88,7 @@ static void test_camera_inside_FP_11(void **state) {
             params[i].position = vec3_add_scaled(view.eye, params[i].direction, (float)-t * params[i].range);
             params[i].outer_cone_angle = 0.3f + 0.2f * (float)(i % 5);
             params[i].box_size = vec3_make(params[i].range, params[i].range, 2 * params[i].range);
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct fine_params p = fine_params_default();
         struct fine_copy c = fine_build(&view, LIGHTS, depth, NULL, &p);
@@ -108,13 +108,13 @@ static void test_broken_lights(void **state) {
     fine_random_lights(&view, &random, LIGHTS);
     float *depth = list_random_depth(&view, &random);
     struct fine_params p = fine_params_default();
-    struct gpu_light dark = lights[7], lost = lights[12], endless = lights[20];
-    lights[7].bound_radius = lights[12].bound_radius = lights[20].bound_radius = 0;
+    struct list_light dark = lights[7], lost = lights[12], endless = lights[20];
+    lights[7].bounds.radius = lights[12].bounds.radius = lights[20].bounds.radius = 0;
     struct fine_copy without = fine_build(&view, LIGHTS, depth, NULL, &p);
     lights[12] = lost;
     lights[20] = endless;
-    lights[12].position.y = lights[12].bound_center.y = NAN;
-    lights[20].range = lights[20].bound_radius = INFINITY;
+    lights[12].shape.position.y = lights[12].bounds.center.y = NAN;
+    lights[20].shape.range = lights[20].bounds.radius = INFINITY;
     struct fine_copy with = fine_build(&view, LIGHTS, depth, NULL, &p);
     fine_check_form(&with, LIGHTS);
     for (uint32_t cell = 0; cell < with.cell_count; cell++)
@@ -129,9 +129,9 @@ static void test_broken_lights(void **state) {
 /* ---- boxes ---- */
 
 /* Bounds on the screen (pixels) and in depth of a sphere before the near plane; false when it is not wholly there. */
-static bool sphere_box(const struct gpu_view *view, const struct gpu_light *light, double out[6]) {
-    double c[3] = {0}, r = (double)light->bound_radius;
-    const float at[3] = {light->bound_center.x, light->bound_center.y, light->bound_center.z};
+static bool sphere_box(const struct gpu_view *view, const struct list_light *light, double out[6]) {
+    double c[3] = {0}, r = (double)light->bounds.radius;
+    const float at[3] = {light->bounds.center.x, light->bounds.center.y, light->bounds.center.z};
     for (int i = 0; i < 3; i++) {
         c[i] = (double)view->world_to_view.m[12 + i];
         for (int k = 0; k < 3; k++) c[i] += (double)view->world_to_view.m[k * 4 + i] * (double)at[k];
@@ -175,10 +175,10 @@ static void test_boxes_FP_4(void **state) {
         const uint32_t *visible = c.data[COPY_VISIBLE];
         const struct gpu_fine_box *boxes = c.data[COPY_BOXES];
         for (uint32_t v = 0; v < c.totals.in_view; v++) {
-            const struct gpu_light *light = &lights[visible[v]];
+            const struct list_light *light = &lights[visible[v]];
             const struct gpu_fine_box *box = &boxes[v];
             vec3 corners[8];
-            light_corners(light, corners);
+            shape_corners(&light->shape, &light->bounds, corners);
             for (uint32_t k = 0; k < POINTS; k++) { /* points of the proxy in the view are in the box */
                 float weights[3], seen[3], world[3] = {0};
                 for (int i = 0; i < 3; i++) weights[i] = k % 3 == 0 ? roundf(random_float(&random)) : random_float(&random);
@@ -190,7 +190,7 @@ static void test_boxes_FP_4(void **state) {
                     world[2] += w * corners[i].z;
                 }
                 vec3 in_view = mat4_point(&view.world_to_view, vec3_make(world[0], world[1], world[2]));
-                if (vec3_distance(vec3_make(world[0], world[1], world[2]), light->bound_center) > light->bound_radius)
+                if (vec3_distance(vec3_make(world[0], world[1], world[2]), light->bounds.center) > light->bounds.radius)
                     continue;
                 seen[2] = -in_view.z;
                 if (seen[2] < view.near_distance) continue;
@@ -368,7 +368,7 @@ static void test_blocks_FP_3(void **state) {
         params[i].range *= 0.5f;
         params[i].box_size = vec3_scale(params[i].box_size, 0.5f);
         params[i].length *= 0.5f;
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     float *depth = list_random_depth(&view, &random);
     struct marked full = build_marked(&view, LIGHTS, depth, true, WORDS, UINT32_MAX);

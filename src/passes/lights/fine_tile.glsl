@@ -73,39 +73,46 @@ void take_positions() {
     }
 }
 
-// ---- whether a light's volume holds a point ----
+// ---- whether a shape holds a point ----
 
-// The supports of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
+// Of a light it is the support of light_strength() (shaders/lights/illuminate.glsl), widened by `slack` metres and by what rounding may do.
 struct fine_volume {
     uint kind, hull_count, hull_first;
     vec3 position, direction, side, size, center;
     float range, spot_scale, spot_offset, radius;
 };
 
-fine_volume fine_volume_of(uint light) {
+// `place` is one of the bounds.
+fine_volume fine_volume_of(uint place) {
     fine_volume v;
-    v.position = push.list.list.lights.at[light].position;
-    v.range = push.list.list.lights.at[light].range;
-    v.kind = push.list.list.lights.at[light].kind;
-    v.hull_count = push.list.list.lights.at[light].hull_count;
-    v.direction = v.side = v.size = vec3(0.0);
-    v.spot_scale = v.spot_offset = 0.0;
-    v.hull_first = 0u;
-    if (v.kind != GPU_SHAPE_SPHERE) v.direction = push.list.list.lights.at[light].direction;
-    if (v.kind == GPU_SHAPE_CONE) {
-        v.spot_scale = push.list.list.lights.at[light].spot_scale;
-        v.spot_offset = push.list.list.lights.at[light].spot_offset;
-    } else if (v.kind != GPU_SHAPE_SPHERE) {
-        v.side = push.list.list.lights.at[light].side;
-        v.size = push.list.list.lights.at[light].size;
-    }
+    uint offset = push.list.list.entities.at[place].shape;
     v.center = vec3(0.0);
     v.radius = 0.0;
-    if ((flags & FINE_BLENDED) != 0u) {
-        v.center = push.list.list.lights.at[light].bound_center;
-        v.radius = push.list.list.lights.at[light].bound_radius;
+    if (offset == GPU_NO_SHAPE || (flags & FINE_BLENDED) != 0u) {
+        v.center = push.list.list.entities.at[place].center;
+        v.radius = push.list.list.entities.at[place].radius;
     }
-    if (v.hull_count != 0u) v.hull_first = push.list.list.lights.at[light].hull_first;
+    v.position = v.center;
+    v.range = v.radius;
+    v.kind = GPU_SHAPE_SPHERE;
+    v.hull_count = v.hull_first = 0u;
+    v.direction = v.side = v.size = vec3(0.0);
+    v.spot_scale = v.spot_offset = 0.0;
+    if (offset == GPU_NO_SHAPE) return v;
+    shape_block s = shape_at(push.list, offset);
+    v.position = s.shape.position;
+    v.range = s.shape.range;
+    v.kind = s.shape.kind;
+    v.hull_count = s.shape.hull_count;
+    if (v.kind != GPU_SHAPE_SPHERE) v.direction = s.shape.direction;
+    if (v.kind == GPU_SHAPE_CONE) {
+        v.spot_scale = s.shape.spot_scale;
+        v.spot_offset = s.shape.spot_offset;
+    } else if (v.kind != GPU_SHAPE_SPHERE) {
+        v.side = s.shape.side;
+        v.size = s.shape.size;
+    }
+    if (v.hull_count != 0u) v.hull_first = s.shape.hull_first;
     return v;
 }
 
@@ -197,7 +204,7 @@ uint local_light(uint index) { return push.visible_ids.at[index]; }
 // Fetches what is kept from `first` on, 32 lights at most. All threads call it; before they
 // call it again they pass a barrier.
 void stage_held(uint first, uint count) {
-    if (thread < count) staged[thread] = fine_volume_of(push.list.list.directional_count + local_light(held[first + thread]));
+    if (thread < count) staged[thread] = fine_volume_of(local_light(held[first + thread]));
     barrier();
 }
 
@@ -235,7 +242,7 @@ uint hold_tile(uint count) {
     uint left = 0u;
     for (uint base = 0u; base < count; base += THREADS) {
         uint i = base + thread, id = i < count ? held[i] : 0u, total;
-        bool hit = i < count && fine_holds(fine_volume_of(push.list.list.directional_count + local_light(id)), tile_center, tile_radius);
+        bool hit = i < count && fine_holds(fine_volume_of(local_light(id)), tile_center, tile_radius);
         uint at = left + sum_before(hit ? 1u : 0u, total);
         if (hit) held[at] = id;
         left += total;

@@ -25,6 +25,8 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .tiles_y = 1,
                                                                        .slices = 1,
                                                                        .lights = input->lights,
+                                                                       .entities = input->entities,
+                                                                       .shapes = input->shapes,
                                                                        .planes = input->planes,
                                                                        .view = input->view};
     return slice.data;
@@ -49,7 +51,7 @@ struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device
         .bounds = graph_create_buffer(graph, "light bounds", count * sizeof(struct gpu_bound)),
         .reaches =
             reaches ? graph_create_buffer(graph, "light reaches", count * sizeof(struct gpu_reach)) : (graph_buffer){0}};
-    struct gpu_lights_push push = {.view = input->view, .light_count = input->local_count, .cull = !input->keep_unseen};
+    struct gpu_lights_push push = {.view = input->view, .light_count = input->local_count, .cull = !input->keep_unseen, .kinds = input->kinds};
     const uint32_t groups = DIVIDE_UP(input->local_count + 1, 64u);
     light_list_header(device, input, &push.list);
     graph_dispatch(graph, &(struct graph_dispatch){

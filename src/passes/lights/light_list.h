@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Light lists: which lights reach which pixel. A builder turns lights and a view into a struct light_list; every shading order reads it
- * through shaders/lights/iterate.glsl and never knows which builder made it.
+ * Light lists: which lights reach which pixel. A builder turns bounds (struct gpu_entity_bounds) and a view into a struct light_list; every
+ * shading order reads it through shaders/lights/iterate.glsl and never knows which builder made it. Bounds may be those of lights, of decals,
+ * or of anything else that fills part of space: all builders serve them alike.
  *
  * All builders keep the contract: lists ascend by light index, hold every light whose volume touches a pixel's surface, are counted
  * exactly, and a cell that the pool cannot hold uses the spare list in that frame: coarse masks over all lights, which need no pool.
@@ -13,13 +14,16 @@
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
 
-/** Lights on the device: directional ones first. */
+/** What lists are built over, on the device. */
 struct light_input {
-    graph_buffer buffer;    /* the lights, for their hazards */
-    VkDeviceAddress lights; /* struct gpu_light[directional_count + local_count] */
-    VkDeviceAddress planes; /* of their hulls; 0 where none has one */
-    uint32_t directional_count, local_count;
-    uint32_t unlit_count; /* of the local ones, places without a light and hidden lights */
+    graph_buffer buffer;      /* lights, bounds, shapes and planes, for their hazards: what changes one of them changes this */
+    VkDeviceAddress entities; /* struct gpu_entity_bounds[local_count] */
+    VkDeviceAddress shapes;   /* where gpu_entity_bounds.shape counts from; 0 where none has a shape */
+    VkDeviceAddress planes;   /* of hulls; 0 where none has one */
+    VkDeviceAddress lights;   /* struct gpu_light[directional_count + local_count], for shading; 0 where no light is among the bounds */
+    uint32_t kinds;           /* bits 1 << GPU_ENTITY_…: what the lists are for; bounds of other kinds are left out */
+    uint32_t directional_count, local_count; /* local_count: bounds */
+    uint32_t unlit_count; /* of those, places without a light and hidden lights */
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
@@ -56,11 +60,11 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
 /** The reference: every light, every pixel. */
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 
-/** Lights in view, shared by all builders of a view. */
+/** What of the bounds is in view, shared by all builders of a view. */
 struct lights_in_view {
     graph_buffer sums;    /* local_count + 1; the last is the number in view */
-    graph_buffer ids;     /* ascending */
-    graph_buffer bounds;  /* struct gpu_bound, view space */
+    graph_buffer ids;     /* places of the bounds, ascending */
+    graph_buffer bounds;  /* struct gpu_bound: their spheres in view space */
     graph_buffer reaches; /* struct gpu_reach, view space; or id 0 */
 };
 struct lights_in_view lights_in_view_add(struct graph *graph, gpu_device *device, const struct light_input *input);
@@ -159,5 +163,10 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
 
 /** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);
+
+/** Whether any list of these kinds may hold it, wherever the viewer is: what lights_in_view_add() asks first, for builders on the CPU. */
+static inline bool bounds_are_listed(const struct gpu_entity_bounds *bounds, uint32_t kinds) {
+    return bounds->radius > 0 && (kinds >> bounds->kind & 1);
+}
 
 #endif

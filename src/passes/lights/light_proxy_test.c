@@ -10,7 +10,8 @@ enum { LIGHT_COUNT = 120, POINTS_EACH = 400, POINT_COUNT = LIGHT_COUNT * POINTS_
 
 static struct {
     fnl_light_params params[LIGHT_COUNT];
-    struct gpu_light *lights; /* as the device has them */
+    struct gpu_light *lights; /* as the device has them, then planes, then bounds */
+    const struct gpu_entity_bounds *bounds;
     struct light_hull *hulls[LIGHT_COUNT];
     vec3 points[POINT_COUNT];
     struct gpu_light_answer answers[POINT_COUNT];
@@ -41,14 +42,15 @@ static fnl_light_params random_light(struct random_state *random, uint32_t i) {
 }
 
 /* Points where something may happen: near the axis, anywhere in a ball a little larger than the bounds, and on the range. */
-static vec3 random_point(struct random_state *random, const struct gpu_light *g, uint32_t k) {
+static vec3 random_point(struct random_state *random, const struct gpu_shape *g, const struct gpu_entity_bounds *b,
+                         uint32_t k) {
     vec3 ball;
     do ball = random_vector(random, 1);
     while (vec3_length(ball) > 1 || vec3_length(ball) < 0.01f);
     vec3 axis = vec3_add_scaled(g->position, g->direction, random_range(random, -0.1f, 1.05f) * g->range);
     if (k % 4 == 0) return vec3_add_scaled(axis, ball, random_range(random, 0, 0.2f) * vec3_distance(axis, g->position));
     if (k % 4 == 1) return vec3_add_scaled(g->position, vec3_normalize(ball), g->range * random_range(random, 0.98f, 1.01f));
-    return vec3_add_scaled(g->bound_center, ball, g->bound_radius * 1.2f);
+    return vec3_add_scaled(b->center, ball, b->radius * 1.2f);
 }
 
 struct ask_data {
@@ -68,7 +70,7 @@ static void execute_nothing(const struct graph_context *context, const void *dat
     UNUSED(data);
 }
 
-static void ask_device(uint64_t light_bytes, uint64_t planes) {
+static void ask_device(uint64_t light_bytes, uint64_t planes, uint64_t bounds) {
     gpu_device *device = harness_device();
     struct graph *graph;
     struct gpu_buffer buffers[4]; /* lights, points, answers, corners */
@@ -86,8 +88,11 @@ static void ask_device(uint64_t light_bytes, uint64_t planes) {
     memcpy(buffers[0].mapped, bench.lights, light_bytes);
     memcpy(buffers[1].mapped, bench.points, sizeof bench.points);
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    struct light_input input = {
-        .lights = buffers[0].address, .planes = buffers[0].address + planes, .local_count = LIGHT_COUNT};
+    struct light_input input = {.lights = buffers[0].address,
+                                .shapes = buffers[0].address,
+                                .planes = buffers[0].address + planes,
+                                .entities = buffers[0].address + bounds,
+                                .local_count = LIGHT_COUNT};
     struct ask_data ask = {.push = {.points = buffers[1].address,
                                     .answers = buffers[2].address,
                                     .corners = buffers[3].address,
@@ -123,7 +128,10 @@ static int ask_begin(void **state) {
         assert_int_equal(fnl_scene_query_light(scene, i, &bench.params[i]), FNL_OK);
         if (i / 5 % 3 != 2) continue;
         vec3 corners[12];
-        float size = device_light(&bench.params[i]).bound_radius * random_range(&random, 0.2f, 1.5f);
+        struct gpu_light light;
+        struct gpu_entity_bounds sphere;
+        device_light(&bench.params[i], i, &light, &sphere);
+        float size = sphere.radius * random_range(&random, 0.2f, 1.5f);
         vec3 middle = vec3_add_scaled(l.position, bench.params[i].direction, size * random_range(&random, 0, 1));
         for (int k = 0; k < 12; k++) corners[k] = vec3_add(middle, random_vector(&random, size));
         assert_int_equal(fnl_scene_set_light_hull(scene, id, corners, 12), FNL_OK);
@@ -131,22 +139,25 @@ static int ask_begin(void **state) {
     gathered = (struct device_scene){.host = *gpu_host(harness_device()), .scene = scene};
     assert_int_equal(device_lights_gather(&gathered), FNL_OK);
     uint64_t planes = DIVIDE_UP(LIGHT_COUNT * sizeof *bench.lights, sizeof(vec4)) * sizeof(vec4),
-             bytes = planes + gathered.planes_taken.end * sizeof(vec4);
+             bounds = planes + gathered.planes_taken.end * sizeof(vec4), bytes = bounds + LIGHT_COUNT * sizeof *bench.bounds;
     bench.lights = calloc(1, bytes);
     memcpy(bench.lights, gathered.light_data.data, LIGHT_COUNT * sizeof *bench.lights);
     memcpy((char *)bench.lights + planes, gathered.plane_data.data, gathered.planes_taken.end * sizeof(vec4));
+    bench.bounds = (const struct gpu_entity_bounds *)((char *)bench.lights + bounds);
+    memcpy((char *)bench.lights + bounds, gathered.light_bounds.data, LIGHT_COUNT * sizeof *bench.bounds);
     for (uint32_t i = 0; i < LIGHT_COUNT; i++) {
         bench.hulls[i] = scene->lights.data[i].hull;
         for (uint32_t k = 0; k < POINTS_EACH; k++)
-            bench.points[i * POINTS_EACH + k] = random_point(&random, &bench.lights[i], k);
+            bench.points[i * POINTS_EACH + k] = random_point(&random, &bench.lights[i].shape, &bench.bounds[i], k);
     }
-    ask_device(bytes, planes);
+    ask_device(bytes, planes, bounds);
     return 0;
 }
 
 static int ask_end(void **state) {
     free(bench.lights);
     array_free(&gathered.host, &gathered.light_data);
+    array_free(&gathered.host, &gathered.light_bounds);
     array_free(&gathered.host, &gathered.plane_data);
     ranges_finish(&gathered.host, &gathered.planes_taken);
     fnl_scene_destroy(&scene);
@@ -202,7 +213,7 @@ static void test_answers(void **state) {
         /* Fading edges magnify the rounding of positions by their steepness. */
         double peak = l->kind == FNL_LIGHT_BOX ? 1 : 1 / fmax(distance * distance, 1e-8);
         double wanted = strength * (double)l->intensity;
-        bool steep = bench.lights[light].spot_scale > 50 || fabs(p[0]) + fabs(p[1]) + fabs(p[2]) > 500 || distance < 1e-3;
+        bool steep = bench.lights[light].shape.spot_scale > 50 || fabs(p[0]) + fabs(p[1]) + fabs(p[2]) > 500 || distance < 1e-3;
         double slack = 2e-3 + 4 * rounding / distance;
         if (!steep && fabs(got - wanted) > slack * peak * (double)l->intensity)
             fail_msg("light %u of kind %d: %g lux, reference %g", light, (int)l->kind, got, wanted);
@@ -236,9 +247,10 @@ static void test_proxies(void **state) {
     UNUSED(state);
     uint32_t inside = 0;
     for (uint32_t light = 0; light < LIGHT_COUNT; light++) {
-        const struct gpu_light *g = &bench.lights[light];
+        const struct gpu_shape *g = &bench.lights[light].shape;
+        const struct gpu_entity_bounds *b = &bench.bounds[light];
         vec3 corners[8];
-        light_corners(g, corners);
+        shape_corners(g, b, corners);
         float scale = g->range + vec3_length(g->position);
         for (int k = 0; k < 8; k++)
             assert_true(vec3_distance(corners[k], bench.corners[light * 8 + (uint32_t)k]) < 1e-6f * scale);
@@ -251,10 +263,10 @@ static void test_proxies(void **state) {
             double out = out_of_hull(hull, bench.points[i]);
             if (out > 1e-6 * (double)scale)
                 fail_msg("light %u of kind %u lights a point %g m outside of its proxy", light, g->kind, out);
-            double from_center = (double)vec3_distance(bench.points[i], g->bound_center);
-            if (from_center > (double)g->bound_radius * (1 + 1e-4) + 1e-6 * (double)scale)
+            double from_center = (double)vec3_distance(bench.points[i], b->center);
+            if (from_center > (double)b->radius * (1 + 1e-4) + 1e-6 * (double)scale)
                 fail_msg("light %u of kind %u lights a point %g m from its bound's centre, radius %g", light, g->kind,
-                         from_center, (double)g->bound_radius);
+                         from_center, (double)b->radius);
         }
         host_free(gpu_host(harness_device()), hull, sizeof *hull);
     }
@@ -280,10 +292,12 @@ static void test_proxies_fit(void **state) {
         l.wedge_angles[1] = 0.3f * cases[i].angle;
         l.length = 60;
         l.box_size = vec3_make(20, 1, 0.4f);
-        struct gpu_light g = device_light(&l);
+        struct gpu_light g;
+        struct gpu_entity_bounds b;
+        device_light(&l, 0, &g, &b);
         vec3 corners[8];
-        light_corners(&g, corners);
-        double sphere = 4 / 3.0 * (double)PI * pow((double)g.bound_radius, 3), part = volume_of(corners) / sphere;
+        shape_corners(&g.shape, &b, corners);
+        double sphere = 4 / 3.0 * (double)PI * pow((double)b.radius, 3), part = volume_of(corners) / sphere;
         print_message("kind %d, %g rad: proxy takes %.4f of the sphere\n", (int)l.kind, (double)cases[i].angle, part);
         assert_true(part < (double)cases[i].most && part > (double)cases[i].most * 0.5);
     }

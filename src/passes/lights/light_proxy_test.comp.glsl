@@ -27,7 +27,8 @@ void main() {
     push.answers.at[index].reaches = light_reaches(push.list, light, push.points.at[index]) ? 1u : 0u;
     if (index % push.points_each == 0u) {
         vec3 corners[8];
-        light_corners(push.list.list.lights.at[light], corners);
+        gpu_entity_bounds bounds = push.list.list.entities.at[light];
+        shape_corners(shape_of(push.list, bounds), bounds.center, bounds.radius, corners);
         for (uint i = 0u; i < 8u; i++) push.corners.at[light * 8u + i] = corners[i];
     }
 }

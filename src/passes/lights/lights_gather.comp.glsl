@@ -13,16 +13,17 @@ void main() {
     if (index >= push.light_count) return;
     uint slot = push.sums.at[index];
     if (push.sums.at[index + 1u] == slot) return;
-    gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
+    gpu_entity_bounds entity = push.list.list.entities.at[index];
     push.ids.at[slot] = index;
     gpu_bound bound;
-    bound.center = (push.view.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
-    bound.radius = light.bound_radius + float(BOUND_ROUNDING) * (length(light.bound_center) + length(push.view.view.eye));
+    bound.center = (push.view.view.world_to_view * vec4(entity.center, 1.0)).xyz;
+    bound.radius = entity.radius + float(BOUND_ROUNDING) * (length(entity.center) + length(push.view.view.eye));
     push.bounds.at[slot] = bound;
     if (push.reach == 0u) return;
     gpu_reach reach;
-    reach_cone(light, push.view.view.world_to_view,
-               float(BOUND_ROUNDING) * (length(light.position) + length(push.view.view.eye)), reach);
+    gpu_shape shape = shape_of(push.list, entity);
+    reach_cone(shape, push.view.view.world_to_view,
+               float(BOUND_ROUNDING) * (length(shape.position) + length(push.view.view.eye)), reach);
     reach_rectangle(push.view, bound, reach);
     push.reaches.at[slot] = reach;
 }

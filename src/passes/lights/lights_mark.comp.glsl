@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Marks the lights whose bounding sphere touches the view.
+// Marks what is of the kinds that the list is for and whose bounding sphere touches the view.
 #include "common.glsl"
 #include "passes/lights/in_view.glsl"
 
@@ -13,9 +13,9 @@ void main() {
     if (index > push.light_count) return;
     bool visible = index < push.light_count;
     if (visible) {
-        gpu_light light = push.list.list.lights.at[push.list.list.directional_count + index];
-        visible = light.bound_radius > 0.0;
-        if (push.cull == 1u) visible = visible && light_in_view(push.view, light.bound_center, light.bound_radius);
+        gpu_entity_bounds entity = push.list.list.entities.at[index];
+        visible = entity.radius > 0.0 && (push.kinds >> entity.kind & 1u) != 0u;
+        if (push.cull == 1u) visible = visible && light_in_view(push.view, entity.center, entity.radius);
     }
     push.sums.at[index] = visible ? 1u : 0u;
 }

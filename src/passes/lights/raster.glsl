@@ -35,22 +35,22 @@ const float DEPTH_SLACK = 2e-5;
 // ---- meshes ----
 
 struct light_mesh {
-    uint kind, light; // MESH_…, index into the light array
+    uint kind, place; // MESH_…, place of the bounds
     uint vertex_count, triangle_count;
     uint first_vertex, first_triangle; // in RASTER.vertices and .triangles; of MESH_OWN in RASTER.points
 };
 
-light_mesh mesh_of(uint local) {
-    uint light = RASTER.list.list.directional_count + local;
+light_mesh mesh_of(uint place) {
     if (RASTER.own_meshes == 1u) {
-        gpu_raster_mesh own = RASTER.meshes.at[local];
-        if (own.count != 0u) return light_mesh(MESH_OWN, light, 0u, own.count, 0u, own.first);
+        gpu_raster_mesh own = RASTER.meshes.at[place];
+        if (own.count != 0u) return light_mesh(MESH_OWN, place, 0u, own.count, 0u, own.first);
     }
-    uint kind = RASTER.list.list.lights.at[light].kind;
-    if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, light, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES, 0u, 0u);
+    uint shape = RASTER.list.list.entities.at[place].shape, kind = GPU_SHAPE_SPHERE;
+    if (shape != GPU_NO_SHAPE) kind = shape_at(RASTER.list, shape).shape.kind;
+    if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, place, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES, 0u, 0u);
     if (kind == GPU_SHAPE_CONE)
-        return light_mesh(MESH_CONE, light, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES);
-    return light_mesh(MESH_BOX, light, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, 0u, GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES);
+        return light_mesh(MESH_CONE, place, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES);
+    return light_mesh(MESH_BOX, place, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, 0u, GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES);
 }
 
 vec3 to_view(vec3 world) {
@@ -64,20 +64,21 @@ vec3 mesh_vertex(light_mesh mesh, gpu_bound bound, uint index) {
         vec3 at = bound.center + mat3(RASTER.view.view.world_to_view) * RASTER.vertices[index] * (bound.radius * float(GPU_SPHERE_SCALE));
         return vec3(at.xy, -at.z);
     }
-    gpu_light light = RASTER.list.list.lights.at[mesh.light];
+    gpu_entity_bounds entity = RASTER.list.list.entities.at[mesh.place];
+    gpu_shape shape = shape_of(RASTER.list, entity);
     if (mesh.kind == MESH_BOX) {
         vec3 corners[8];
-        light_corners(light, corners);
+        shape_corners(shape, entity.center, entity.radius, corners);
         return to_view(corners[index]);
     }
     vec3 part = RASTER.vertices[mesh.first_vertex + index];
     // Rounding of the ramp may light a hair more than the cone.
-    float cosine = clamp(-light.spot_offset / light.spot_scale - 1e-6, 0.0, 1.0), sine = sqrt(1.0 - cosine * cosine);
+    float cosine = clamp(-shape.spot_offset / shape.spot_scale - 1e-6, 0.0, 1.0), sine = sqrt(1.0 - cosine * cosine);
     float along = part.z == float(GPU_CONE_APEX) ? 0.0 : part.z == float(GPU_CONE_RIM) ? cosine : 1.0;
     float across = part.z == float(GPU_CONE_RIM) ? sine : part.z == float(GPU_CONE_CAP) ? sine / (1.0 + cosine) : 0.0;
     across *= float(GPU_CONE_SCALE);
-    vec3 up = cross(light.side, light.direction);
-    return to_view(light.position + light.range * (light.direction * along + (light.side * part.x + up * part.y) * across));
+    vec3 up = cross(shape.side, shape.direction);
+    return to_view(shape.position + shape.range * (shape.direction * along + (shape.side * part.x + up * part.y) * across));
 }
 
 // A point well inside of the same.

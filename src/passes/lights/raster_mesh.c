@@ -69,33 +69,33 @@ void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[G
 }
 
 /* As in raster.glsl. */
-static vec3 mesh_vertex(const struct gpu_light *light, vec3 part) {
-    if (light->kind == GPU_SHAPE_SPHERE)
-        return vec3_add_scaled(light->bound_center, part, light->bound_radius * (float)GPU_SPHERE_SCALE);
-    float cosine = fminf(fmaxf(-light->spot_offset / light->spot_scale - 1e-6f, 0), 1), sine = sqrtf(1 - cosine * cosine);
+static vec3 mesh_vertex(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 part) {
+    if (shape->kind == GPU_SHAPE_SPHERE)
+        return vec3_add_scaled(bounds->center, part, bounds->radius * (float)GPU_SPHERE_SCALE);
+    float cosine = fminf(fmaxf(-shape->spot_offset / shape->spot_scale - 1e-6f, 0), 1), sine = sqrtf(1 - cosine * cosine);
     float along = part.z == (float)GPU_CONE_APEX ? 0 : part.z == (float)GPU_CONE_RIM ? cosine : 1;
     float across = part.z == (float)GPU_CONE_RIM ? sine : part.z == (float)GPU_CONE_CAP ? sine / (1 + cosine) : 0;
     across *= (float)GPU_CONE_SCALE;
-    vec3 up = vec3_cross(light->side, light->direction);
-    vec3 offset = vec3_scale(light->direction, along);
-    offset = vec3_add_scaled(vec3_add_scaled(offset, light->side, part.x * across), up, part.y * across);
-    return vec3_add_scaled(light->position, offset, light->range);
+    vec3 up = vec3_cross(shape->side, shape->direction);
+    vec3 offset = vec3_scale(shape->direction, along);
+    offset = vec3_add_scaled(vec3_add_scaled(offset, shape->side, part.x * across), up, part.y * across);
+    return vec3_add_scaled(shape->position, offset, shape->range);
 }
 
-uint32_t light_mesh(const struct gpu_light *light, vec3 *corners) {
+uint32_t light_mesh(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 *corners) {
     vec3 tables[GPU_RASTER_VERTICES], points[GPU_SPHERE_VERTICES];
     uint32_t triangles[GPU_RASTER_TRIANGLES], first = GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES, count = GPU_BOX_TRIANGLES;
     raster_mesh_tables(tables, triangles);
-    if (light->kind == GPU_SHAPE_SPHERE) {
-        for (uint32_t i = 0; i < GPU_SPHERE_VERTICES; i++) points[i] = mesh_vertex(light, tables[i]);
+    if (shape->kind == GPU_SHAPE_SPHERE) {
+        for (uint32_t i = 0; i < GPU_SPHERE_VERTICES; i++) points[i] = mesh_vertex(shape, bounds, tables[i]);
         first = 0;
         count = GPU_SPHERE_TRIANGLES;
-    } else if (light->kind == GPU_SHAPE_CONE) {
-        for (uint32_t i = 0; i < GPU_CONE_VERTICES; i++) points[i] = mesh_vertex(light, tables[GPU_SPHERE_VERTICES + i]);
+    } else if (shape->kind == GPU_SHAPE_CONE) {
+        for (uint32_t i = 0; i < GPU_CONE_VERTICES; i++) points[i] = mesh_vertex(shape, bounds, tables[GPU_SPHERE_VERTICES + i]);
         first = GPU_SPHERE_TRIANGLES;
         count = GPU_CONE_TRIANGLES;
     } else {
-        light_corners(light, points);
+        shape_corners(shape, bounds, points);
     }
     for (uint32_t i = 0; i < count * 3; i++) corners[i] = points[triangles[first + i / 3] >> i % 3 * 8 & 255];
     return count;
@@ -109,7 +109,7 @@ static void put_quad(vec3 *corners, uint32_t *count, const vec3 *p, uint32_t a, 
     *count += 2;
 }
 
-uint32_t light_mesh_from_depth(const struct gpu_light *light, const float *depth, uint32_t size, uint32_t blocks,
+uint32_t light_mesh_from_depth(const struct gpu_shape *light, const float *depth, uint32_t size, uint32_t blocks,
                                vec3 *corners) {
     if (light->kind != GPU_SHAPE_CONE) return 0;
     float cosine = -light->spot_offset / light->spot_scale - 1e-6f;

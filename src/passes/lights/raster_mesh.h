@@ -9,8 +9,8 @@
 /** The tables of struct gpu_raster. */
 void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[GPU_RASTER_TRIANGLES]);
 
-/** The world-space mesh that the builder draws for a local light: `corners` has room for 80 triangles, three corners each. Returns their number. */
-uint32_t light_mesh(const struct gpu_light *light, vec3 *corners);
+/** The world-space mesh that the builder draws round a shape: `corners` has room for 80 triangles, three corners each. Returns their number. */
+uint32_t light_mesh(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 *corners);
 
 /**
  * A volume for a spot from what its shadow map sees (M. Drobot, "Improved Culling for Tiled and Clustered Rendering", SIGGRAPH 2017; ES-63). `depth` are `size` x
@@ -20,10 +20,10 @@ uint32_t light_mesh(const struct gpu_light *light, vec3 *corners);
  * light reaches, and that no surface hides by more than the texel's depth, is in one of them. Returns the number of triangles; `corners` has room for
  * 12 * blocks * blocks, three corners each. `blocks` divides `size`. 0: the light is no spot, or too wide.
  */
-uint32_t light_mesh_from_depth(const struct gpu_light *light, const float *depth, uint32_t size, uint32_t blocks,
+uint32_t light_mesh_from_depth(const struct gpu_shape *light, const float *depth, uint32_t size, uint32_t blocks,
                                vec3 *corners);
 
-/** The convex hull between planes (lights_shared.h, seen from `position`): room for 4 * count * count triangles. Returns their number, 0 if it is empty
+/** The convex hull between planes (bounds_shared.h, seen from `position`): room for 4 * count * count triangles. Returns their number, 0 if it is empty
     or reaches farther than `extent` from the position. */
 uint32_t light_mesh_from_planes(vec3 position, const vec4 *planes, uint32_t count, float extent, vec3 *corners);
 

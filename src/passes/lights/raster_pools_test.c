@@ -8,7 +8,7 @@
 enum { LIGHTS = 300, MOST = 65536, WIDTH = 301, HEIGHT = 173 };
 
 static fnl_light_params params[MOST];
-static struct gpu_light lights[MOST];
+static struct list_light lights[MOST];
 
 /* ---- lights per pixel ---- */
 
@@ -51,7 +51,7 @@ static void test_lights_per_pixel(void **state) {
                     vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
                 params[i].outer_cone_angle = 0.4f;
             }
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct raster_request r = raster_request_of(&view, lights, COUNT);
         r.raster.grid.tile_size = 64; /* 24 x 12 x 128 */
@@ -108,7 +108,7 @@ static void test_slices_CL_9(void **state) {
             params[i] = fnl_light_params_default();
             params[i].position = vec3_make(0, 0, (float)-depth);
             params[i].range = (float)(1e-6 * depth);
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct raster_request r = raster_request_of(&view, lights, MOST);
         r.raster.grid = p;

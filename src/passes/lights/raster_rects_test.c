@@ -6,7 +6,7 @@
 enum { LIGHTS = 300, WIDTH = 301, HEIGHT = 173 };
 
 static fnl_light_params params[LIGHTS];
-static struct gpu_light lights[LIGHTS];
+static struct list_light lights[LIGHTS];
 
 /* A cone of twelve sides, a rim and a flat cap: hardly larger than a narrow spot, and less than a prism where it is wide. */
 static void test_cone_volumes_CL_2(void **state) {
@@ -18,10 +18,10 @@ static void test_cone_volumes_CL_2(void **state) {
         light.direction = vec3_normalize(vec3_make(0.3f, -1, 0.2f));
         light.range = 3;
         light.outer_cone_angle = 0.01f * (float)i;
-        struct gpu_light g = device_light(&light);
+        struct list_light g = list_light_of(&light, 0);
         vec3 corners[240];
         double volume = 0, exact = 2.0 / 3 * M_PI * 27 * (1 - cos((double)light.outer_cone_angle));
-        uint32_t triangles = light_mesh(&g, corners);
+        uint32_t triangles = light_mesh(&g.shape, &g.bounds, corners);
         for (uint32_t t = 0; t < triangles; t++)
             volume += fabs((double)vec3_dot(vec3_sub(corners[t * 3], light.position),
                                             vec3_cross(vec3_sub(corners[t * 3 + 1], light.position),
@@ -36,9 +36,9 @@ static void test_cone_volumes_CL_2(void **state) {
 }
 
 /* Left, right, top and bottom in pixels, near and far in metres; false: unknown, the light is about the viewer. */
-static bool extent_of(const struct gpu_view *view, const struct gpu_light *light, double out[6]) {
-    const double world[3] = {(double)light->bound_center.x, (double)light->bound_center.y, (double)light->bound_center.z};
-    double at[3], radius = (double)light->bound_radius, near = (double)view->near_distance / 2, slopes[2][2];
+static bool extent_of(const struct gpu_view *view, const struct list_light *light, double out[6]) {
+    const double world[3] = {(double)light->bounds.center.x, (double)light->bounds.center.y, (double)light->bounds.center.z};
+    double at[3], radius = (double)light->bounds.radius, near = (double)view->near_distance / 2, slopes[2][2];
     bool orthographic = view->orthographic > 0.5f;
     world_to_view(view, world, at);
     out[4] = -at[2] - radius;
@@ -50,7 +50,7 @@ static bool extent_of(const struct gpu_view *view, const struct gpu_light *light
         if (!orthographic) reference_slopes(at[axis], -at[2], radius, 1e-6, slopes[axis]);
     }
     vec3 corners[240];
-    uint32_t count = light->kind == GPU_SHAPE_SPHERE ? 0 : 3 * light_mesh(light, corners);
+    uint32_t count = light->shape.kind == GPU_SHAPE_SPHERE ? 0 : 3 * light_mesh(&light->shape, &light->bounds, corners);
     double mesh[2][2] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}, depths[2] = {INFINITY, -INFINITY};
     for (uint32_t i = 0; i < count; i++) {
         const double corner[3] = {(double)corners[i].x, (double)corners[i].y, (double)corners[i].z};
@@ -99,7 +99,7 @@ static void test_rectangles_ES_60(void **state) {
             params[i].range *= 0.1f;
             params[i].box_size = vec3_scale(params[i].box_size, 0.1f);
             params[i].length *= 0.1f;
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct raster_request r = raster_request_of(&view, lights, LIGHTS);
         struct raster_copy copy = raster_build(&r);

@@ -9,7 +9,7 @@
 /*
  * Unit meshes. Spheres: an icosahedron with each face cut in four, corners on the unit sphere. Cones: apex, rim, a second ring where the
  * plane that touches the cap in its middle begins, and that middle; vertices are (cos, sin, GPU_CONE_…) and become points when the
- * cone's angle is known. Boxes have no vertices of their own: light_corners() makes them.
+ * cone's angle is known. Boxes have no vertices of their own: shape_corners() makes them.
  */
 #define GPU_SPHERE_VERTICES 42u
 #define GPU_SPHERE_TRIANGLES 80u

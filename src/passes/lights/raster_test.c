@@ -10,7 +10,7 @@
 enum { LIGHTS = 300, MOST = 65536, WIDTH = 301, HEIGHT = 173 };
 
 static fnl_light_params params[MOST];
-static struct gpu_light lights[MOST];
+static struct list_light lights[MOST];
 
 /* ---- the oracle: a mesh in tiles, in double ---- */
 
@@ -113,9 +113,9 @@ static uint64_t check_reached(const struct raster_request *r, const struct list_
                               uint32_t tries) {
     uint64_t seen = 0;
     for (uint32_t i = 0; i < r->light_count; i++) {
-        const struct gpu_light *light = &lights[i];
+        const struct list_light *light = &lights[i];
         vec3 corners[8];
-        light_corners(light, corners);
+        shape_corners(&light->shape, &light->bounds, corners);
         for (uint32_t k = 0; k < tries; k++) {
             double point[3], view[3];
             float a = random_float(random), b = random_float(random), c = random_float(random);
@@ -123,10 +123,10 @@ static uint64_t check_reached(const struct raster_request *r, const struct list_
             vec3 low = vec3_lerp(vec3_lerp(corners[0], corners[1], a), vec3_lerp(corners[2], corners[3], a), b),
                  high = vec3_lerp(vec3_lerp(corners[4], corners[5], a), vec3_lerp(corners[6], corners[7], a), b);
             vec3 at = vec3_lerp(low, high, c);
-            if (light->kind == GPU_SHAPE_SPHERE || (light->kind == GPU_SHAPE_CONE && k % 2)) { /* near the rim */
-                vec3 ray = vec3_sub(at, light->position);
+            if (light->shape.kind == GPU_SHAPE_SPHERE || (light->shape.kind == GPU_SHAPE_CONE && k % 2)) { /* near the rim */
+                vec3 ray = vec3_sub(at, light->shape.position);
                 float length = vec3_length(ray);
-                if (length > 0) at = vec3_add_scaled(light->position, ray, light->range / length * (k % 3 ? 0.9999f : b));
+                if (length > 0) at = vec3_add_scaled(light->shape.position, ray, light->shape.range / length * (k % 3 ? 0.9999f : b));
             }
             point[0] = at.x, point[1] = at.y, point[2] = at.z;
             if (!light_reaches(&params[i], point)) continue;
@@ -140,7 +140,7 @@ static uint64_t check_reached(const struct raster_request *r, const struct list_
             if (!(x >= 0 && y >= 0 && x < r->view.size.x && y < r->view.size.y)) continue;
             seen++;
             if (!holds_at(list, x, y, view[2], i))
-                fail_msg("light %u of kind %u misses a point at (%g, %g), %g deep", i, light->kind, x, y, view[2]);
+                fail_msg("light %u of kind %u misses a point at (%g, %g), %g deep", i, light->shape.kind, x, y, view[2]);
         }
     }
     return seen;
@@ -158,18 +158,18 @@ static void check_tight(const struct raster_request *r, const struct list_copy *
     double near = (double)r->view.near_distance / 2;
     for (uint32_t i = 0; i < r->light_count; i++) {
         vec3 corners[240];
-        uint32_t triangles = light_mesh(&lights[i], corners);
+        uint32_t triangles = light_mesh(&lights[i].shape, &lights[i].bounds, corners);
         for (uint32_t tile = 0; tile < g->tiles_x * g->tiles_y; tile++) {
             struct tile_range range = {1, 0};
             bool known = false;
             for (uint32_t slice = 0; slice < g->slices; slice++) {
                 uint32_t cell = slice * g->tiles_x * g->tiles_y + tile;
-                if (!spots_only || lights[i].kind == GPU_SHAPE_CONE) {
+                if (!spots_only || lights[i].shape.kind == GPU_SHAPE_CONE) {
                     struct reference_cell c = reference_cell_of(&sphere_request, g, cell, 0);
                     *out_spheres += reference_touches(&c, &sphere_request, i, 0, true);
                 }
                 if (!list_holds(list, cell, i)) continue;
-                if (!spots_only || lights[i].kind == GPU_SHAPE_CONE) ++*out_listed;
+                if (!spots_only || lights[i].shape.kind == GPU_SHAPE_CONE) ++*out_listed;
                 if (!known) {
                     range = mesh_in_tile(&r->view, corners, triangles, g->tile_size, tile % g->tiles_x, tile / g->tiles_x,
                                          0.05, near);
@@ -177,7 +177,7 @@ static void check_tight(const struct raster_request *r, const struct list_copy *
                 }
                 if (range.near > range.far || slice < list_slice_at(g, range.near * (1 - 3e-4) - 1e-4) ||
                     slice > list_slice_at(g, range.far * (1 + 3e-4) + 1e-4))
-                    fail_msg("light %u of kind %u does not touch tile %u, slice %u (%g .. %g)", i, lights[i].kind, tile,
+                    fail_msg("light %u of kind %u does not touch tile %u, slice %u (%g .. %g)", i, lights[i].shape.kind, tile,
                              slice, range.near, range.far);
             }
         }
@@ -231,9 +231,9 @@ static void test_meshes_enclose_CL_2(void **state) {
             vec3_make(random_range(&random, -1, 1), random_range(&random, -1, 1), random_range(&random, -1, 1)));
         light.outer_cone_angle = i == 1 ? 1.5707963f : i == 2 ? 0.001f : random_range(&random, 0.01f, 1.57f);
         light.inner_cone_angle = 0;
-        struct gpu_light g = device_light(&light);
+        struct list_light g = list_light_of(&light, 0);
         vec3 corners[240];
-        uint32_t triangles = light_mesh(&g, corners);
+        uint32_t triangles = light_mesh(&g.shape, &g.bounds, corners);
         assert_int_equal(triangles, i % 3 ? GPU_CONE_TRIANGLES : GPU_SPHERE_TRIANGLES);
         for (uint32_t k = 0; k < 3000; k++) { /* on the rim, where meshes are nearest */
             vec3 ray = vec3_normalize(
@@ -247,7 +247,7 @@ static void test_meshes_enclose_CL_2(void **state) {
             vec3 at = vec3_add_scaled(light.position, ray, distance);
             double outside = outside_by(corners, triangles, (double[]){at.x, at.y, at.z}) / (double)light.range;
             closest = fmax(closest, outside);
-            if (outside > 2e-6) fail_msg("a mesh of kind %u leaves out a point by %g ranges", g.kind, outside);
+            if (outside > 2e-6) fail_msg("a mesh of kind %u leaves out a point by %g ranges", g.shape.kind, outside);
         }
         if (i == 0)
             for (uint32_t t = 0; t < triangles; t++) /* of a polyhedron, as a part of its sphere's */
@@ -309,7 +309,7 @@ static void test_small_and_edge_on_ES_60(void **state) {
             params[i].inner_cone_angle = 0;
             params[i].range = 5;
         }
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     struct raster_request r = raster_request_of(&view, lights, LIGHTS);
     struct raster_copy copy = raster_build(&r);
@@ -430,7 +430,7 @@ static void test_software_shells(void **state) {
         double near = (double)view.near_distance / 2;
         for (uint32_t i = 0; i < copy.list.totals.in_view; i++) {
             vec3 corners[240];
-            uint32_t light = copy.visible[i], triangles = light_mesh(&lights[light], corners);
+            uint32_t light = copy.visible[i], triangles = light_mesh(&lights[light].shape, &lights[light].bounds, corners);
             struct gpu_raster_light q = copy.rectangles[i];
             for (uint32_t slot = copy.slot_sums[i]; slot < copy.slot_sums[i + 1]; slot++) {
                 uint32_t width = (q.columns >> 16) - (q.columns & 0xffff) + 1, at = slot - copy.slot_sums[i], found[2];
@@ -469,7 +469,7 @@ static void test_grids_CL_5(void **state) {
         for (uint32_t i = 0; i < count; i++) { /* many, and small */
             params[i].range *= 0.15f;
             params[i].box_size = vec3_scale(params[i].box_size, 0.15f);
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct raster_request r = raster_request_of(&view, lights, count);
         r.raster.grid.tile_size = grids[k % 6][0];
@@ -545,11 +545,11 @@ static void test_shadow_meshes_ES_63(void **state) {
     params[0].direction = vec3_normalize(vec3_make(0.1f, -1, 0.05f));
     params[0].range = 12;
     params[0].outer_cone_angle = 0.5f;
-    lights[0] = device_light(&params[0]);
-    vec3 up = vec3_cross(lights[0].side, lights[0].direction);
+    lights[0] = list_light_of(&params[0], 0);
+    vec3 up = vec3_cross(lights[0].shape.side, lights[0].shape.direction);
     double tangent = tan(0.5), from[3] = {0, 6, 0};
-    const double side[3] = {lights[0].side.x, lights[0].side.y, lights[0].side.z}, above[3] = {up.x, up.y, up.z},
-                 along[3] = {lights[0].direction.x, lights[0].direction.y, lights[0].direction.z};
+    const double side[3] = {lights[0].shape.side.x, lights[0].shape.side.y, lights[0].shape.side.z}, above[3] = {up.x, up.y, up.z},
+                 along[3] = {lights[0].shape.direction.x, lights[0].shape.direction.y, lights[0].shape.direction.z};
     double ray[3];
     for (uint32_t y = 0; y < SIZE; y++)
         for (uint32_t x = 0; x < SIZE; x++) { /* the farthest of several rays: a shadow map of maxima */
@@ -561,7 +561,7 @@ static void test_shadow_meshes_ES_63(void **state) {
             }
             depth[y * SIZE + x] = (float)far;
         }
-    uint32_t triangles = light_mesh_from_depth(&lights[0], depth, SIZE, BLOCKS, corners);
+    uint32_t triangles = light_mesh_from_depth(&lights[0].shape, depth, SIZE, BLOCKS, corners);
     assert_true(triangles > 6 * 40 && triangles <= 12 * BLOCKS * BLOCKS);
     fnl_camera camera = fnl_camera_default();
     camera.position = vec3_make(8, 4, 9);
@@ -600,10 +600,10 @@ static void test_shadow_meshes_ES_63(void **state) {
     assert_true(lit > 5000);
     assert_true(shadowed.list.totals.entries < cone.list.totals.entries * 8 / 10);
     /* What it cannot stand for. */
-    assert_int_equal(light_mesh_from_depth(&lights[0], depth, SIZE, 7, corners), 0);
+    assert_int_equal(light_mesh_from_depth(&lights[0].shape, depth, SIZE, 7, corners), 0);
     params[0].kind = FNL_LIGHT_POINT;
-    struct gpu_light point_light = device_light(&params[0]);
-    assert_int_equal(light_mesh_from_depth(&point_light, depth, SIZE, BLOCKS, corners), 0);
+    struct list_light point_light = list_light_of(&params[0], 0);
+    assert_int_equal(light_mesh_from_depth(&point_light.shape, depth, SIZE, BLOCKS, corners), 0);
     raster_copy_free(&cone);
     raster_copy_free(&shadowed);
 }
@@ -622,7 +622,7 @@ static void test_hull_meshes_CL_2(void **state) {
         params[0] = fnl_light_params_default();
         params[0].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
         params[0].range = 20;
-        lights[0] = device_light(&params[0]);
+        lights[0] = list_light_of(&params[0], 0);
         vec3 points[14];
         for (uint32_t i = 0; i < 14; i++)
             points[i] = vec3_add(params[0].position, vec3_make(random_range(&random, -3, 3), random_range(&random, -3, 3),

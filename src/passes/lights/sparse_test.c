@@ -8,7 +8,7 @@
 enum { LIGHTS = 400, MOST = 5000, WIDTH = 157, HEIGHT = 93, BUCKETS = 54 };
 
 static fnl_light_params params[MOST];
-static struct gpu_light lights[MOST];
+static struct list_light lights[MOST];
 
 /* ---- building ---- */
 
@@ -364,11 +364,11 @@ static void test_bounds_ES_54_ES_56(void **state) {
                 }
                 struct gpu_cell cell = c.list.cells[c.table[k]];
                 for (uint32_t i = 0; i < cell.count; i++, held++) {
-                    const struct gpu_light *light = &lights[c.list.ids[cell.offset + i]];
+                    const struct list_light *light = &lights[c.list.ids[cell.offset + i]];
                     const double world[2][3] = {
-                        {(double)light->bound_center.x, (double)light->bound_center.y, (double)light->bound_center.z},
-                        {(double)light->position.x, (double)light->position.y, (double)light->position.z}};
-                    double center[3], apex[3], outside2 = 0, radius = (double)light->bound_radius;
+                        {(double)light->bounds.center.x, (double)light->bounds.center.y, (double)light->bounds.center.z},
+                        {(double)light->shape.position.x, (double)light->shape.position.y, (double)light->shape.position.z}};
+                    double center[3], apex[3], outside2 = 0, radius = (double)light->bounds.radius;
                     world_to_view(&s.view, world[0], center);
                     world_to_view(&s.view, world[1], apex);
                     for (int a = 0; a < 3; a++) {
@@ -382,7 +382,7 @@ static void test_bounds_ES_54_ES_56(void **state) {
                         double normal[3], along = 0;
                         corner_of(&s.view, e, k % c.buckets, corner, normal);
                         for (int a = 0; a < 3; a++) along += normal[a] * apex[a];
-                        faces = along - e->least[corner] > -2 * slack - 2e-3 * ((double)light->range + 0.01 * far);
+                        faces = along - e->least[corner] > -2 * slack - 2e-3 * ((double)light->shape.range + 0.01 * far);
                     }
                     assert_true(faces);
                 }

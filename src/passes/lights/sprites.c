@@ -4,9 +4,9 @@
 #include "passes/lights/sprites_shared.h"
 #include "shaders.h"
 
-float light_fade(const struct gpu_view *view, const struct gpu_light *light, float lod) {
-    float spread = view->orthographic > 0.5f ? 1 : vec3_distance(light->bound_center, view->eye);
-    float pixels = light->bound_radius * (float)view->size.y / fmaxf(2 * fabsf(view->ndc_scale.y) * spread, 1e-20f);
+float light_fade(const struct gpu_view *view, const struct gpu_entity_bounds *bounds, float lod) {
+    float spread = view->orthographic > 0.5f ? 1 : vec3_distance(bounds->center, view->eye);
+    float pixels = bounds->radius * (float)view->size.y / fmaxf(2 * fabsf(view->ndc_scale.y) * spread, 1e-20f);
     float t = pixels / lod - 1;
     if (!(t < 1)) return 1;
     t = fmaxf(t, 0);
@@ -21,16 +21,19 @@ struct sprites_data {
 static struct gpu_sprites_push push_of(const struct light_input *input, float lod) {
     return (struct gpu_sprites_push){.view = input->view,
                                      .lights = input->lights,
+                                     .bounds = input->entities,
                                      .directional_count = input->directional_count,
                                      .local_count = input->local_count,
                                      .lod = lod};
 }
 
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, float lod) {
+void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *lights,
+                    const struct gpu_buffer *bounds, float lod) {
     const uint32_t count = input->directional_count + input->local_count;
     if (count == 0) return;
-    graph_buffer faded = graph_import_buffer(graph, "faded lights", copy);
+    graph_buffer faded = graph_import_buffer(graph, "faded lights", lights);
     struct gpu_sprites_push push = push_of(input, lod);
+    push.faded_bounds = bounds->address;
     graph_dispatch(graph,
                    &(struct graph_dispatch){.name = "fade lights",
                                             .pipeline = {.shader = &shader_sprites_fade_comp},
@@ -38,7 +41,9 @@ void light_fade_add(struct graph *graph, struct light_input *input, const struct
                                             GRAPH_PUSH(push),
                                             GRAPH_ROWS(graph_reads(NULL, input->buffer), graph_writes(&push.faded, faded))});
     input->buffer = faded;
-    input->lights = copy->address;
+    input->lights = lights->address;
+    input->shapes = lights->address + input->directional_count * sizeof(struct gpu_light);
+    input->entities = bounds->address;
 }
 
 static void execute_sprites(const struct graph_context *context, const void *data) {

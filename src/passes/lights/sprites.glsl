@@ -8,6 +8,7 @@
 #include "passes/lights/sprites_shared.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer light_out_array { gpu_light at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer entity_out_array { gpu_entity_bounds at[]; };
 
 // The twin of light_fade() in sprites.c. What is not a number is kept whole.
 float light_fade(view_block v, vec3 center, float radius, float lod) {

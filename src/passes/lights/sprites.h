@@ -4,7 +4,7 @@
  * drawn as a point of as much light instead (the sprites of far lights in Just Cause 3, E. Persson).
  *
  * A light is whole from a projected radius of twice the threshold on, and gone below the threshold; the sprite has what it lacks. Fading
- * works on a copy of the light array, so that every list and every shading order, brute force included, sees the same lights: those that
+ * works on copies of the lights and their bounds, so that every list and every shading order, brute force included, sees the same lights: those that
  * are gone have a bounding radius of 0 and no colour.
  *
  * Cost: a pass over all lights, and a quad of 2x2 pixels for each light that is not whole.
@@ -16,13 +16,14 @@
 #include "view_shared.h"
 
 /** What is left of a light, 0 .. 1, as the GPU computes it up to rounding. `lod`: the threshold, pixels. */
-float light_fade(const struct gpu_view *view, const struct gpu_light *light, float lod);
+float light_fade(const struct gpu_view *view, const struct gpu_entity_bounds *bounds, float lod);
 
 /**
- * Copies the lights to `copy`, faded, and makes `input` refer to the copy, which has room for as many as the original and lives as long as
- * the frame.
+ * Copies the lights to `lights` and their bounds to `bounds`, faded, and makes `input` refer to the copies, which have room for as many as
+ * the originals and live as long as the frame.
  */
-void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *copy, float lod);
+void light_fade_add(struct graph *graph, struct light_input *input, const struct gpu_buffer *lights,
+                    const struct gpu_buffer *bounds, float lod);
 
 /** Draws the sprites of `lights` (those before fading) over what is opaque. `radiance` and `depth` may be multisampled. */
 void sprites_add(struct graph *graph, const struct light_input *lights, float lod, graph_image radiance, graph_image depth);

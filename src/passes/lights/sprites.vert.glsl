@@ -16,15 +16,15 @@ float edge_part(float scale) { return 1.0 - 2.0 / (3.0 * scale); }
 // Luminous intensity in candela, of colour 1, that matt surfaces which catch half the light of a lamp, or all of a beam, send to one side.
 float reflected_intensity(gpu_light light) {
     float part = 1.0; // lumens over 2 pi
-    if (light.kind == GPU_SHAPE_CONE) {
-        float outer = -light.spot_offset / light.spot_scale, inner = outer + 1.0 / light.spot_scale;
+    if (light.shape.kind == GPU_SHAPE_CONE) {
+        float outer = -light.shape.spot_offset / light.shape.spot_scale, inner = outer + 1.0 / light.shape.spot_scale;
         part = 1.0 - inner + (inner - outer) / 3.0;
-    } else if (light.kind == GPU_SHAPE_WEDGE) {
-        vec2 tangent = light.size.xy * edge_part(light.spot_scale);
+    } else if (light.shape.kind == GPU_SHAPE_WEDGE) {
+        vec2 tangent = light.shape.size.xy * edge_part(light.shape.spot_scale);
         float angle = 4.0 * asin(tangent.x * tangent.y * inversesqrt((1.0 + tangent.x * tangent.x) * (1.0 + tangent.y * tangent.y)));
         part = angle / (2.0 * PI);
-    } else if (light.kind == GPU_SHAPE_BOX) {
-        vec2 side = 2.0 * light.size.xy * edge_part(light.spot_scale);
+    } else if (light.shape.kind == GPU_SHAPE_BOX) {
+        vec2 side = 2.0 * light.shape.size.xy * edge_part(light.shape.spot_scale);
         part = side.x * side.y / (2.0 * PI);
     }
     return SPRITE_ALBEDO * part;
@@ -36,9 +36,10 @@ void main() {
     out_color = vec3(0.0);
     out_pixel = vec2(0.0);
     gpu_light light = push.lights.at[push.directional_count + gl_InstanceIndex];
-    if (!(light.bound_radius > 0.0)) return;
-    float rest = 1.0 - light_fade(v, light.bound_center, light.bound_radius, push.lod);
-    vec4 clip = v.view.world_to_clip * vec4(light.position, 1.0);
+    gpu_entity_bounds bounds = push.bounds.at[gl_InstanceIndex];
+    if (!(bounds.radius > 0.0)) return;
+    float rest = 1.0 - light_fade(v, bounds.center, bounds.radius, push.lod);
+    vec4 clip = v.view.world_to_clip * vec4(light.shape.position, 1.0);
     if (!(rest > 0.0 && clip.w > 0.0)) return;
     vec3 ndc = clip.xyz / clip.w;
     vec2 size = vec2(v.view.size), pixel = vec2(ndc.x * 0.5 + 0.5, 0.5 - ndc.y * 0.5) * size;
@@ -50,7 +51,7 @@ void main() {
     float area = pixel_size.x * pixel_size.y;
     if (v.view.orthographic < 0.5) {
         float view_depth = clip.w;
-        area *= view_depth * view_depth * view_depth / max(distance(light.position, v.view.eye), 1e-10);
+        area *= view_depth * view_depth * view_depth / max(distance(light.shape.position, v.view.eye), 1e-10);
     }
     out_color = light.color * (rest * reflected_intensity(light) / max(area, 1e-30));
     out_pixel = pixel;

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Copies the light array with what is left of each light.
+// Copies the lights and their bounds with what is left of each.
 #include "common.glsl"
 #include "passes/lights/sprites.glsl"
 
@@ -13,9 +13,11 @@ void main() {
     if (index >= light_count) return;
     gpu_light light = push.lights.at[index];
     if (index >= push.directional_count) {
-        float fade = light_fade(push.view, light.bound_center, light.bound_radius, push.lod);
+        gpu_entity_bounds bounds = push.bounds.at[index - push.directional_count];
+        float fade = light_fade(push.view, bounds.center, bounds.radius, push.lod);
         if (fade < 1.0) light.color *= fade;
-        if (fade == 0.0) light.bound_radius = light.range = 0.0; // nothing is in its range
+        if (fade == 0.0) bounds.radius = light.shape.range = 0.0; // nothing is in its range
+        entity_out_array(push.faded_bounds).at[index - push.directional_count] = bounds;
     }
     light_out_array(push.faded).at[index] = light;
 }

@@ -11,7 +11,9 @@
 struct gpu_sprites_push {
     ADDRESS(view_block) view;
     ADDRESS(light_array) lights;
-    ADDRESS(light_array) faded;  /* fade: where the copy goes */
+    ADDRESS(entity_array) bounds; /* of the local ones */
+    ADDRESS(light_array) faded;  /* fade: where the copies go */
+    ADDRESS(entity_array) faded_bounds;
     uint directional_count;
     uint local_count;
     float lod;                   /* pixels */

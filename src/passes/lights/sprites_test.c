@@ -55,9 +55,11 @@ static struct stage floor_stage(fnl_light_params *lamp, fnl_light_id *id) {
 
 static float pixel_radius(const struct stage *stage, const fnl_light_params *lamp) {
     struct gpu_view view = view_from_camera(&stage->frame.camera, stage->frame.width, stage->frame.height);
-    struct gpu_light light = device_light(lamp);
-    float spread = stage->frame.camera.orthographic ? 1 : vec3_distance(light.bound_center, view.eye);
-    return light.bound_radius / (spread * view.ndc_scale.y) * (float)stage->frame.height / 2;
+    struct gpu_light light;
+    struct gpu_entity_bounds bounds;
+    device_light(lamp, 0, &light, &bounds);
+    float spread = stage->frame.camera.orthographic ? 1 : vec3_distance(bounds.center, view.eye);
+    return bounds.radius / (spread * view.ndc_scale.y) * (float)stage->frame.height / 2;
 }
 
 static void test_lights_past_their_detail_cost_nothing(void **state) {

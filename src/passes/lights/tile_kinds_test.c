@@ -8,7 +8,7 @@ enum { LIGHTS = 300, WIDTH = 157, HEIGHT = 93 };
 static const enum list_builder builders[] = {LIST_HALFZ, LIST_25D, LIST_ENHANCED};
 
 static fnl_light_params params[4096];
-static struct gpu_light lights[4096];
+static struct list_light lights[4096];
 
 static struct list_request request_of(enum list_builder builder, const struct gpu_view *view, const float *depth,
                                       uint32_t light_count) {
@@ -93,8 +93,8 @@ static void test_sizes_and_counts(void **state) {
                 float *depth = list_random_depth(&view, &random);
                 struct list_request r = request_of(builders[b], &view, depth, counts[c]);
                 if (counts[c] == 257) { /* one is everywhere, one nowhere */
-                    lights[2].bound_radius = INFINITY;
-                    lights[1].bound_radius = 0;
+                    lights[2].bounds.radius = INFINITY;
+                    lights[1].bounds.radius = 0;
                 }
                 struct list_copy list = list_build(&r);
                 list_check_form(&list, counts[c]);
@@ -158,7 +158,7 @@ static void place(const struct gpu_view *view, uint32_t index, double view_depth
     params[index] = fnl_light_params_default();
     params[index].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
     params[index].range = (float)radius;
-    lights[index] = device_light(&params[index]);
+    lights[index] = list_light_of(&params[index], index);
 }
 
 /* Columns of pixels at two depths. */
@@ -269,9 +269,9 @@ static void check_mask(const struct gpu_view *view, const float *depth, const st
     assert_int_equal(mask & ~may, 0);
     for (uint32_t k = 0; k < plain->cells[cell].count; k++) {
         uint32_t light = plain->ids[plain->cells[cell].offset + k];
-        const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
-                                 (double)lights[light].bound_center.z};
-        double at[3], radius = (double)lights[light].bound_radius, slack = 1e-5 * ends[1];
+        const double world[3] = {(double)lights[light].bounds.center.x, (double)lights[light].bounds.center.y,
+                                 (double)lights[light].bounds.center.z};
+        double at[3], radius = (double)lights[light].bounds.radius, slack = 1e-5 * ends[1];
         world_to_view(view, world, at);
         double wide =
             radius * (1 + 3e-4) + 3e-4 * (1e-2 + sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) * 1e-2) + slack;
@@ -332,15 +332,17 @@ static void test_ranges_ES_65(void **state) {
         struct list_copy list = list_build(&r);
         struct light_tree tree;
         light_tree_init(&tree, gpu_host(harness_device()));
-        assert_int_equal(light_tree_see(&tree, lights, LIGHTS, &view), FNL_OK);
+        struct gpu_entity_bounds *bounds = list_bounds_of(lights, LIGHTS);
+        assert_int_equal(light_tree_see(&tree, bounds, LIGHTS, 1u << GPU_ENTITY_LIGHT, &view), FNL_OK);
+        free(bounds);
         assert_int_equal(light_tree_build(&tree, gpu_jobs(harness_device()), &list.grid, &view, true), FNL_OK);
         for (uint32_t c = 0; c < list.cell_count; c++) {
             uint32_t x0 = c % list.grid.tiles_x * 16, y0 = c / list.grid.tiles_x * 16;
             double x_size = MIN(x0 + 16, WIDTH) - x0, y_size = MIN(y0 + 16, HEIGHT) - y0;
             for (uint32_t k = 0; k < list.cells[c].count; k++) {
                 uint32_t light = list.ids[list.cells[c].offset + k], range = list.extra[list.cells[c].offset + k];
-                double low = INFINITY, high = 0, radius = lights[light].bound_radius, center[3], near[3], far[3];
-                vec3 seen = mat4_point(&view.world_to_view, lights[light].bound_center);
+                double low = INFINITY, high = 0, radius = lights[light].bounds.radius, center[3], near[3], far[3];
+                vec3 seen = mat4_point(&view.world_to_view, lights[light].bounds.center);
                 center[0] = seen.x;
                 center[1] = seen.y;
                 center[2] = seen.z;
@@ -388,12 +390,12 @@ static void test_ranges_ES_65(void **state) {
 }
 
 /* Least and greatest view depth of a spot's cone. */
-static void cone_extent(const struct gpu_view *view, const struct gpu_light *light, double out[2]) {
-    const double at[3] = {(double)light->position.x, (double)light->position.y, (double)light->position.z};
-    double apex[3], axis = 0, range = (double)light->range;
+static void cone_extent(const struct gpu_view *view, const struct list_light *light, double out[2]) {
+    const double at[3] = {(double)light->shape.position.x, (double)light->shape.position.y, (double)light->shape.position.z};
+    double apex[3], axis = 0, range = (double)light->shape.range;
     world_to_view(view, at, apex);
-    for (int k = 0; k < 3; k++) axis -= (double)view->world_to_view.m[4 * k + 2] * (double)(&light->direction.x)[k];
-    double cosine = fmax(-(double)light->spot_offset / (double)light->spot_scale, 0),
+    for (int k = 0; k < 3; k++) axis -= (double)view->world_to_view.m[4 * k + 2] * (double)(&light->shape.direction.x)[k];
+    double cosine = fmax(-(double)light->shape.spot_offset / (double)light->shape.spot_scale, 0),
            sine = sqrt(fmax(1 - cosine * cosine, 0));
     for (int end = 0; end < 2; end++) { /* the nearest point, the farthest */
         double sign = end ? 1 : -1, along = sign * axis;
@@ -414,7 +416,7 @@ static void test_ranges_of_cones_ES_65(void **state) {
             params[i].kind = FNL_LIGHT_SPOT;
             params[i].outer_cone_angle = 0.1f + 0.001f * (float)i;
             params[i].inner_cone_angle = 0;
-            lights[i] = device_light(&params[i]);
+            lights[i] = list_light_of(&params[i], i);
         }
         struct list_request r = request_of(LIST_ENHANCED, &view, NULL, LIGHTS);
         for (int cones = 0; cones < 2; cones++) {
@@ -425,7 +427,7 @@ static void test_ranges_of_cones_ES_65(void **state) {
                     uint32_t light = list.ids[list.cells[c].offset + k], range = list.extra[list.cells[c].offset + k];
                     double ends[2], low = depth_of_code(range & 0xffff), high = depth_of_code((range >> 16) + 1);
                     cone_extent(&view, &lights[light], ends);
-                    double slack = 2e-3 * (1 + fabs(ends[0]) + fabs(ends[1]) + (double)lights[light].range);
+                    double slack = 2e-3 * (1 + fabs(ends[0]) + fabs(ends[1]) + (double)lights[light].shape.range);
                     lengths[cones] += fmin(high, 1000) - low;
                     if (cones) assert_true(low >= ends[0] - slack && high <= fmax(ends[1], 0) + slack);
                 }

@@ -5,7 +5,7 @@
 enum { LIGHTS = 300, WIDTH = 157, HEIGHT = 93 };
 
 static fnl_light_params params[4096];
-static struct gpu_light lights[4096];
+static struct list_light lights[4096];
 
 static struct list_request request_of(const struct gpu_view *view, const float *depth, uint32_t light_count) {
     return (struct list_request){.builder = LIST_TILED,
@@ -43,17 +43,17 @@ static uint64_t check_surface_points(const struct list_request *r, const struct 
 static void check_in_view(const struct list_request *r, uint32_t in_view) {
     uint32_t least = 0, most = 0;
     for (uint32_t i = 0; i < r->light_count; i++) {
-        const struct gpu_light *light = &r->lights[i];
-        double distance = INFINITY, slack = 1e-3 * (1 + (double)light->bound_radius);
+        const struct list_light *light = &r->lights[i];
+        double distance = INFINITY, slack = 1e-3 * (1 + (double)light->bounds.radius);
         for (int p = 0; p < 5; p++) {
             const vec4 *plane = &r->view.planes[p];
-            distance = fmin(distance, (double)plane->x * (double)light->bound_center.x +
-                                          (double)plane->y * (double)light->bound_center.y +
-                                          (double)plane->z * (double)light->bound_center.z + (double)plane->w);
+            distance = fmin(distance, (double)plane->x * (double)light->bounds.center.x +
+                                          (double)plane->y * (double)light->bounds.center.y +
+                                          (double)plane->z * (double)light->bounds.center.z + (double)plane->w);
         }
-        slack += 1e-5 * (double)vec3_length(light->bound_center);
-        least += distance >= -(double)light->bound_radius;
-        most += distance >= -(double)light->bound_radius - slack;
+        slack += 1e-5 * (double)vec3_length(light->bounds.center);
+        least += distance >= -(double)light->bounds.radius;
+        most += distance >= -(double)light->bounds.radius - slack;
     }
     assert_true(in_view >= least && in_view <= most);
     assert_true(most < r->light_count);
@@ -188,7 +188,7 @@ static void make_spots(struct random_state *random, uint32_t count) {
         params[i].range = exp2f(random_range(random, -2, 4.5f));
         params[i].outer_cone_angle = i % 16 == 0 ? PI / 2 : i % 16 == 1 ? 0.002f : exp2f(random_range(random, -5, 0.6f));
         params[i].inner_cone_angle = i % 3 ? params[i].outer_cone_angle * 0.5f : params[i].outer_cone_angle;
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
 }
 
@@ -246,7 +246,7 @@ static void test_narrow_cone_ES_40(void **state) {
     params[0].range = 12;
     params[0].outer_cone_angle = 0.06f;
     params[0].inner_cone_angle = 0.03f;
-    lights[0] = device_light(&params[0]);
+    lights[0] = list_light_of(&params[0], 0);
     uint64_t tiles[2];
     for (int cones = 0; cones < 2; cones++) {
         struct list_request r = request_of(&view, NULL, 1);
@@ -274,7 +274,7 @@ static void place(const struct gpu_view *view, uint32_t index, double x, double 
     params[index] = fnl_light_params_default();
     params[index].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
     params[index].range = (float)(edge[0] - at[0]);
-    lights[index] = device_light(&params[index]);
+    lights[index] = list_light_of(&params[index], index);
 }
 
 static uint32_t bits_of(const struct list_copy *list, uint32_t cell) {
@@ -419,9 +419,9 @@ static void test_broken_lights(void **state) {
     list_random_lights(&view, &random, LIGHTS, params, lights);
     float *depth = list_random_depth(&view, &random);
     struct list_request r = request_of(&view, depth, LIGHTS);
-    lights[17].bound_radius = 0;
-    lights[40].bound_center.y = NAN;
-    lights[41].bound_radius = INFINITY;
+    lights[17].bounds.radius = 0;
+    lights[40].bounds.center.y = NAN;
+    lights[41].bounds.radius = INFINITY;
     struct list_copy list = list_build(&r);
     list_check_form(&list, LIGHTS);
     for (uint32_t c = 0; c < list.cell_count; c++) {
@@ -429,8 +429,8 @@ static void test_broken_lights(void **state) {
         struct reference_cell cell = reference_cell_of(&r, &list.grid, c, 0);
         if (!cell.empty) assert_true(list_holds(&list, c, 41));
     }
-    lights[40].bound_center.y = 0;
-    lights[40].bound_radius = lights[41].bound_radius = 0; /* the rest is as ever */
+    lights[40].bounds.center.y = 0;
+    lights[40].bounds.radius = lights[41].bounds.radius = 0; /* the rest is as ever */
     struct list_copy rest = list_build(&r);
     for (uint32_t c = 0; c < list.cell_count; c++)
         for (uint32_t i = 0; i < LIGHTS; i++)

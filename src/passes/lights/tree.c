@@ -54,7 +54,7 @@ static double edge_at(const struct gpu_view *view, int axis, double pixel) {
                 : ndc * (double)view->ndc_scale.x + (double)view->ndc_offset.x;
 }
 
-fnl_result light_tree_see(struct light_tree *builder, const struct gpu_light *lights, uint32_t count,
+fnl_result light_tree_see(struct light_tree *builder, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
                           const struct gpu_view *view) {
     if (!array_reserve(builder->host, &builder->spheres, count)) return FNL_ERROR_MEMORY;
     builder->spheres.count = builder->in_view = 0;
@@ -62,13 +62,13 @@ fnl_result light_tree_see(struct light_tree *builder, const struct gpu_light *li
     double screen[4] = {edge_at(view, 0, 0), edge_at(view, 0, view->size.x), edge_at(view, 1, view->size.y),
                         edge_at(view, 1, 0)};
     for (uint32_t i = 0; i < count; i++) {
-        struct light_tree_sphere s = {.radius = lights[i].bound_radius};
-        vec3 center = mat4_point(&view->world_to_view, lights[i].bound_center);
+        struct light_tree_sphere s = {.radius = bounds_are_listed(&bounds[i], kinds) ? bounds[i].radius : 0};
+        vec3 center = mat4_point(&view->world_to_view, bounds[i].center);
         s.center[0] = center.x;
         s.center[1] = center.y;
         s.center[2] = center.z;
         s.slack = s.radius * SLACK + SLACK * (1e-2 + sqrt(dot3(s.center, s.center)) * 1e-2) +
-                  BOUND_ROUNDING * ((double)vec3_length(lights[i].bound_center) + (double)eye_distance);
+                  BOUND_ROUNDING * ((double)vec3_length(bounds[i].center) + (double)eye_distance);
         bool broken = !isfinite(s.radius) || !vec3_finite(center); /* it is everywhere */
         if (s.radius > 0) s.radius += s.slack;
         for (int axis = 0; axis < 2; axis++) {
@@ -327,7 +327,7 @@ static VkDeviceAddress send(gpu_device *device, const void *data, uint64_t size)
 }
 
 struct light_list light_tree_add(struct light_tree *builder, gpu_device *device, const struct light_input *input,
-                                 const struct gpu_light *lights, const struct gpu_view *view,
+                                 const struct gpu_entity_bounds *bounds, const struct gpu_view *view,
                                  const struct light_tree_params *params) {
     struct light_list list = {.kind = GPU_LIST_TREE, .lights = input->buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
@@ -335,7 +335,7 @@ struct light_list light_tree_add(struct light_tree *builder, gpu_device *device,
     header->tile_size = params->tile_size;
     header->tiles_x = DIVIDE_UP(input->width, params->tile_size);
     header->tiles_y = DIVIDE_UP(input->height, params->tile_size);
-    if (light_tree_see(builder, lights, input->local_count, view) != FNL_OK ||
+    if (light_tree_see(builder, bounds, input->local_count, input->kinds, view) != FNL_OK ||
         light_tree_build(builder, gpu_jobs(device), header, view, params->hybrid) != FNL_OK) {
         gpu_fail(device, FNL_ERROR_MEMORY);
         return list;

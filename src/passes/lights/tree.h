@@ -44,15 +44,15 @@ struct light_tree {
 void light_tree_init(struct light_tree *builder, const fnl_host *host);
 void light_tree_finish(struct light_tree *builder);
 
-/** Fills in the spheres from local lights. */
-fnl_result light_tree_see(struct light_tree *builder, const struct gpu_light *lights, uint32_t count,
+/** Fills in the spheres from bounds of these kinds (light_input.kinds). */
+fnl_result light_tree_see(struct light_tree *builder, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
                           const struct gpu_view *view);
 /** Builds lists and trees for the grid of the header from the spheres. */
 fnl_result light_tree_build(struct light_tree *builder, struct jobs *jobs, const struct gpu_light_list *header,
                             const struct gpu_view *view, bool hybrid);
-/** Both, and sends the result to the device. `lights`: the local ones of `input`. */
+/** Both, and sends the result to the device. `bounds`: those of `input`. */
 struct light_list light_tree_add(struct light_tree *builder, gpu_device *device, const struct light_input *input,
-                                 const struct gpu_light *lights, const struct gpu_view *view,
+                                 const struct gpu_entity_bounds *bounds, const struct gpu_view *view,
                                  const struct light_tree_params *params);
 
 /** The code of a view depth: twin of depth_code() in shaders/lights/ranges.glsl. */

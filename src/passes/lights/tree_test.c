@@ -6,7 +6,7 @@
 enum { LIGHTS = 600, WIDTH = 157, HEIGHT = 93 };
 
 static fnl_light_params params[4096];
-static struct gpu_light lights[4096];
+static struct list_light lights[4096];
 
 static struct gpu_light_list grid_of(const struct gpu_view *view, uint32_t tile_size) {
     return (struct gpu_light_list){.tile_size = tile_size,
@@ -20,7 +20,9 @@ static struct light_tree build(const struct gpu_view *view, const struct gpu_lig
     struct light_tree tree;
     light_tree_init(&tree, gpu_host(harness_device()));
     if (capacity) tree.capacity = capacity;
-    assert_int_equal(light_tree_see(&tree, lights, count, view), FNL_OK);
+    struct gpu_entity_bounds *bounds = list_bounds_of(lights, count);
+    assert_int_equal(light_tree_see(&tree, bounds, count, 1u << GPU_ENTITY_LIGHT, view), FNL_OK);
+    free(bounds);
     assert_int_equal(light_tree_build(&tree, gpu_jobs(harness_device()), grid, view, hybrid), FNL_OK);
     return tree;
 }
@@ -95,7 +97,7 @@ static void place_in_tile(const struct gpu_view *view, struct random_state *rand
         params[i] = fnl_light_params_default();
         params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
         params[i].range = range * -(float)at[2];
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
 }
 
@@ -134,7 +136,7 @@ static void test_hybrid_ES_66(void **state) {
     struct gpu_light_list grid = grid_of(&view, 16);
     struct random_state random = {91};
     place_in_tile(&view, &random, 1000, 0.9f);
-    for (uint32_t i = 0; i < 1000; i++) lights[i].bound_radius = 500;
+    for (uint32_t i = 0; i < 1000; i++) lights[i].bounds.radius = 500;
     uint64_t visited[2] = {0};
     for (int hybrid = 0; hybrid < 2; hybrid++) {
         struct light_tree tree = build(&view, &grid, 1000, 0, hybrid);
@@ -150,9 +152,9 @@ static void test_overflow_and_threads_ES_66(void **state) {
     struct random_state random = {5};
     struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
     list_random_lights(&view, &random, LIGHTS, params, lights);
-    lights[3].bound_radius = INFINITY; /* everywhere */
-    lights[4].bound_center.y = NAN;
-    lights[5].bound_radius = 0; /* nowhere */
+    lights[3].bounds.radius = INFINITY; /* everywhere */
+    lights[4].bounds.center.y = NAN;
+    lights[5].bounds.radius = 0; /* nowhere */
     struct gpu_light_list grid = grid_of(&view, 16);
     struct light_tree full = build(&view, &grid, LIGHTS, 0, true);
     uint32_t entries = (uint32_t)full.entry_count;

@@ -13,7 +13,7 @@
 enum { LIGHTS = 1100, POINTS = 600, SIDE = 48, ROW = GPU_WALK_ROOM + 1 };
 
 static fnl_light_params params[LIGHTS];
-static struct gpu_light lights[LIGHTS];
+static struct list_light lights[LIGHTS];
 static struct gpu_walk_point points[POINTS];
 
 /* ---- the device's answers ---- */
@@ -69,7 +69,7 @@ static struct gpu_view many_lights(struct random_state *random) {
         params[i] = fnl_light_params_default();
         params[i].position = vec3_make((float)world[0], (float)world[1], (float)world[2]);
         params[i].range = (i % 4 ? 0.02f : 0.1f) * -(float)at[2];
-        lights[i] = device_light(&params[i]);
+        lights[i] = list_light_of(&params[i], i);
     }
     for (uint32_t i = 0; i < POINTS; i++) {
         points[i].pixel.x = random_bits(random) % SIDE;
@@ -133,7 +133,9 @@ static void test_walks_skip_subtrees_ES_66(void **state) {
         header->tiles_x = header->tiles_y = DIVIDE_UP(SIDE, 16);
         struct light_tree tree;
         light_tree_init(&tree, gpu_host(device));
-        assert_int_equal(light_tree_see(&tree, lights, LIGHTS, &view), FNL_OK);
+        struct gpu_entity_bounds *bounds = list_bounds_of(lights, LIGHTS);
+        assert_int_equal(light_tree_see(&tree, bounds, LIGHTS, 1u << GPU_ENTITY_LIGHT, &view), FNL_OK);
+        free(bounds);
         assert_int_equal(light_tree_build(&tree, gpu_jobs(device), header, &view, false), FNL_OK);
         for (uint32_t c = 0; c < tree.cells.count && spoiled; c++)
             for (uint32_t first = 0; first < tree.cells.data[c].count; first += GPU_TREE_LIGHTS) {
@@ -236,10 +238,10 @@ static void test_walks_and_masks_ES_64(void **state) {
 /* ---- the spare list ---- */
 
 /* Whether a sphere, `slack` larger, lies in the point's tile of the screen and in its range of depth, as spare lists cut them. */
-static bool spare_holds(const struct gpu_view *view, const struct gpu_light *light, const struct gpu_walk_point *point,
+static bool spare_holds(const struct gpu_view *view, const struct list_light *light, const struct gpu_walk_point *point,
                         double slack) {
-    const double world[3] = {(double)light->bound_center.x, (double)light->bound_center.y, (double)light->bound_center.z};
-    double at[3], radius = (double)light->bound_radius, near = (double)view->near_distance;
+    const double world[3] = {(double)light->bounds.center.x, (double)light->bounds.center.y, (double)light->bounds.center.z};
+    double at[3], radius = (double)light->bounds.radius, near = (double)view->near_distance;
     world_to_view(view, world, at);
     radius += slack * (radius + fabs(at[2]) * 0.01);
     if (-at[2] + radius < near) return false;

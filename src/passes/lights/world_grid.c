@@ -27,21 +27,19 @@ void world_grid_finish(struct world_grid *grid, gpu_device *device) {
 
 static double axis(vec3 v, int k) { return (double)(k == 0 ? v.x : k == 1 ? v.y : v.z); }
 
-static bool reaches(const struct gpu_light *light) { return light->bound_radius > 0; }
-
-/* Lights whose place or reach is no number are in every cell. */
-static bool has_place(const struct gpu_light *light) {
-    return vec3_finite(light->bound_center) && isfinite(light->bound_radius);
+/* Those whose place or reach is no number are in every cell. */
+static bool has_place(const struct gpu_entity_bounds *bounds) {
+    return vec3_finite(bounds->center) && isfinite(bounds->radius);
 }
 
-static void lay_grid(struct world_grid *grid, const struct gpu_light *lights, uint32_t light_count, const struct box *scene,
-                     const struct world_grid_params *params) {
+static void lay_grid(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
+                     const struct box *scene, const struct world_grid_params *params) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
-    for (uint32_t i = 0; i < light_count; i++) {
-        if (!reaches(&lights[i]) || !has_place(&lights[i])) continue;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!bounds_are_listed(&bounds[i], kinds) || !has_place(&bounds[i])) continue;
         for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], axis(lights[i].bound_center, k) - (double)lights[i].bound_radius);
-            high[k] = fmax(high[k], axis(lights[i].bound_center, k) + (double)lights[i].bound_radius);
+            low[k] = fmin(low[k], axis(bounds[i].center, k) - (double)bounds[i].radius);
+            high[k] = fmax(high[k], axis(bounds[i].center, k) + (double)bounds[i].radius);
         }
     }
     for (int k = 0; k < 3; k++) {
@@ -55,20 +53,20 @@ static void lay_grid(struct world_grid *grid, const struct gpu_light *lights, ui
     if (params->flat) extent[1] = 0;
     double size = (double)params->cell_size;
     if (!(size > 0)) {
-        double cells = fmin(fmax((double)light_count * CELLS_PER_LIGHT, CELLS_LEAST), params->cell_limit);
+        double cells = fmin(fmax((double)count * CELLS_PER_LIGHT, CELLS_LEAST), params->cell_limit);
         double least = 1e-3 * fmax(extent[0], fmax(extent[1], extent[2])) + 1e-6;
         size = params->flat ? 4 : cbrt(fmax(extent[0], least) * fmax(extent[1], least) * fmax(extent[2], least) / cells);
     }
     for (;; size *= 2) {
-        double count = 1;
+        double total = 1;
         bool fits = true;
         for (int k = 0; k < 3; k++) {
             double side = floor(extent[k] / size) + 1;
             fits = fits && side <= SIDE_LIMIT;
             grid->size[k] = (uint32_t)fmin(side, SIDE_LIMIT);
-            count *= side;
+            total *= side;
         }
-        if (fits && count <= MAX(params->cell_limit, 1u)) break;
+        if (fits && total <= MAX(params->cell_limit, 1u)) break;
     }
     grid->cell_size = (float)size;
     grid->inverse_size = 1 / grid->cell_size;
@@ -94,16 +92,16 @@ struct span {
     double center[3], radius;
 };
 
-static struct span span_of(const struct world_grid *grid, const struct gpu_light *light) {
+static struct span span_of(const struct world_grid *grid, const struct gpu_entity_bounds *bounds) {
     struct span s = {0};
-    bool placed = has_place(light);
+    bool placed = has_place(bounds);
     double far_out = 0;
     for (int k = 0; k < 3; k++) {
-        s.center[k] = axis(light->bound_center, k);
+        s.center[k] = axis(bounds->center, k);
         far_out += fabs(s.center[k]) + fabs(axis(grid->origin, k)) + (double)grid->cell_size * grid->size[k];
     }
     s.radius = placed
-                   ? (double)light->bound_radius * (1 + SLACK) + SLACK * (double)grid->cell_size + BOUND_ROUNDING * far_out
+                   ? (double)bounds->radius * (1 + SLACK) + SLACK * (double)grid->cell_size + BOUND_ROUNDING * far_out
                    : (double)INFINITY;
     for (int k = 0; k < 3; k++) {
         double origin = axis(grid->origin, k), inverse = (double)grid->inverse_size;
@@ -121,8 +119,8 @@ static double outside(const struct world_grid *grid, const struct span *s, int k
     return distance * distance;
 }
 
-static void visit(struct world_grid *grid, const struct gpu_light *light, uint32_t id, bool fill) {
-    struct span s = span_of(grid, light);
+static void visit(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t id, bool fill) {
+    struct span s = span_of(grid, bounds);
     double limit = s.radius * s.radius;
     for (uint32_t z = s.first[2]; z <= s.last[2]; z++) {
         double from_z = outside(grid, &s, 2, z);
@@ -139,17 +137,17 @@ static void visit(struct world_grid *grid, const struct gpu_light *light, uint32
     }
 }
 
-fnl_result world_grid_build(struct world_grid *grid, const struct gpu_light *lights, uint32_t light_count,
+fnl_result world_grid_build(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
                             const struct box *scene, const struct world_grid_params *params) {
-    lay_grid(grid, lights, light_count, scene, params);
+    lay_grid(grid, bounds, count, kinds, scene, params);
     uint32_t cell_count = grid->size[0] * grid->size[1] * grid->size[2];
     if (!array_reserve(grid->host, &grid->cells, cell_count)) return FNL_ERROR_MEMORY;
     grid->cells.count = cell_count;
     memset(grid->cells.data, 0, cell_count * sizeof *grid->cells.data);
     grid->light_count = 0;
-    for (uint32_t i = 0; i < light_count; i++) {
-        if (!reaches(&lights[i])) continue;
-        visit(grid, &lights[i], i, false);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!bounds_are_listed(&bounds[i], kinds)) continue;
+        visit(grid, &bounds[i], i, false);
         grid->light_count++;
     }
     uint64_t total = 0;
@@ -165,8 +163,8 @@ fnl_result world_grid_build(struct world_grid *grid, const struct gpu_light *lig
     }
     if (!array_reserve(grid->host, &grid->ids, MAX(total, 1u))) return FNL_ERROR_MEMORY;
     grid->ids.count = (uint32_t)total;
-    for (uint32_t i = 0; i < light_count; i++)
-        if (reaches(&lights[i])) visit(grid, &lights[i], i, true);
+    for (uint32_t i = 0; i < count; i++)
+        if (bounds_are_listed(&bounds[i], kinds)) visit(grid, &bounds[i], i, true);
     return FNL_OK;
 }
 
@@ -193,10 +191,10 @@ static fnl_result keep(gpu_device *device, const char *name, struct gpu_buffer *
 }
 
 static fnl_result rebuild(struct world_grid *grid, gpu_device *device, const struct light_input *input,
-                          const struct gpu_light *lights, const struct box *scene, const struct world_grid_params *params,
+                          const struct gpu_entity_bounds *bounds, const struct box *scene, const struct world_grid_params *params,
                           struct upload_data *upload) {
     grid->version = UINT64_MAX;
-    TRY(world_grid_build(grid, lights, input->local_count, scene, params));
+    TRY(world_grid_build(grid, bounds, input->local_count, input->kinds, scene, params));
     upload->sizes[0] = grid->cells.count * sizeof(struct gpu_cell);
     upload->sizes[1] = grid->ids.count * 4ull;
     TRY(keep(device, "world cells", &grid->cell_buffer, upload->sizes[0]));
@@ -212,7 +210,7 @@ static fnl_result rebuild(struct world_grid *grid, gpu_device *device, const str
 }
 
 struct light_list world_grid_add(struct world_grid *grid, struct graph *graph, gpu_device *device,
-                                 const struct light_input *input, const struct gpu_light *lights, uint64_t version,
+                                 const struct light_input *input, const struct gpu_entity_bounds *bounds, uint64_t version,
                                  const struct box *scene, const struct world_grid_params *params) {
     struct light_list list = {.kind = GPU_LIST_WORLD, .lights = input->buffer, .totals_known = true};
     struct gpu_light_list *header = light_list_header(device, input, &list.header);
@@ -221,7 +219,7 @@ struct light_list world_grid_add(struct world_grid *grid, struct graph *graph, g
     bool stale = grid->version != version || p->flat != params->flat || p->cell_size != params->cell_size ||
                  p->cell_limit != params->cell_limit || p->entry_limit != params->entry_limit;
     if (stale) {
-        fnl_result result = rebuild(grid, device, input, lights, scene, params, &upload);
+        fnl_result result = rebuild(grid, device, input, bounds, scene, params, &upload);
         if (result != FNL_OK) {
             gpu_fail(device, result);
             list.kind = GPU_LIST_ALL;

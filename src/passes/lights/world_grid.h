@@ -38,20 +38,20 @@ void world_grid_init(struct world_grid *grid, const fnl_host *host);
 void world_grid_finish(struct world_grid *grid, gpu_device *device);
 
 /**
- * Fills `cells` and `ids`: each light goes to the cells that its bounding sphere touches. The grid covers where both lights and `scene` are
- * (which may be empty: then where lights are); cells at its border reach on to infinity. Cost: one step for each light and cell that touch.
+ * Fills `cells` and `ids`: each of the bounds of these kinds (light_input.kinds) goes to the cells that its bounding sphere touches. The grid covers where both bounds and `scene` are
+ * (which may be empty: then where bounds are); cells at its border reach on to infinity. Cost: one step for each light and cell that touch.
  */
-fnl_result world_grid_build(struct world_grid *grid, const struct gpu_light *lights, uint32_t light_count,
+fnl_result world_grid_build(struct world_grid *grid, const struct gpu_entity_bounds *bounds, uint32_t count, uint32_t kinds,
                             const struct box *scene, const struct world_grid_params *params);
 /** The cell that a position is looked up in, as shaders do it. */
 uint32_t world_grid_cell(const struct world_grid *grid, vec3 position);
 
 /**
- * The lists of a frame. `version` changes when the lights do: then, and in the first frame, they are built and a pass uploads them;
- * otherwise there is no pass at all. `lights` are the local ones.
+ * The lists of a frame. `version` changes when the bounds do: then, and in the first frame, they are built and a pass uploads them;
+ * otherwise there is no pass at all. `bounds` are those of `input`, and its kinds stay the same.
  */
 struct light_list world_grid_add(struct world_grid *grid, struct graph *graph, gpu_device *device,
-                                 const struct light_input *input, const struct gpu_light *lights, uint64_t version,
+                                 const struct light_input *input, const struct gpu_entity_bounds *bounds, uint64_t version,
                                  const struct box *scene, const struct world_grid_params *params);
 
 #endif

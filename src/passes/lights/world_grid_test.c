@@ -4,15 +4,15 @@
 
 enum { LIGHTS = 400 };
 
-static struct gpu_light lights[LIGHTS];
+static struct gpu_entity_bounds lights[LIGHTS];
 
 static void random_lights(struct random_state *random, vec3 about, float spread, float radius) {
     for (uint32_t i = 0; i < LIGHTS; i++) {
-        lights[i] = (struct gpu_light){.kind = GPU_SHAPE_SPHERE, .bound_radius = radius * random_range(random, 0.01f, 1)};
-        lights[i].bound_center = vec3_make(about.x + random_range(random, -spread, spread),
+        lights[i] = (struct gpu_entity_bounds){.shape = GPU_NO_SHAPE, .radius = radius * random_range(random, 0.01f, 1)};
+        lights[i].center = vec3_make(about.x + random_range(random, -spread, spread),
                                            about.y + random_range(random, -spread, spread) * 0.3f,
                                            about.z + random_range(random, -spread, spread));
-        if (i % 37 == 0) lights[i].bound_radius = 0; /* dark */
+        if (i % 37 == 0) lights[i].radius = 0; /* dark */
     }
 }
 
@@ -55,9 +55,9 @@ static void check_sets(const struct world_grid *g, struct random_state *random, 
         uint32_t cell = world_grid_cell(g, p);
         assert_true(cell < g->cells.count);
         for (uint32_t i = 0; i < LIGHTS; i++) {
-            vec3 c = lights[i].bound_center;
+            vec3 c = lights[i].center;
             double x = (double)p.x - (double)c.x, y = (double)p.y - (double)c.y, z = (double)p.z - (double)c.z;
-            double r = (double)lights[i].bound_radius;
+            double r = (double)lights[i].radius;
             if (x * x + y * y + z * z >= r * r) continue;
             lit++;
             assert_true(grid_holds(g, cell, i));
@@ -68,8 +68,8 @@ static void check_sets(const struct world_grid *g, struct random_state *random, 
         uint32_t at[3] = {c % g->size[0], c / g->size[0] % g->size[1], c / g->size[0] / g->size[1]};
         const float *origin = &g->origin.x;
         for (uint32_t k = 0; k < g->cells.data[c].count; k++) {
-            const struct gpu_light *light = &lights[g->ids.data[g->cells.data[c].offset + k]];
-            const float *center = &light->bound_center.x;
+            const struct gpu_entity_bounds *light = &lights[g->ids.data[g->cells.data[c].offset + k]];
+            const float *center = &light->center.x;
             double distance = 0;
             for (int a = 0; a < 3; a++) {
                 double low = (double)origin[a] + at[a] * (double)g->cell_size, high = low + (double)g->cell_size, gap = 0;
@@ -78,7 +78,7 @@ static void check_sets(const struct world_grid *g, struct random_state *random, 
                 distance += gap * gap;
             }
             double slack = 1e-3 * (double)g->cell_size + 3e-6 * (double)vec3_length(about);
-            assert_true(sqrt(distance) <= (double)light->bound_radius * 1.001 + slack);
+            assert_true(sqrt(distance) <= (double)light->radius * 1.001 + slack);
         }
     }
 }
@@ -103,8 +103,8 @@ static void test_sets_ES_67_ES_8(void **state) {
                 struct world_grid g, again;
                 world_grid_init(&g, gpu_host(harness_device()));
                 world_grid_init(&again, gpu_host(harness_device()));
-                assert_int_equal(world_grid_build(&g, lights, LIGHTS, &scene, &params), FNL_OK);
-                assert_int_equal(world_grid_build(&again, lights, LIGHTS, &scene, &params), FNL_OK);
+                assert_int_equal(world_grid_build(&g, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &scene, &params), FNL_OK);
+                assert_int_equal(world_grid_build(&again, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &scene, &params), FNL_OK);
                 if (!flat) /* eight cells for each light, but no fewer than 4096; one more a side, as sides are rounded up */
                     assert_true(g.cells.count >= MAX(8 * LIGHTS, 4096) && g.cells.count < 2 * MAX(8 * LIGHTS, 4096));
                 /* The grid ends where the scene does, though lights reach on: by a cell, and what a float rounds. */
@@ -135,19 +135,19 @@ static void test_limits_ES_67_ES_8(void **state) {
     struct world_grid_params params = world_grid_params_default();
     struct box none = box_empty();
     world_grid_init(&g, gpu_host(harness_device()));
-    assert_int_equal(world_grid_build(&g, NULL, 0, &none, &params), FNL_OK);
+    assert_int_equal(world_grid_build(&g, NULL, 0, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
     assert_int_equal(g.entry_count, 0);
     assert_int_equal(world_grid_cell(&g, vec3_make(NAN, INFINITY, -INFINITY)), 0);
 
     struct random_state random = {2};
     random_lights(&random, vec3_make(0, 0, 0), 1000, 5);
-    lights[3].bound_center.y = NAN;
-    lights[5].bound_radius = INFINITY;
-    lights[8].bound_radius = 3e37f;
+    lights[3].center.y = NAN;
+    lights[5].radius = INFINITY;
+    lights[8].radius = 3e37f;
     params.cell_limit = 1000;
     for (int flat = 0; flat < 2; flat++) {
         params.flat = flat;
-        assert_int_equal(world_grid_build(&g, lights, LIGHTS, &none, &params), FNL_OK);
+        assert_int_equal(world_grid_build(&g, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
         assert_true(g.cells.count <= 1000);
         check_form(&g, LIGHTS);
         for (uint32_t c = 0; c < g.cells.count; c++) {
@@ -171,11 +171,11 @@ static void test_overflow_CL_10_ES_8(void **state) {
     params.flat = true;
     world_grid_init(&fits, gpu_host(harness_device()));
     world_grid_init(&tight, gpu_host(harness_device()));
-    assert_int_equal(world_grid_build(&fits, lights, LIGHTS, &none, &params), FNL_OK);
+    assert_int_equal(world_grid_build(&fits, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
     params.entry_limit = fits.entry_count / 2;
     uint32_t first = 0;
     for (int run = 0; run < 2; run++) {
-        assert_int_equal(world_grid_build(&tight, lights, LIGHTS, &none, &params), FNL_OK);
+        assert_int_equal(world_grid_build(&tight, lights, LIGHTS, 1u << GPU_ENTITY_LIGHT, &none, &params), FNL_OK);
         check_form(&tight, LIGHTS);
         assert_int_equal(tight.entry_count, fits.entry_count);
         assert_true(tight.overflow_cells > 0 && tight.overflow_cells < tight.cells.count);

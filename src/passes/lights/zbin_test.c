@@ -7,7 +7,7 @@
 enum { LIGHTS = 1500, LIGHTS_MAX = 40000, WIDTH = 157, HEIGHT = 93 };
 
 static fnl_light_params params[LIGHTS_MAX];
-static struct gpu_light lights[LIGHTS_MAX];
+static struct list_light lights[LIGHTS_MAX];
 
 /* What the builder has made, unpacked: for each cell whether it holds each light. */
 struct masks {
@@ -97,11 +97,11 @@ static double bin_start(const struct masks *m, uint32_t bin) {
 static struct reference_cell tile_beside_light(const struct list_request *r, const struct gpu_light_list *grid,
                                                uint32_t tile, uint32_t light) {
     struct reference_cell c = reference_cell_of(r, grid, tile, 1e-3);
-    const double world[3] = {(double)lights[light].bound_center.x, (double)lights[light].bound_center.y,
-                             (double)lights[light].bound_center.z};
+    const double world[3] = {(double)lights[light].bounds.center.x, (double)lights[light].bounds.center.y,
+                             (double)lights[light].bounds.center.z};
     double at[3], reach;
     world_to_view(&r->view, world, at);
-    reach = (double)lights[light].bound_radius * 1.002 + 2e-3 + 2e-3 * fabs(at[2]);
+    reach = (double)lights[light].bounds.radius * 1.002 + 2e-3 + 2e-3 * fabs(at[2]);
     bool orthographic = r->view.orthographic > 0.5f;
     double near = orthographic ? -at[2] - reach : fmax(-at[2] - reach, 0), far = fmax(-at[2] + reach, near);
     for (int axis = 0; axis < 2; axis++) {
@@ -123,9 +123,9 @@ static void check_masks(const struct gpu_view *view, uint32_t light_count, const
     for (uint32_t i = 0; i < light_count; i++) {
         if (!reference_in_view(&tiles, i)) continue;
         double seen[3],
-            at[3] = {(double)lights[i].bound_center.x, (double)lights[i].bound_center.y, (double)lights[i].bound_center.z};
+            at[3] = {(double)lights[i].bounds.center.x, (double)lights[i].bounds.center.y, (double)lights[i].bounds.center.z};
         world_to_view(view, at, seen);
-        double radius = (double)lights[i].bound_radius, low = -seen[2] - radius, high = -seen[2] + radius;
+        double radius = (double)lights[i].bounds.radius, low = -seen[2] - radius, high = -seen[2] + radius;
         for (uint32_t b = 0; b < m->grid.slices; b++) {
             double start = b ? bin_start(m, b) : -1e30, end = b + 1 < m->grid.slices ? bin_start(m, b + 1) : 1e30;
             bool holds = m->holds[(size_t)(m->tile_count + b) * light_count + i];
@@ -152,9 +152,9 @@ static uint64_t check_points(const struct gpu_view *view, uint32_t light_count, 
     for (uint32_t i = 0; i < light_count; i++)
         for (uint32_t n = 0; n < 60; n++) {
             double point[3], seen[3];
-            const float *center = &lights[i].bound_center.x;
+            const float *center = &lights[i].bounds.center.x;
             for (int k = 0; k < 3; k++)
-                point[k] = (double)center[k] + (double)lights[i].bound_radius * (double)random_range(random, -1, 1);
+                point[k] = (double)center[k] + (double)lights[i].bounds.radius * (double)random_range(random, -1, 1);
             if (!light_reaches(&params[i], point)) continue;
             world_to_view(view, point, seen);
             double depth = -seen[2], spread = view->orthographic > 0.5f ? 1 : depth;
@@ -208,8 +208,8 @@ static void test_sizes_and_counts_ES_64(void **state) {
         list_random_lights(&view, &random, counts[c], params, lights);
         /* All in view, so that the words are full. */
         for (uint32_t i = 0; i < counts[c] && c % 2; i++) {
-            lights[i].bound_center = view.eye;
-            lights[i].bound_radius = 1;
+            lights[i].bounds.center = view.eye;
+            lights[i].bounds.radius = 1;
         }
         struct zbin_params zbin = zbin_params_default();
         zbin.bins = 5;
@@ -227,9 +227,9 @@ static void test_broken_lights_ES_64(void **state) {
     struct random_state random = {9};
     struct gpu_view view = list_random_view(0, &random, 67, 43);
     list_random_lights(&view, &random, 40, params, lights);
-    lights[7].bound_center.x = NAN;
-    lights[21].bound_center = (vec3){NAN, NAN, NAN};
-    lights[33].bound_radius = INFINITY;
+    lights[7].bounds.center.x = NAN;
+    lights[21].bounds.center = (vec3){NAN, NAN, NAN};
+    lights[33].bounds.radius = INFINITY;
     struct zbin_params zbin = zbin_params_default();
     struct masks m = build(&view, 40, &zbin);
     for (uint32_t c = 0; c < m.cell_count; c++) {

@@ -67,8 +67,8 @@ coarse_light ambient_parts(surface s, vec3 to_view) {
 
 // Lights whose illuminance ends at an edge that shows: cones, wedges, boxes. That of points and capsules fades out to nothing.
 bool has_edge(uint light) {
-    uint kind = push.lights.list.lights.at[light].kind;
-    return kind != GPU_SHAPE_SPHERE && kind != GPU_SHAPE_CAPSULE || push.lights.list.lights.at[light].hull_count != 0u;
+    uint kind = push.lights.list.lights.at[light].shape.kind;
+    return kind != GPU_SHAPE_SPHERE && kind != GPU_SHAPE_CAPSULE || push.lights.list.lights.at[light].shape.hull_count != 0u;
 }
 
 // `parts` of the light at a pixel's surface. The sum of the parts is what shade_surface() gives but for the order of its additions.
@@ -82,7 +82,7 @@ coarse_light light_parts(surface s, uvec2 pixel, float view_depth, uint parts) {
     bool is_slow = (parts & PART_SLOW) != 0u;
     uint directional_count = SPLIT == COARSE_SPLIT_SHARP && !is_slow ? 0u : push.lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        coarse_light f = brdf_parts(s, b, -push.lights.list.lights.at[i].direction);
+        coarse_light f = brdf_parts(s, b, -push.lights.list.lights.at[i].shape.direction);
         vec3 color = push.lights.list.lights.at[i].color;
         sum.by_color += color * f.by_color * diffuse_weight;
         sum.rest += color * f.rest * rest_weight;

@@ -26,13 +26,13 @@ void main() {
     vec4 seen = texelFetch(textures[push.depth], pixel, 0);
     if (seen.r <= 0.0 && (SAMPLES <= 1u || sample_bounds_empty(seen))) discard; // sky
     // A hair wider than the sphere: surfaces are drawn where interpolation puts them, and are looked at here where depth does.
-    gpu_light light = push.head.list.list.lights.at[push.head.list.list.directional_count + in_light];
+    gpu_entity_bounds light = push.head.list.list.entities.at[in_light];
     if (SAMPLES > 1u) {
-        if (!sample_bounds_reached(v, pixel, seen, light.bound_center, light.bound_radius)) discard;
+        if (!sample_bounds_reached(v, pixel, seen, light.center, light.radius)) discard;
     } else {
         float view_depth = view_depth_of(v, seen.r);
-        float reach = light.bound_radius * 1.001 + 1e-4 + 1e-4 * view_depth;
-        vec3 between = light.bound_center - gbuffer_position(v, pixel, view_depth);
+        float reach = light.radius * 1.001 + 1e-4 + 1e-4 * view_depth;
+        vec3 between = light.center - gbuffer_position(v, pixel, view_depth);
         if (dot(between, between) > reach * reach) discard; // NaN stays
     }
     uint at = uint(pixel.y) * v.view.size.x + uint(pixel.x), pixels = v.view.size.x * v.view.size.y;

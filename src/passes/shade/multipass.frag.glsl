@@ -26,7 +26,7 @@ void main() {
     precise vec3 sum = vec3(0.0);
     if (STEP == MULTIPASS_DIRECTIONAL) {
         uint count = lights.list.directional_count;
-        for (uint i = 0u; i < count; i++) sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].direction);
+        for (uint i = 0u; i < count; i++) sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     } else {
         vec3 to_light;
         vec3 illuminance = illuminate(lights, push.light, s.position, to_light);

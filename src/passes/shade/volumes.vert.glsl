@@ -25,12 +25,12 @@ float pixel_size(vec3 position) {
 
 // Corner 0 .. 3 of the rectangle that holds the projection of the light's bounding sphere beyond the near plane, and lies there where the
 // sphere reaches through it: for a viewer inside, before the whole screen. So does that of a sphere without end or not even a number.
-vec4 quad_corner(gpu_light light, uint corner) {
+vec4 quad_corner(gpu_entity_bounds light, uint corner) {
     view_block v = push.view;
     vec2 at = vec2(corner & 1u, corner >> 1) * 2.0 - 1.0;
-    vec3 center = (v.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
-    float radius = cell_radius(gpu_bound(center, light.bound_radius)) +
-                   float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye));
+    vec3 center = (v.view.world_to_view * vec4(light.center, 1.0)).xyz;
+    float radius = cell_radius(gpu_bound(center, light.radius)) +
+                   float(BOUND_ROUNDING) * (length(light.center) + length(v.view.eye));
     bool flat_view = v.view.orthographic > 0.5;
     if (!(radius + length(center) < 1e8)) return vec4(at, 1.0, 1.0);
     vec2 x = center.x + vec2(-radius, radius), y = center.y + vec2(-radius, radius);
@@ -58,12 +58,12 @@ float farthest_slope(vec3 center, float radius, vec2 direction) {
 
 // Corner 0 .. 7 of the octagon whose sides touch that ellipse (Mara & McGuire 2013), or, where the sphere reaches through the near plane,
 // a corner of the rectangle.
-vec4 octagon_corner(gpu_light light, uint corner) {
+vec4 octagon_corner(gpu_entity_bounds light, uint corner) {
     view_block v = push.view;
     vec4 flat_corner = quad_corner(light, uint[4](0u, 1u, 3u, 2u)[corner >> 1]);
-    vec3 center = (v.view.world_to_view * vec4(light.bound_center, 1.0)).xyz;
-    float radius = cell_radius(gpu_bound(center, light.bound_radius)) +
-                   float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye));
+    vec3 center = (v.view.world_to_view * vec4(light.center, 1.0)).xyz;
+    float radius = cell_radius(gpu_bound(center, light.radius)) +
+                   float(BOUND_ROUNDING) * (length(light.center) + length(v.view.eye));
     if (!(-center.z - radius > v.view.near_distance) || !(radius + length(center) < 1e8)) return flat_corner;
     float angle = float(corner) * (0.25 * PI);
     vec2 a = vec2(cos(angle), sin(angle)), b = vec2(cos(angle + 0.25 * PI), sin(angle + 0.25 * PI));
@@ -74,11 +74,11 @@ vec4 octagon_corner(gpu_light light, uint corner) {
     return vec4((p - v.view.ndc_offset) / v.view.ndc_scale, flat_corner.z, 1.0);
 }
 
-vec2 depths_of(gpu_light light) {
+vec2 depths_of(gpu_entity_bounds light) {
     view_block v = push.view;
-    float depth = -(v.view.world_to_view * vec4(light.bound_center, 1.0)).z;
-    float radius = light.bound_radius * (1.0 + CELL_SLACK) +
-                   4.0 * float(BOUND_ROUNDING) * (length(light.bound_center) + length(v.view.eye)) + 1e-5 * abs(depth);
+    float depth = -(v.view.world_to_view * vec4(light.center, 1.0)).z;
+    float radius = light.radius * (1.0 + CELL_SLACK) +
+                   4.0 * float(BOUND_ROUNDING) * (length(light.center) + length(v.view.eye)) + 1e-5 * abs(depth);
     if (!(radius + abs(depth) < 1e8)) return vec2(-3e38, 3e38);
     // Depths of surfaces come from a stored depth, whose steps grow with distance.
     return vec2((depth - radius) * (depth > radius ? 1.0 - CELL_SLACK : 1.0), (depth + radius) * (1.0 + CELL_SLACK));
@@ -86,7 +86,7 @@ vec2 depths_of(gpu_light light) {
 
 void main() {
     uint id = push.ids.at[gl_InstanceIndex], vertex = uint(gl_VertexIndex);
-    gpu_light light = push.list.list.lights.at[push.list.list.directional_count + id];
+    gpu_entity_bounds light = push.list.list.entities.at[id];
     out_light = id;
     out_rank = gl_InstanceIndex;
     out_depths = depths_of(light);
@@ -104,8 +104,8 @@ void main() {
     }
     vec3 position;
     if (vertex < VOLUME_SPHERE_VERTICES) {
-        vec3 center = light.bound_center;
-        float radius = light.bound_radius;
+        vec3 center = light.center;
+        float radius = light.radius;
         // What has no end, or is not even a number, is drawn everywhere.
         bool everywhere = !(radius + length(center) < 1e8);
         if (everywhere) {
@@ -124,11 +124,12 @@ void main() {
     vertex -= VOLUME_SPHERE_VERTICES;
     bool far = vertex >= VOLUME_RING;
     float angle = float(vertex % VOLUME_RING) * (2.0 * PI / float(VOLUME_RING));
-    float cosine = volume_cosine(light), tangent = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
-    float slack = 1e-3 * light.range + pixel_size(light.bound_center) + 1e-6 * length(light.position);
-    float along = far ? light.range + slack : -slack;
+    gpu_shape shape = shape_of(push.list, light);
+    float cosine = volume_cosine(shape), tangent = sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
+    float slack = 1e-3 * shape.range + pixel_size(light.center) + 1e-6 * length(shape.position);
+    float along = far ? shape.range + slack : -slack;
     float across = ((far ? along * tangent : 0.0) + 2.0 * slack) / VOLUME_CONE_INSIDE;
-    vec3 up = cross(light.side, light.direction);
-    position = light.position + light.direction * along + (light.side * cos(angle) + up * sin(angle)) * across;
+    vec3 up = cross(shape.side, shape.direction);
+    position = shape.position + shape.direction * along + (shape.side * cos(angle) + up * sin(angle)) * across;
     gl_Position = push.view.view.world_to_clip * vec4(position, 1.0);
 }

@@ -26,7 +26,7 @@ void main() {
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += l.list.lights.at[i].color * brdf_cos(s, b, -l.list.lights.at[i].direction);
+        sum += l.list.lights.at[i].color * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);

@@ -30,8 +30,8 @@ void main() {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[(uint(pixel.y) * v.view.size.x + uint(pixel.x)) * 2u], 1u);
     uint light = push.head.list.list.directional_count + in_light;
     if (SAMPLES > 1u) { // reaches some sample, as far as its sphere tells
-        gpu_light bound = push.head.list.list.lights.at[light];
-        if (!sample_bounds_reached(v, pixel, seen, bound.bound_center, bound.bound_radius)) discard;
+        gpu_entity_bounds bounds = push.head.list.list.entities.at[in_light];
+        if (!sample_bounds_reached(v, pixel, seen, bounds.center, bounds.radius)) discard;
         out_ray = out_color = vec4(0.0);
         gl_FragDepth = place;
         return;

@@ -198,37 +198,18 @@ static struct gpu_decal device_decal(const struct device_scene *d, const struct 
 /* Flat boxes hardly have a volume; lists see them a little larger, so that rounding loses nothing. */
 #define BOX_SLACK (1 + 1e-4f)
 
-/* What lists see: the box where it has right angles, else the sphere round it. */
-static struct gpu_light device_box(const mat4 *transform) {
-    vec3 half[3];
-    float size[3], radius = 0;
-    for (int i = 0; i < 3; i++) {
-        half[i] = vec3_scale(column(transform, i), 0.5f);
-        size[i] = vec3_length(half[i]);
-    }
+struct gpu_entity_bounds device_decal_bounds(const mat4 *transform, uint32_t index) {
+    float radius = 0;
     for (int i = 0; i < 4; i++) {
-        vec3 corner = vec3_add(vec3_add_scaled(half[0], half[1], i & 1 ? 1 : -1), vec3_scale(half[2], i & 2 ? 1 : -1));
-        radius = fmaxf(radius, vec3_length(corner));
+        vec3 corner = vec3_add_scaled(column(transform, 0), column(transform, 1), i & 1 ? 1 : -1);
+        corner = vec3_add_scaled(corner, column(transform, 2), i & 2 ? 1 : -1);
+        radius = fmaxf(radius, 0.5f * vec3_length(corner));
     }
-    struct gpu_light g = {.position = column(transform, 3),
-                          .kind = GPU_SHAPE_SPHERE,
-                          .color = {1, 1, 1},
-                          .range = radius * BOX_SLACK + 1e-6f,
-                          .entity = GPU_ENTITY_DECAL};
-    g.bound_center = g.position;
-    g.bound_radius = g.range;
-    bool square = true;
-    for (int i = 0; i < 3; i++) {
-        int k = (i + 1) % 3;
-        square = square && fabsf(vec3_dot(half[i], half[k])) <= 1e-5f * size[i] * size[k];
-    }
-    if (!square || !(size[0] > 0 && size[1] > 0 && size[2] > 0)) return g;
-    g.kind = GPU_SHAPE_BOX;
-    g.side = vec3_scale(half[0], 1 / size[0]);
-    g.direction = vec3_scale(half[2], -1 / size[2]);
-    g.size = vec3_scale(vec3_make(size[0], size[1], size[2]), BOX_SLACK);
-    g.spot_scale = 1000;
-    return g;
+    return (struct gpu_entity_bounds){.center = column(transform, 3),
+                                      .radius = radius * BOX_SLACK + 1e-6f,
+                                      .shape = GPU_NO_SHAPE,
+                                      .kind = GPU_ENTITY_DECAL,
+                                      .user = index};
 }
 
 /* ---- mesh decals ---- */
@@ -371,14 +352,14 @@ void device_decals_finish(struct device_scene *d) {
     struct device_decals *all = &d->decals;
     free_pictures(d);
     gpu_buffer_destroy(d->device, &all->decals);
-    gpu_buffer_destroy(d->device, &all->boxes);
+    gpu_buffer_destroy(d->device, &all->bounds);
     gpu_buffer_destroy(d->device, &all->mesh_ranges);
     gpu_buffer_destroy(d->device, &all->mesh_ids);
     gpu_buffer_destroy(d->device, &all->redraw_indices);
     gpu_buffer_destroy(d->device, &all->redraw_draws);
     gpu_buffer_destroy(d->device, &all->redraw_table);
     array_free(&d->host, &all->data);
-    array_free(&d->host, &all->box_data);
+    array_free(&d->host, &all->bound_data);
     array_free(&d->host, &all->order);
     array_free(&d->host, &all->pictures);
 }
@@ -423,7 +404,7 @@ fnl_result device_decals_prepare(struct device_scene *d) {
                                          .anisotropy = 8};
     all->sampler = gpu_sampler_index(d->device, &sampler);
     TRY(grow_buffer(d, "decals", &all->decals, all->order.count * sizeof(struct gpu_decal)));
-    TRY(grow_buffer(d, "decal boxes", &all->boxes, all->count * sizeof(struct gpu_light)));
+    TRY(grow_buffer(d, "decal bounds", &all->bounds, all->count * sizeof(struct gpu_entity_bounds)));
     all->version = scene->decal_version;
     all->structure_version = scene->structure_version;
     return FNL_OK;
@@ -432,31 +413,31 @@ fnl_result device_decals_prepare(struct device_scene *d) {
 /* ---- inside a frame ---- */
 
 struct send_data {
-    struct gpu_slice decals, boxes;
-    graph_buffer to_decals, to_boxes;
-    uint64_t decals_size, boxes_size;
+    struct gpu_slice decals, bounds;
+    graph_buffer to_decals, to_bounds;
+    uint64_t decals_size, bounds_size;
 };
 
 static void execute_send(const struct graph_context *context, const void *data) {
     const struct send_data *s = data;
     gpu_copy_buffer(context->commands, s->decals.buffer, s->decals.offset, graph_get_buffer(context, s->to_decals), 0,
                     s->decals_size);
-    if (s->boxes_size)
-        gpu_copy_buffer(context->commands, s->boxes.buffer, s->boxes.offset, graph_get_buffer(context, s->to_boxes), 0,
-                        s->boxes_size);
+    if (s->bounds_size)
+        gpu_copy_buffer(context->commands, s->bounds.buffer, s->bounds.offset, graph_get_buffer(context, s->to_bounds), 0,
+                        s->bounds_size);
 }
 
 static fnl_result gather(struct device_scene *d) {
     struct device_decals *all = &d->decals;
     if (!array_reserve(&d->host, &all->data, all->order.count)) return FNL_ERROR_MEMORY;
-    if (!array_reserve(&d->host, &all->box_data, all->count)) return FNL_ERROR_MEMORY;
+    if (!array_reserve(&d->host, &all->bound_data, all->count)) return FNL_ERROR_MEMORY;
     all->data.count = all->order.count;
-    all->box_data.count = all->count;
+    all->bound_data.count = all->count;
     for (uint32_t i = 0; i < all->order.count; i++) {
         const struct scene_decal *decal = &d->scene->decals.data[all->order.data[i]];
         mat4 transform = decal_transform(d->scene, decal);
         all->data.data[i] = device_decal(d, decal, &transform);
-        if (i < all->count) all->box_data.data[i] = device_box(&transform);
+        if (i < all->count) all->bound_data.data[i] = device_decal_bounds(&transform, i);
     }
     return FNL_OK;
 }
@@ -466,7 +447,7 @@ fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct
     *out = (struct device_decals_frame){{0}, {0}, {0}, {0}, {0}};
     if (all->order.count == 0) return FNL_OK;
     out->decals = graph_import_buffer(graph, "decals", &all->decals);
-    if (all->count) out->boxes = graph_import_buffer(graph, "decal boxes", &all->boxes);
+    if (all->count) out->bounds = graph_import_buffer(graph, "decal bounds", &all->bounds);
     if (all->mesh_count) {
         out->mesh_ranges = graph_import_buffer(graph, "mesh decal ranges", &all->mesh_ranges);
         out->mesh_ids = graph_import_buffer(graph, "mesh decal ids", &all->mesh_ids);
@@ -477,17 +458,17 @@ fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct
         return FNL_OK;
     TRY(gather(d));
     struct send_data send = {.to_decals = out->decals,
-                             .to_boxes = out->boxes,
+                             .to_bounds = out->bounds,
                              .decals_size = all->data.count * sizeof(struct gpu_decal),
-                             .boxes_size = all->box_data.count * sizeof(struct gpu_light)};
+                             .bounds_size = all->bound_data.count * sizeof(struct gpu_entity_bounds)};
     send.decals = gpu_frame_allocate(d->device, send.decals_size);
-    send.boxes = gpu_frame_allocate(d->device, MAX(send.boxes_size, 16u));
-    if (!send.decals.data || !send.boxes.data) return gpu_status(d->device);
+    send.bounds = gpu_frame_allocate(d->device, MAX(send.bounds_size, 16u));
+    if (!send.decals.data || !send.bounds.data) return gpu_status(d->device);
     memcpy(send.decals.data, all->data.data, send.decals_size);
-    if (send.boxes_size) memcpy(send.boxes.data, all->box_data.data, send.boxes_size);
+    if (send.bounds_size) memcpy(send.bounds.data, all->bound_data.data, send.bounds_size);
     struct graph_pass *pass = graph_add_pass(graph, "update decals", GRAPH_QUEUE_GRAPHICS, execute_send, &send, sizeof send);
     graph_use_buffer(pass, send.to_decals, GRAPH_COPY_TO);
-    if (send.boxes_size) graph_use_buffer(pass, send.to_boxes, GRAPH_COPY_TO);
+    if (send.bounds_size) graph_use_buffer(pass, send.to_bounds, GRAPH_COPY_TO);
     all->sent_version = d->scene->decal_version;
     all->transform_version = d->scene->transform_version;
     return FNL_OK;

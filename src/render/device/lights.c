@@ -4,10 +4,10 @@
 #include "passes/lights/sprites.h"
 
 /* The smallest sphere round a cone and its spherical end: through apex and rim, or round the rim of a wide cone. */
-static void bound_cone(struct gpu_light *g, float cosine, float sine) {
-    float along = cosine > 0.70710678f ? g->range / (2 * cosine) : g->range * cosine;
-    g->bound_radius = cosine > 0.70710678f ? along : g->range * sine;
-    g->bound_center = vec3_add_scaled(g->position, g->direction, along);
+static void bound_cone(struct gpu_entity_bounds *bounds, const struct gpu_shape *s, float cosine, float sine) {
+    float along = cosine > 0.70710678f ? s->range / (2 * cosine) : s->range * cosine;
+    bounds->radius = cosine > 0.70710678f ? along : s->range * sine;
+    bounds->center = vec3_add_scaled(s->position, s->direction, along);
 }
 
 /* Wedges and boxes fade between their inner part and the edge; a hard edge is a thousandth wide. */
@@ -16,77 +16,85 @@ static float edge_scale(const fnl_light_params *light) { return 1 / fmaxf(0.001f
 /* `range` is the first test of any light: a hair larger than these shapes, which have exact ones of their own. */
 #define SHAPE_SLACK (1 + 1e-5f)
 
-static void set_capsule(struct gpu_light *g, const fnl_light_params *light) {
-    g->size = (vec3){0.5f * light->length, g->range, 0};
-    g->range = (g->range + g->size.x) * SHAPE_SLACK;
-    g->bound_radius = g->range;
+static void set_capsule(struct gpu_shape *s, const fnl_light_params *light) {
+    s->size = (vec3){0.5f * light->length, s->range, 0};
+    s->range = (s->range + s->size.x) * SHAPE_SLACK;
 }
 
-static void set_wedge(struct gpu_light *g, const fnl_light_params *light) {
-    g->size = (vec3){tanf(light->wedge_angles[0]), tanf(light->wedge_angles[1]), 0};
-    g->spot_scale = edge_scale(light);
+static void set_wedge(struct gpu_shape *s, const fnl_light_params *light, struct gpu_entity_bounds *bounds) {
+    s->size = (vec3){tanf(light->wedge_angles[0]), tanf(light->wedge_angles[1]), 0};
+    s->spot_scale = edge_scale(light);
     /* Its corners lie on a round cone; seen from the axis nothing is farther. */
-    float tangent = hypotf(g->size.x, g->size.y), cosine = 1 / hypotf(1, tangent);
-    bound_cone(g, cosine, tangent * cosine);
+    float tangent = hypotf(s->size.x, s->size.y), cosine = 1 / hypotf(1, tangent);
+    bound_cone(bounds, s, cosine, tangent * cosine);
 }
 
-static void set_box(struct gpu_light *g, const fnl_light_params *light) {
-    g->size = vec3_scale(light->box_size, 0.5f);
-    g->spot_scale = edge_scale(light);
-    g->range = vec3_length(g->size) * SHAPE_SLACK;
-    g->bound_radius = g->range;
+static void set_box(struct gpu_shape *s, const fnl_light_params *light) {
+    s->size = vec3_scale(light->box_size, 0.5f);
+    s->spot_scale = edge_scale(light);
+    s->range = vec3_length(s->size) * SHAPE_SLACK;
 }
 
-struct gpu_light device_light(const fnl_light_params *light) {
-    struct gpu_light g = {.position = light->position,
-                          .kind = (uint32_t)light->kind,
-                          .direction = light->direction,
+static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct gpu_entity_bounds *bounds) {
+    float outer = cosf(light->outer_cone_angle), inner = cosf(light->inner_cone_angle);
+    s->spot_scale = 1 / fmaxf(0.001f, inner - outer);
+    s->spot_offset = -outer * s->spot_scale;
+    bound_cone(bounds, s, outer, sinf(light->outer_cone_angle));
+}
+
+/* Where the shape of a slot's light lies: at its beginning. */
+static uint32_t shape_offset(uint32_t slot) { return slot * (uint32_t)sizeof(struct gpu_light); }
+_Static_assert(offsetof(struct gpu_light, shape) == 0, "the shape begins the light");
+
+void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds) {
+    struct gpu_light g = {.shape = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction},
                           .color = {light->color[0] * light->intensity, light->color[1] * light->intensity,
-                                    light->color[2] * light->intensity},
-                          .entity = GPU_ENTITY_LIGHT};
-    if (light->kind == FNL_LIGHT_DIRECTIONAL) return g;
-    bool dark = !(fmaxf(g.color.x, fmaxf(g.color.y, g.color.z)) > 0);
-    g.range = light_effective_range(light);
-    if (!(g.range > 0)) g.range = 1e-6f;
-    g.bound_center = light->position;
-    g.bound_radius = g.range;
-    if (light->kind != FNL_LIGHT_POINT)
-        g.side = vec3_normalize(vec3_cross(light->direction, light_up(light->direction, light->up)));
-    if (light->kind == FNL_LIGHT_SPOT) {
-        float outer = cosf(light->outer_cone_angle), inner = cosf(light->inner_cone_angle);
-        g.spot_scale = 1 / fmaxf(0.001f, inner - outer);
-        g.spot_offset = -outer * g.spot_scale;
-        bound_cone(&g, outer, sinf(light->outer_cone_angle));
+                                    light->color[2] * light->intensity}};
+    struct gpu_entity_bounds bounds = {
+        .center = light->position, .shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
+    struct gpu_shape *s = &g.shape;
+    if (light->kind != FNL_LIGHT_DIRECTIONAL) {
+        s->range = light_effective_range(light);
+        if (!(s->range > 0)) s->range = 1e-6f;
+        if (light->kind != FNL_LIGHT_POINT) {
+            s->side = vec3_normalize(vec3_cross(light->direction, light_up(light->direction, light->up)));
+            bounds.shape = shape_offset(slot);
+        }
+        if (light->kind == FNL_LIGHT_CAPSULE) set_capsule(s, light);
+        if (light->kind == FNL_LIGHT_BOX) set_box(s, light);
+        bounds.radius = s->range;
+        if (light->kind == FNL_LIGHT_SPOT) set_cone(s, light, &bounds);
+        if (light->kind == FNL_LIGHT_WEDGE) set_wedge(s, light, &bounds);
+        if (!(fmaxf(g.color.x, fmaxf(g.color.y, g.color.z)) > 0)) { /* dark */
+            bounds.center = light->position;
+            bounds.radius = 0;
+        }
     }
-    if (light->kind == FNL_LIGHT_CAPSULE) set_capsule(&g, light);
-    if (light->kind == FNL_LIGHT_WEDGE) set_wedge(&g, light);
-    if (light->kind == FNL_LIGHT_BOX) set_box(&g, light);
-    if (dark) {
-        g.bound_center = light->position;
-        g.bound_radius = 0;
-    }
-    return g;
+    *out = g;
+    *out_bounds = bounds;
 }
 
 /* Writes the planes of a hull, seen from the light: so they stay exact far from the world's origin. */
-static void set_hull(struct gpu_light *g, const struct light_hull *hull, vec4 *planes) {
-    g->hull_count = hull->plane_count;
-    const double at[3] = {g->position.x, g->position.y, g->position.z};
+static void set_hull(struct gpu_shape *s, struct gpu_entity_bounds *bounds, const struct light_hull *hull, vec4 *planes) {
+    s->hull_count = hull->plane_count;
+    bounds->shape = shape_offset(bounds->user);
+    const double at[3] = {s->position.x, s->position.y, s->position.z};
     for (uint32_t i = 0; i < hull->plane_count; i++) {
         const double *n = hull->planes[i];
         planes[i] =
             (vec4){(float)n[0], (float)n[1], (float)n[2], (float)-(n[0] * at[0] + n[1] * at[1] + n[2] * at[2] + n[3])};
     }
-    if (g->bound_radius > hull->radius) { /* what both hold is held by the smaller */
-        g->bound_radius = hull->radius;
-        g->bound_center = hull->center;
+    if (bounds->radius > hull->radius) { /* what both hold is held by the smaller */
+        bounds->radius = hull->radius;
+        bounds->center = hull->center;
     }
 }
 
-static struct gpu_light light_of(const fnl_scene *scene, const struct scene_light *light) {
+static void light_of(const fnl_scene *scene, const struct scene_light *light, uint32_t slot, struct gpu_light *out,
+                     struct gpu_entity_bounds *out_bounds) {
     fnl_light_params params = light->params;
     if (isinf(params.range)) params.range = fnl_light_range(&params, scene->cutoff_roughness, scene->cutoff_illuminance);
-    return device_light(&params);
+    device_light(&params, slot, out, out_bounds);
 }
 
 /* ---- places ---- */
@@ -101,7 +109,7 @@ static const struct scene_light *light_at(const fnl_scene *scene, uint32_t slot)
     return index != SCENE_NONE && is_lit(scene, &scene->lights.data[index]) ? &scene->lights.data[index] : NULL;
 }
 
-static bool is_place_lit(const struct gpu_light *place) { return place->range > 0; }
+static bool is_place_lit(const struct gpu_light *place) { return place->shape.range > 0; }
 
 static bool must_gather(const struct device_scene *d) {
     return d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version;
@@ -142,11 +150,12 @@ uint32_t device_lights_count(const struct device_scene *d) {
 /* Brings one place up to date; false where its planes find no room between those of others. */
 static bool refresh(struct device_scene *d, uint32_t slot) {
     const struct scene_light *light = light_at(d->scene, slot);
-    struct gpu_light *place = &d->light_data.data[slot],
-                     g = light ? light_of(d->scene, light)
-                               : (struct gpu_light){.kind = GPU_SHAPE_SPHERE, .entity = GPU_ENTITY_LIGHT};
+    struct gpu_light *place = &d->light_data.data[slot], g = {.shape.kind = GPU_SHAPE_SPHERE};
+    struct gpu_entity_bounds *bounds = &d->light_bounds.data[slot];
+    *bounds = (struct gpu_entity_bounds){.shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
+    if (light) light_of(d->scene, light, slot, &g, bounds);
     d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
-    ranges_give(&d->host, &d->planes_taken, place->hull_first, place->hull_count);
+    ranges_give(&d->host, &d->planes_taken, place->shape.hull_first, place->shape.hull_count);
     *place = g;
     if (!light || !light->hull) return true;
     uint32_t first = ranges_take(&d->planes_taken, light->hull->plane_count);
@@ -154,8 +163,8 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
         ranges_give(&d->host, &d->planes_taken, first, first == RANGES_NONE ? 0 : light->hull->plane_count);
         return false;
     }
-    place->hull_first = first;
-    set_hull(place, light->hull, d->plane_data.data + first);
+    place->shape.hull_first = first;
+    set_hull(&place->shape, bounds, light->hull, d->plane_data.data + first);
     return true;
 }
 
@@ -165,7 +174,8 @@ static fnl_result gather_suns(struct device_scene *d) {
     if (!array_reserve(&d->host, &d->sun_data, scene->suns.count)) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i < scene->suns.count; i++) {
         const struct scene_light *light = &scene->lights.data[scene->suns.data[i]];
-        if (is_lit(scene, light)) d->sun_data.data[d->sun_data.count++] = light_of(scene, light);
+        struct gpu_entity_bounds none;
+        if (is_lit(scene, light)) light_of(scene, light, 0, &d->sun_data.data[d->sun_data.count++], &none);
     }
     return FNL_OK;
 }
@@ -176,13 +186,17 @@ static fnl_result reserve_places(struct device_scene *d) {
     if (!array_reserve(&d->host, &d->light_data, count)) return FNL_ERROR_MEMORY;
     d->plane_room = MAX((uint32_t)(d->planes.size / sizeof(vec4)), d->scene->hull_plane_count);
     if (!array_reserve(&d->host, &d->plane_data, d->plane_room)) return FNL_ERROR_MEMORY;
-    if (count > before) memset(d->light_data.data + before, 0, (count - before) * sizeof *d->light_data.data);
-    d->light_data.count = MAX(before, count);
+    if (!array_reserve(&d->host, &d->light_bounds, count)) return FNL_ERROR_MEMORY;
+    if (count > before) {
+        memset(d->light_data.data + before, 0, (count - before) * sizeof *d->light_data.data);
+        memset(d->light_bounds.data + before, 0, (count - before) * sizeof *d->light_bounds.data);
+    }
+    d->light_data.count = d->light_bounds.count = MAX(before, count);
     return FNL_OK;
 }
 
 fnl_result device_lights_gather(struct device_scene *d) {
-    d->light_data.count = d->bound_radii.count = d->lit_count = 0;
+    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = 0;
     d->planes_taken.gaps.count = d->planes_taken.end = 0;
     TRY(reserve_places(d));
     for (uint32_t slot = 0; slot < d->light_data.count; slot++) UNUSED(refresh(d, slot)); /* one after the other, all fit */
@@ -197,18 +211,23 @@ fnl_result device_lights_prepare(struct device_scene *d) {
         d->light_version = UINT64_MAX;
     }
     bool sent = d->light_version != UINT64_MAX;
-    uint64_t places = (uint64_t)d->sun_room + MAX(scene->light_slots.count, 1u);
-    TRY(device_buffer_reserve(d, "lights", &d->lights, sent ? d->lights.size : 0, places * sizeof(struct gpu_light)));
+    uint64_t places = MAX(scene->light_slots.count, 1u), light_bytes = (d->sun_room + places) * sizeof(struct gpu_light);
+    TRY(device_buffer_reserve(d, "lights", &d->lights, sent ? d->lights.size : 0, light_bytes));
+    TRY(device_buffer_reserve(d, "light bounds", &d->bound_buffer, sent ? d->bound_buffer.size : 0,
+                              places * sizeof(struct gpu_entity_bounds)));
     uint64_t plane_bytes = scene->hull_plane_count * sizeof(vec4);
     return device_buffer_reserve(d, "light planes", &d->planes, sent ? d->planes.size : 0, plane_bytes);
 }
 
 void device_lights_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &d->lights);
+    gpu_buffer_destroy(d->device, &d->bound_buffer);
     gpu_buffer_destroy(d->device, &d->planes);
     gpu_buffer_destroy(d->device, &d->faded_lights);
+    gpu_buffer_destroy(d->device, &d->faded_bounds);
     array_free(&d->host, &d->sun_data);
     array_free(&d->host, &d->light_data);
+    array_free(&d->host, &d->light_bounds);
     array_free(&d->host, &d->plane_data);
     array_free(&d->host, &d->bound_radii);
     ranges_finish(&d->host, &d->planes_taken);
@@ -220,23 +239,27 @@ void device_lights_finish(struct device_scene *d) {
 #define FADE_SLACK 1e-4f
 
 static void unfade(struct device_scene *d) {
-    for (uint32_t i = 0; i < d->bound_radii.count; i++) d->light_data.data[i].bound_radius = d->bound_radii.data[i];
+    for (uint32_t i = 0; i < d->bound_radii.count; i++) d->light_bounds.data[i].radius = d->bound_radii.data[i];
     d->bound_radii.count = 0;
+}
+
+static fnl_result copy_room(struct device_scene *d, const char *name, const struct gpu_buffer *of, struct gpu_buffer *copy) {
+    if (copy->size >= of->size) return FNL_OK;
+    gpu_buffer_destroy(d->device, copy);
+    return gpu_buffer_create(d->device, name, of->size, GPU_MEMORY_DEVICE, copy);
 }
 
 fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk) {
     unfade(d);
     if (!(lod > 0)) return FNL_OK;
-    if (d->faded_lights.size < d->lights.size) {
-        gpu_buffer_destroy(d->device, &d->faded_lights);
-        TRY(gpu_buffer_create(d->device, "faded lights", d->lights.size, GPU_MEMORY_DEVICE, &d->faded_lights));
-    }
+    TRY(copy_room(d, "faded lights", &d->lights, &d->faded_lights));
+    TRY(copy_room(d, "faded bounds", &d->bound_buffer, &d->faded_bounds));
     if (!walk) return FNL_OK;
     if (!array_reserve(&d->host, &d->bound_radii, d->light_data.count)) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i < d->light_data.count; i++) {
-        struct gpu_light *light = &d->light_data.data[i];
-        d->bound_radii.data[d->bound_radii.count++] = light->bound_radius;
-        if (light_fade(view, light, lod * (1 - FADE_SLACK)) == 0) light->bound_radius = 0;
+        struct gpu_entity_bounds *bounds = &d->light_bounds.data[i];
+        d->bound_radii.data[d->bound_radii.count++] = bounds->radius;
+        if (light_fade(view, bounds, lod * (1 - FADE_SLACK)) == 0) bounds->radius = 0;
     }
     return FNL_OK;
 }
@@ -244,14 +267,16 @@ fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *vie
 /* ---- sending them ---- */
 
 /* Pieces of the buffers, one after the other in the slice. */
+enum target { TO_LIGHTS, TO_BOUNDS, TO_PLANES, TARGETS };
+
 struct piece {
     uint64_t offset, size;
-    bool of_planes; /* of the buffer of planes, not that of lights */
+    enum target target;
 };
 
 struct send_data {
     struct gpu_slice slice;
-    const struct gpu_buffer *targets[2]; /* lights, planes */
+    const struct gpu_buffer *targets[TARGETS];
     const struct piece *pieces;          /* in the frame's memory */
     uint32_t piece_count;
 };
@@ -260,7 +285,7 @@ static void execute_send(const struct graph_context *context, const void *data) 
     const struct send_data *d = data;
     uint64_t from = d->slice.offset;
     for (uint32_t i = 0; i < d->piece_count; i++) {
-        gpu_copy_buffer(context->commands, d->slice.buffer, from, d->targets[d->pieces[i].of_planes], d->pieces[i].offset,
+        gpu_copy_buffer(context->commands, d->slice.buffer, from, d->targets[d->pieces[i].target], d->pieces[i].offset,
                         d->pieces[i].size);
         from += d->pieces[i].size;
     }
@@ -275,26 +300,26 @@ struct send {
 /* Memory of the frame for so many bytes to copy. */
 static fnl_result begin_send(struct device_scene *d, uint64_t size, uint32_t most_pieces, struct send *out) {
     struct gpu_slice pieces = gpu_frame_allocate(d->device, most_pieces * sizeof(struct piece));
-    *out = (struct send){.data = {.targets = {&d->lights, &d->planes},
+    *out = (struct send){.data = {.targets = {&d->lights, &d->bound_buffer, &d->planes},
                                   .slice = gpu_frame_allocate(d->device, size),
                                   .pieces = pieces.data},
                          .pieces = pieces.data};
     return pieces.data && out->data.slice.data ? FNL_OK : gpu_status(d->device);
 }
 
-static void add_piece(struct send *send, bool of_planes, uint64_t offset, const void *bytes, uint64_t size) {
+static void add_piece(struct send *send, enum target target, uint64_t offset, const void *bytes, uint64_t size) {
     if (size == 0) return;
     memcpy((char *)send->data.slice.data + send->filled, bytes, size);
     send->filled += size;
     struct piece *last = send->data.piece_count ? &send->pieces[send->data.piece_count - 1] : NULL;
-    if (last && last->of_planes == of_planes && last->offset + last->size == offset)
+    if (last && last->target == target && last->offset + last->size == offset)
         last->size += size;
     else
-        send->pieces[send->data.piece_count++] = (struct piece){offset, size, of_planes};
+        send->pieces[send->data.piece_count++] = (struct piece){offset, size, target};
 }
 
 static void add_suns(const struct device_scene *d, struct send *send) {
-    add_piece(send, false, (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light), d->sun_data.data,
+    add_piece(send, TO_LIGHTS, (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light), d->sun_data.data,
               d->sun_data.count * sizeof(struct gpu_light));
 }
 
@@ -307,13 +332,14 @@ static void end_send(struct device_scene *d, struct graph *graph, graph_buffer l
 }
 
 static fnl_result send_all(struct device_scene *d, struct graph *graph, graph_buffer lights) {
-    uint64_t light_size = d->scene->light_slot_end * sizeof(struct gpu_light),
-             plane_size = d->planes_taken.end * sizeof(vec4);
+    uint64_t count = d->scene->light_slot_end, light_size = count * sizeof(struct gpu_light),
+             bound_size = count * sizeof(struct gpu_entity_bounds), plane_size = d->planes_taken.end * sizeof(vec4);
     struct send send;
-    TRY(begin_send(d, MAX(d->sun_data.count * sizeof(struct gpu_light) + light_size + plane_size, 1u), 3, &send));
+    TRY(begin_send(d, MAX(d->sun_data.count * sizeof(struct gpu_light) + light_size + bound_size + plane_size, 1u), 4, &send));
     add_suns(d, &send);
-    add_piece(&send, false, d->sun_room * sizeof(struct gpu_light), d->light_data.data, light_size);
-    add_piece(&send, true, 0, d->plane_data.data, plane_size);
+    add_piece(&send, TO_LIGHTS, d->sun_room * sizeof(struct gpu_light), d->light_data.data, light_size);
+    add_piece(&send, TO_BOUNDS, 0, d->light_bounds.data, bound_size);
+    add_piece(&send, TO_PLANES, 0, d->plane_data.data, plane_size);
     end_send(d, graph, lights, &send);
     return FNL_OK;
 }
@@ -333,7 +359,8 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
         uint32_t slot = change_at(d, &changes, i);
         if (slot == SCENE_NONE) continue;
         if (!refresh(d, slot)) return gather_and_send(d, graph, lights);
-        size += sizeof(struct gpu_light) + d->light_data.data[slot].hull_count * sizeof(vec4);
+        size += sizeof(struct gpu_light) + sizeof(struct gpu_entity_bounds) +
+                d->light_data.data[slot].shape.hull_count * sizeof(vec4);
         count++;
     }
     bool suns = d->scene->sun_version > d->light_version;
@@ -342,15 +369,17 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
     if (suns) size += d->sun_data.count * sizeof(struct gpu_light);
     if (size == 0) return FNL_OK;
     struct send send;
-    TRY(begin_send(d, size, 2 * count + 1, &send));
+    TRY(begin_send(d, size, 3 * count + 1, &send));
     if (suns) add_suns(d, &send);
     for (uint32_t i = 0; i < changes.count; i++) {
         uint32_t slot = change_at(d, &changes, i);
         if (slot == SCENE_NONE) continue;
         const struct gpu_light *g = &d->light_data.data[slot];
-        add_piece(&send, false, (d->sun_room + slot) * sizeof *g, g, sizeof *g);
-        add_piece(&send, true, g->hull_first * sizeof(vec4), d->plane_data.data + g->hull_first,
-                  g->hull_count * sizeof(vec4));
+        const struct gpu_entity_bounds *bounds = &d->light_bounds.data[slot];
+        add_piece(&send, TO_LIGHTS, (d->sun_room + slot) * sizeof *g, g, sizeof *g);
+        add_piece(&send, TO_BOUNDS, slot * sizeof *bounds, bounds, sizeof *bounds);
+        add_piece(&send, TO_PLANES, g->shape.hull_first * sizeof(vec4), d->plane_data.data + g->shape.hull_first,
+                  g->shape.hull_count * sizeof(vec4));
     }
     end_send(d, graph, lights, &send);
     return FNL_OK;
@@ -366,9 +395,13 @@ fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_
 
 struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights) {
     uint32_t local_count = d->scene->light_slot_end;
+    VkDeviceAddress first_place = d->lights.address + d->sun_room * sizeof(struct gpu_light);
     return (struct light_input){.buffer = lights,
-                                .lights = d->lights.address + (d->sun_room - d->sun_data.count) * sizeof(struct gpu_light),
+                                .entities = d->bound_buffer.address,
+                                .shapes = first_place,
                                 .planes = d->planes.address,
+                                .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
+                                .kinds = 1u << GPU_ENTITY_LIGHT,
                                 .directional_count = d->sun_data.count,
                                 .local_count = local_count,
                                 .unlit_count = local_count - d->lit_count};

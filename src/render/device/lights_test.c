@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Lights that change are sent alone: the bytes of a frame are those of the lights that changed since the last, and pictures equal those of a
- * renderer that has just sent everything.
+ * Lights that change are sent alone: the bytes of a frame are those of the lights that changed since the last and of their bounds, and
+ * pictures equal those of a renderer that has just sent everything.
  */
 #include "tests/render_harness.h"
 
-enum { LIGHTS = 400, LIGHT_BYTES = sizeof(struct gpu_light) };
+/* Directional lights have no bounds. */
+enum { LIGHTS = 400, SUN_BYTES = sizeof(struct gpu_light), LIGHT_BYTES = SUN_BYTES + sizeof(struct gpu_entity_bounds) };
+_Static_assert(LIGHT_BYTES == 112, "what the edit of a light sends");
 
 static fnl_light_id ids[4 * LIGHTS];
 
@@ -89,18 +91,18 @@ static void test_lights_come_and_go(void **state) {
     sun.kind = FNL_LIGHT_DIRECTIONAL;
     sun.direction = vec3_make(0, -1, 0);
     assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK); /* to the front; its place is free */
-    check_frame(&s, 2 * LIGHT_BYTES);
+    check_frame(&s, SUN_BYTES + LIGHT_BYTES);
     sun.intensity = 3;
     assert_int_equal(fnl_scene_set_light(s.scene, ids[40], &sun), FNL_OK);
     move(&s, 41, 0.5f);
-    check_frame(&s, 2 * LIGHT_BYTES);
+    check_frame(&s, SUN_BYTES + LIGHT_BYTES);
     fnl_light_id more[5]; /* directional lights are sent together; the fifth finds the room for them full */
     for (uint32_t i = 0; i < 5; i++) {
         assert_int_equal(fnl_scene_add_light(s.scene, &sun, &more[i]), FNL_OK);
-        check_frame(&s, (2 + i) * LIGHT_BYTES + (i == 3 ? LIGHTS * LIGHT_BYTES : 0));
+        check_frame(&s, (2 + i) * SUN_BYTES + (i == 3 ? LIGHTS * LIGHT_BYTES : 0));
     }
     assert_int_equal(fnl_scene_remove_light(s.scene, more[1]), FNL_OK);
-    check_frame(&s, 5 * LIGHT_BYTES);
+    check_frame(&s, 5 * SUN_BYTES);
     for (uint32_t i = 0; i < 5; i++)
         if (i != 1) assert_int_equal(fnl_scene_remove_light(s.scene, more[i]), FNL_OK);
     move(&s, 40, 0.5f);

@@ -60,11 +60,11 @@ struct decal_picture {
 
 /** The decals on the device (decals.c). */
 struct device_decals {
-    struct gpu_buffer decals, boxes;         /* struct gpu_decal, struct gpu_light; sent inside the frame */
+    struct gpu_buffer decals, bounds;        /* struct gpu_decal; struct gpu_entity_bounds of boxes and volumes; sent inside the frame */
     struct gpu_buffer mesh_ranges, mesh_ids; /* of mesh decals: see struct gpu_decal_set */
     struct gpu_buffer redraw_indices, redraw_draws, redraw_table; /* see struct decals_redraw */
     ARRAY(struct gpu_decal) data; /* boxes and volumes, then those of meshes, then redraws; each in order */
-    ARRAY(struct gpu_light) box_data;
+    ARRAY(struct gpu_entity_bounds) bound_data;
     ARRAY(uint32_t) order; /* indices of scene decals, as in data */
     ARRAY(struct decal_picture) pictures;
     uint32_t count, mesh_count, redraw_count;
@@ -120,17 +120,19 @@ struct device_scene {
     struct device_decals decals;
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
+    struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
     struct gpu_buffer planes;           /* of the lights' hulls */
     uint32_t sun_room;
     ARRAY(struct gpu_light) sun_data;   /* the same on the CPU */
     ARRAY(struct gpu_light) light_data; /* by slot; without a range where no light is, or a hidden one */
+    ARRAY(struct gpu_entity_bounds) light_bounds; /* by slot */
     ARRAY(vec4) plane_data;
     struct ranges planes_taken;
     uint32_t plane_room;                /* in the buffer */
     uint32_t lit_count;                 /* of light_data */
     uint64_t light_bytes_sent;          /* with the last frame */
-    struct gpu_buffer faded_lights; /* a copy for frames with light_lod; made when first asked for */
-    ARRAY(float) bound_radii;       /* of light_data before it was faded; empty: it is not */
+    struct gpu_buffer faded_lights, faded_bounds; /* copies for frames with light_lod; made when first asked for */
+    ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
 };
 
 void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
@@ -197,11 +199,12 @@ void device_lights_finish(struct device_scene *d);
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights);
 /** The lights as one frame sees them; view, width and height are left to the caller. */
 struct light_input device_lights_input(const struct device_scene *d, graph_buffer lights);
-/** The part that needs no device: fills light_data, sun_data and plane_data from d->scene. */
+/** The part that needs no device: fills light_data, light_bounds, sun_data and plane_data from d->scene. */
 fnl_result device_lights_gather(struct device_scene *d);
 /** Local lights that the next frame lights with: of the scene as it is now, before they are gathered. Costs a look at what changed. */
 uint32_t device_lights_count(const struct device_scene *d);
-struct gpu_light device_light(const fnl_light_params *light);
+/** The light of a slot and its bounds; of a directional light those are empty. `light->range` is finite. */
+void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds);
 /**
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the
  * lights where `walk` says that the frame has such lists, or to undo it.
@@ -213,8 +216,10 @@ fnl_result device_decals_prepare(struct device_scene *d);
 void device_decals_finish(struct device_scene *d);
 /** The decals as one frame sees them; buffers of id 0 where there are none of the kind. */
 struct device_decals_frame {
-    graph_buffer decals, boxes, mesh_ranges, mesh_ids, redraw_draws;
+    graph_buffer decals, bounds, mesh_ranges, mesh_ids, redraw_draws;
 };
+/** What lists see of decal `index`, a box that `transform` makes of the cube -1/2 .. 1/2: the sphere round it. */
+struct gpu_entity_bounds device_decal_bounds(const mat4 *transform, uint32_t index);
 /** Sends what changed. */
 fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out);
 
