@@ -5,16 +5,15 @@
  */
 #include "passes/lights/clustered.h"
 #include "passes/lights/tree.h"
-#include "passes/lights/walk_test_shared.h"
+#include "passes/lights/walk_test.h"
 #include "shaders.h"
-#include "tests/list_bench.h"
 #include "tests/vulkan_spy.h"
 
-enum { LIGHTS = 1100, POINTS = 600, SIDE = 48, ROW = GPU_WALK_ROOM + 1 };
+enum { LIGHTS = 1100, POINTS = WALK_POINTS, SIDE = 48, ROW = WALK_ROW };
 
 static fnl_light_params params[LIGHTS];
 static struct list_light lights[LIGHTS];
-static struct gpu_walk_point points[POINTS];
+struct gpu_walk_point points[POINTS];
 
 /* ---- the device's answers ---- */
 
@@ -31,8 +30,7 @@ static void execute_walk(const struct graph_context *context, const void *data) 
     gpu_dispatch_linear(context->commands, DIVIDE_UP(POINTS, 64u));
 }
 
-/* Adds the walk of the list to the lab's graph and runs that. Rows of answers, to be freed, and copies of `reads` in lab->reads. */
-static uint32_t *walk(struct list_lab *lab, const struct light_list *list, const graph_buffer *reads, uint32_t read_count) {
+uint32_t *walk(struct list_lab *lab, const struct light_list *list, const graph_buffer *reads, uint32_t read_count) {
     struct gpu_buffer asked, found;
     gpu_device *device = harness_device();
     assert_int_equal(gpu_buffer_create(device, "asked points", sizeof points, GPU_MEMORY_UPLOAD, &asked), FNL_OK);
@@ -300,6 +298,8 @@ int main(void) {
         cmocka_unit_test_teardown(test_walks_skip_subtrees_ES_66, harness_check),
         cmocka_unit_test_teardown(test_walks_and_masks_ES_64, harness_check),
         cmocka_unit_test_teardown(test_spare_list_ES_37, harness_check),
+        {"every builder serves lights, decals and probes: what holds a point is found, nothing of another kind is", test_kinds, NULL,
+         harness_check, NULL},
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }

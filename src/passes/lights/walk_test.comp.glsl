@@ -18,7 +18,7 @@ void main() {
     uint index = LINEAR_INVOCATION;
     if (index >= push.point_count) return;
     gpu_walk_point p = push.points.at[index];
-    light_cursor cursor = lights_begin(push.list, light_point(p.pixel, p.view_depth, p.position, vec3(0.0), LIGHT_NO_ITEM));
+    light_cursor cursor = lights_begin(push.list, light_point(p.pixel, p.view_depth, p.position, p.normal, LIGHT_NO_ITEM));
     uint row = index * (GPU_WALK_ROOM + 1u), count = 0u;
     FOR_EACH_LIGHT(push.list, cursor, light) {
         if (count < GPU_WALK_ROOM) push.found.at[row + 1u + count] = light;

@@ -8,9 +8,10 @@ struct gpu_walk_point {
     uvec2 pixel;
     float view_depth;
     vec3 position; /* world space */
+    vec3 normal;
 };
 
-#define GPU_WALK_ROOM 1200u /* lights a point */
+#define GPU_WALK_ROOM 1200u /* entries a point */
 
 struct gpu_walk_push {
     ADDRESS(light_list_block) list;
