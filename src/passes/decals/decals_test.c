@@ -496,6 +496,44 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
 }
 
 /* A scene without decals has no pass for them, and those that are off leave no trace. */
+/* Small decals that are moved to the other corner of a wall, and turned into long ones: pictures are those of a renderer that never saw them
+   elsewhere, in either way. */
+static void test_edited_decals_are_found_where_they_are(void **state) {
+    (void)state;
+    const mat4 places[3] = {box_at((vec3){-0.7f, 0.7f, 0}, quat_identity(), (vec3){0.3f, 0.3f, 0.3f}),
+                            box_at((vec3){0.7f, -0.7f, 0}, quat_identity(), (vec3){0.3f, 0.3f, 0.3f}),
+                            box_at((vec3){0, -0.7f, 0}, quat_identity(), (vec3){1.8f, 0.3f, 0.3f})};
+    for (int way = 0; way < 2; way++) {
+        fnl_scene *scene = wall_scene();
+        fnl_frame frame = frame_with(FNL_SHADING_DEFERRED, way ? FNL_DECALS_GBUFFER : FNL_DECALS_LISTS, FNL_OUTPUT_RADIANCE);
+        frame.width = frame.height = 96; /* of nine tiles of the list */
+        frame.camera = test_front_camera();
+        fnl_decal_params p = plain(1, 0, 0, 1, places[0]);
+        fnl_decal_id id = add(scene, &p);
+        fnl_renderer *r = test_renderer(scene);
+        for (int i = 0; i < 3; i++) {
+            p.transform = places[i];
+            assert_int_equal(fnl_scene_set_decal(scene, id, &p), FNL_OK);
+            test_render_frame(r, &frame);
+            fnl_renderer *fresh = test_renderer(scene);
+            test_render_frame(fresh, &frame);
+            fnl_image edited = test_read(r, FNL_OUTPUT_RADIANCE), whole = test_read(fresh, FNL_OUTPUT_RADIANCE);
+            uint32_t red = 0;
+            for (uint32_t k = 0; k < 96 * 96; k++) {
+                const float *seen = test_pixel(&whole, k % 96, k / 96);
+                red += seen[1] < 0.3f * seen[0];
+            }
+            assert_true(red > 60);
+            assert_true(test_equal(&edited, &whole));
+            free_picture(&edited);
+            free_picture(&whole);
+            fnl_renderer_destroy(&fresh);
+        }
+        fnl_renderer_destroy(&r);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 static void test_none_cost_nothing(void **state) {
     (void)state;
     static char plan[1 << 16];
@@ -637,6 +675,7 @@ int main(void) {
         cmocka_unit_test(test_glass_gets_decals_ES_36_and_ES_59),
         cmocka_unit_test(test_all_orders_agree_EQ_ES_36_ES_59),
         cmocka_unit_test(test_lists_stand_in_for_the_gbuffer_ES_59),
+        cmocka_unit_test(test_edited_decals_are_found_where_they_are),
         cmocka_unit_test(test_none_cost_nothing),
         cmocka_unit_test(test_a_hundred_thousand_decals),
     };
