@@ -109,7 +109,6 @@ static fnl_light_id light_id;
 static fnl_decal_id decal_id;
 static fnl_scatter_params scatter;
 static fnl_frame frame;
-static fnl_option option;
 static char words[64];
 static fnl_vulkan_target target;
 static fnl_scene *made;
@@ -140,7 +139,6 @@ static fnl_loaded loaded;
       GIVES("key", 0, fnl_frame_get(&frame, NULL, words, sizeof words)); GIVES("text", 0, fnl_frame_get(&frame, "msaa", NULL, 1))) \
     X(fnl_frame_set, SILENT(fnl_frame_set(NULL, &frame, "msaa", "1")); NULLED("frame", fnl_frame_set(NULL, NULL, "msaa", "1")); \
       NULLED("key", fnl_frame_set(NULL, &frame, NULL, "1")); NULLED("value", fnl_frame_set(NULL, &frame, "msaa", NULL)))    \
-    X(fnl_option_find, GIVES("key", false, fnl_option_find(NULL, &option)); SILENT(fnl_option_find("msaa", NULL)))          \
     X(fnl_option_query, GIVES("out", false, fnl_option_query(0, NULL)))                                                     \
     X(fnl_value_find, GIVES("name", false, fnl_value_find(FNL_ENUM_LISTS, NULL, &number));                                  \
       SILENT(fnl_value_find(FNL_ENUM_LISTS, "tiled", NULL)))                                                                \

@@ -5,6 +5,8 @@
 
 #include "fanal/values.h"
 
+#include <string.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -52,8 +54,16 @@ typedef struct fnl_option {
 
 /** The option `index`, 0 and up, in the order of the headers; false beyond the last. */
 FNL_API bool fnl_option_query(uint32_t index, fnl_option *out);
-/** The option with a key; false where there is none. */
-FNL_API bool fnl_option_find(const char *key, fnl_option *out);
+/** The option with a key; false where there is none, or `key` is NULL. `out` may be NULL. */
+static inline bool fnl_option_find(const char *key, fnl_option *out) {
+    fnl_option option;
+    for (uint32_t i = 0; key && fnl_option_query(i, &option); i++) {
+        if (strcmp(option.key, key) != 0) continue;
+        if (out) *out = option;
+        return true;
+    }
+    return false;
+}
 
 /**
  * Sets an option by its key: "4", "0.5", "on", "auto", or the name of a value. FNL_ERROR_INVALID, with a log line that names the key and what it

@@ -190,12 +190,6 @@ bool fnl_option_query(uint32_t index, fnl_option *out) {
     return true;
 }
 
-bool fnl_option_find(const char *key, fnl_option *out) {
-    const struct row *row = check_handle(__func__, "key", key) == FNL_OK ? find(key) : NULL;
-    if (row && out) fnl_option_query((uint32_t)(row - rows), out);
-    return row;
-}
-
 /* ---- checks ---- */
 
 static fnl_result check_row(const struct call *call, const struct row *row, const char *name, const void *field) {
