@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Coarse shading against the full rate, as shading becomes dearer: what it saves, what its G-buffer costs, what is left of the picture. */
 #include "bench_lane.h"
+#include "counters.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,6 +38,7 @@ struct coarse_subject {
     fnl_frame frame;
     fnl_image picture;
     fnl_frame_stats stats;
+    double shared, shaded;     /* parts of its blocks, and of its pixels */
     double *shading, *gbuffer; /* milliseconds of the passes */
     uint32_t count;
 };
@@ -47,6 +49,10 @@ static double pass_time(const fnl_frame_stats *stats, const char *start) {
     for (uint32_t i = 0; i < stats->pass_count; i++)
         if (strncmp(stats->passes[i].name, start, strlen(start)) == 0) sum += stats->passes[i].milliseconds;
     return sum;
+}
+
+static double part_of(const fnl_frame_stats *stats, const char *part, const char *whole) {
+    return (double)counters_value(stats, part) / fmax((double)counters_value(stats, whole), 1);
 }
 
 static double least_of(const double *values, uint32_t count) {
@@ -88,6 +94,8 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
             if (k < settings->warm_up) continue;
             s->gbuffer[s->count] = pass_time(&s->stats, "gbuffer");
             s->shading[s->count++] = pass_time(&s->stats, i ? "coarse" : "deferred");
+            s->shared = part_of(&s->stats, "coarse.shared", "coarse.blocks");
+            s->shaded = part_of(&s->stats, "coarse.shaded", "coarse.pixels");
         }
     return true;
 }
@@ -103,10 +111,9 @@ static bool add_rows(json_t *rows, const struct coarse_scene *scene, int cost,
         double coarse = least_of(s->shading, s->count), more = least_of(s->gbuffer, s->count) - gbuffer;
         json_t *row = json_pack("{s:s,s:s,s:i,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", scene->source, "way",
                                 ways[i - 1].name, "cost", (int)costs[cost], "pixel_ms", pixel, "coarse_ms", coarse, "saving",
-                                100 * (1 - coarse / pixel), "source_saving", scene->savings[cost], "shared",
-                                100.0 * s->stats.coarse_shared / fmax(s->stats.coarse_blocks, 1), "evaluations_saved",
-                                100 * (1 - s->stats.coarse_shaded / fmax(s->stats.coarse_pixels, 1)), "gbuffer_ms", more,
-                                "net", 100 * (1 - (coarse + more) / pixel), "psnr", fmin(difference.psnr, 999));
+                                100 * (1 - coarse / pixel), "source_saving", scene->savings[cost], "shared", 100 * s->shared,
+                                "evaluations_saved", 100 * (1 - s->shaded), "gbuffer_ms", more, "net",
+                                100 * (1 - (coarse + more) / pixel), "psnr", fmin(difference.psnr, 999));
         if (!row || json_array_append_new(rows, row)) return false;
     }
     return true;

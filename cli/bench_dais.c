@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Deferred attribute interpolation against a G-buffer, pass by pass, as triangles get smaller: where one overtakes the other. */
 #include "bench_lane.h"
+#include "counters.h"
 #include "progress.h"
 
 #include <math.h>
@@ -44,6 +45,7 @@ struct dais_part {
 struct dais_subject {
     fnl_frame frame;
     fnl_frame_stats stats;
+    uint64_t triangles, bytes;         /* stored; of all that is kept, or of the G-buffer */
     double *parts[PART_COUNT], *total; /* milliseconds */
     uint32_t count;
 };
@@ -64,7 +66,11 @@ static void note(struct dais_subject *s) {
 }
 
 static bool render(fnl_renderer *renderer, struct dais_subject *s) {
-    return fnl_renderer_render(renderer, &s->frame) == FNL_OK && fnl_renderer_query_stats(renderer, &s->stats) == FNL_OK;
+    if (fnl_renderer_render(renderer, &s->frame) != FNL_OK || fnl_renderer_query_stats(renderer, &s->stats) != FNL_OK)
+        return false;
+    s->triangles = counters_value(&s->stats, "dais.triangles");
+    s->bytes = counters_value(&s->stats, s->frame.shading == FNL_SHADING_DAIS ? "dais.bytes" : "gbuffer.bytes");
+    return true;
 }
 
 /* All in turn, so that what else the machine does falls on all; not before the pools have grown. */
@@ -77,7 +83,7 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
             if (k == 0) subjects[i].count = 0;
             do {
                 if (bench_interrupted() || !render(renderer, &subjects[i])) return false;
-            } while (k == 0 && subjects[i].stats.dais.overflow && ++turns < GROWTH_MOST);
+            } while (k == 0 && counters_overflow(&subjects[i].stats) && ++turns < GROWTH_MOST);
             double done = (part->index + (double)(k + 1) / rounds) / part->count;
             progress_tell(progress_seconds() * (1 - done) / done, "part %d of %d: %s, MSAA %u, frame %u of %u", part->index + 1,
                                 part->count, part->source, subjects[i].frame.msaa, k + 1, rounds);
@@ -100,21 +106,21 @@ static void prepare(const fnl_frame *frame, struct dais_subject subjects[SUBJECT
 static bool add_row(json_t *rows, const char *source, const char *series, const struct dais_part *part,
                     struct dais_subject subjects[SUBJECT_COUNT]) {
     const fnl_frame *frame = &subjects[TARGET].frame;
-    const fnl_frame_stats *stats = &subjects[TARGET].stats;
-    double samples = (double)frame->width * frame->height * frame->msaa, triangles = fmax(stats->dais.triangles, 1);
+    const struct dais_subject *target = &subjects[TARGET];
+    double samples = (double)frame->width * frame->height * frame->msaa, triangles = fmax((double)target->triangles, 1);
     double totals[SUBJECT_COUNT];
     for (int i = 0; i < part->subject_count; i++) totals[i] = bench_median_of(subjects[i].total, subjects[i].count);
     /* The cache is as large for any picture: bytes are compared without it. What a stored triangle takes says at how many samples to one
        they are even. */
-    double cache = 16.0 * frame->dais.cache_buckets, record = ((double)stats->dais.bytes - cache - 4 * samples) / triangles;
-    double gbuffer = (double)subjects[DEFERRED].stats.gbuffer_bytes;
-    json_t *row = json_pack(
-        "{s:s,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", source, "series",
-        series, "width", (int)frame->width, "height", (int)frame->height, "msaa", (int)frame->msaa,
-        "triangles", (json_int_t)stats->dais.triangles, "samples_per_triangle", samples / triangles, "record_bytes", record,
-        "bytes_even_at", record / (gbuffer / samples - 4), "bytes_of_deferred", ((double)stats->dais.bytes - cache) / gbuffer, "frame_ms",
-        totals[TARGET], "of_deferred", totals[TARGET] / totals[DEFERRED], "of_deferred_prepass",
-        totals[TARGET] / totals[DEFERRED_PREPASS]);
+    double cache = 16.0 * frame->dais.cache_buckets, record = ((double)target->bytes - cache - 4 * samples) / triangles;
+    double gbuffer = (double)subjects[DEFERRED].bytes;
+    json_t *row =
+        json_pack("{s:s,s:s,s:i,s:i,s:i,s:I,s:f,s:f,s:f,s:f,s:f,s:f,s:f}", "scene", source, "series", series, "width",
+                  (int)frame->width, "height", (int)frame->height, "msaa", (int)frame->msaa, "triangles",
+                  (json_int_t)target->triangles, "samples_per_triangle", samples / triangles, "record_bytes", record,
+                  "bytes_even_at", record / (gbuffer / samples - 4), "bytes_of_deferred",
+                  ((double)target->bytes - cache) / gbuffer, "frame_ms", totals[TARGET], "of_deferred",
+                  totals[TARGET] / totals[DEFERRED], "of_deferred_prepass", totals[TARGET] / totals[DEFERRED_PREPASS]);
     bool every = row && part->subject_count == SUBJECT_COUNT;
     if (every) {
         json_object_set_new(row, "list_of_target", json_real(totals[LIST] / totals[TARGET]));

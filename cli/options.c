@@ -145,8 +145,7 @@ void options_print_range(const fnl_option *o, char *text, size_t capacity) {
     }
 }
 
-/* The names of those whose bits are set, as JSON; null: all. */
-static json_t *heeders(uint32_t bits, fnl_enum type) {
+json_t *options_users_json(uint32_t bits, fnl_enum type) {
     const char *name;
     if (bits == UINT32_MAX) return json_null();
     json_t *array = json_array();
@@ -172,13 +171,14 @@ static json_t *describe(const fnl_option *o, const fnl_frame *usual) {
     bool has_range = (o->kind == FNL_OPTION_COUNT && !o->choice_count) || o->kind == FNL_OPTION_NUMBER;
     fnl_frame_get(usual, o->key, value, sizeof value);
     return json_pack("{s:s,s:s,s:s,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:b}", "key", o->key, "help", o->help, "kind", kinds[o->kind],
-                     "default", value, "unit", o->unit, "values", values_of(o), "low", has_range ? json_real(o->low) : json_null(),
-                     "high", has_range && o->high < (double)FLT_MAX ? json_real(o->high) : json_null(), "shading",
-                     heeders(o->shadings, FNL_ENUM_SHADING), "lists", heeders(o->lists, FNL_ENUM_LISTS), "same_picture", o->exact);
+                     "default", value, "unit", o->unit, "values", values_of(o), "low",
+                     has_range ? json_real(o->low) : json_null(), "high",
+                     has_range && o->high < (double)FLT_MAX ? json_real(o->high) : json_null(), "shading",
+                     options_users_json(o->shadings, FNL_ENUM_SHADING), "lists",
+                     options_users_json(o->lists, FNL_ENUM_LISTS), "same_picture", o->exact);
 }
 
-/* "coarse", "deferred, deferred-volumes"; of most paths, those that do not: "not low-res, inferred". */
-static void print_heeders(uint32_t bits, fnl_enum type, char *text, size_t capacity) {
+void options_print_users(uint32_t bits, fnl_enum type, char *text, size_t capacity) {
     uint32_t all = 0, listed = 0;
     const char *name;
     *text = 0;
@@ -201,8 +201,8 @@ static void print_option(const fnl_option *o, const fnl_frame *usual) {
     char range[512], value[64], paths[256], lists[256];
     options_print_range(o, range, sizeof range);
     fnl_frame_get(usual, o->key, value, sizeof value);
-    print_heeders(o->shadings, FNL_ENUM_SHADING, paths, sizeof paths);
-    print_heeders(o->lists, FNL_ENUM_LISTS, lists, sizeof lists);
+    options_print_users(o->shadings, FNL_ENUM_SHADING, paths, sizeof paths);
+    options_print_users(o->lists, FNL_ENUM_LISTS, lists, sizeof lists);
     printf("%s=%s\n    %s\n    takes: %s\n", o->key, value, o->help, range);
     if (*paths) printf("    shading: %s\n", paths);
     if (*lists) printf("    lists: %s\n", lists);
@@ -213,8 +213,8 @@ static void print_row(const fnl_option *o, const fnl_frame *usual) {
     char range[512], value[64], paths[256], lists[256];
     options_print_range(o, range, sizeof range);
     fnl_frame_get(usual, o->key, value, sizeof value);
-    print_heeders(o->shadings, FNL_ENUM_SHADING, paths, sizeof paths);
-    print_heeders(o->lists, FNL_ENUM_LISTS, lists, sizeof lists);
+    options_print_users(o->shadings, FNL_ENUM_SHADING, paths, sizeof paths);
+    options_print_users(o->lists, FNL_ENUM_LISTS, lists, sizeof lists);
     printf("| `%s` | `%s` | %s | %s | %s%s%s |\n", o->key, value, range, o->help, *paths ? paths : *lists ? "" : "all", *paths && *lists ? "; " : "", lists);
 }
 

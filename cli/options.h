@@ -25,6 +25,10 @@ bool options_set_text(fnl_frame *frame, const char *option, const char *text, co
 
 /** "8, 16, 32 or 64 pixels": what an option takes. */
 void options_print_range(const fnl_option *option, char *text, size_t capacity);
+/** Who uses an option or has a number: "coarse", "deferred, deferred-volumes"; of most, those that do not: "not low-res, inferred"; "": all. */
+void options_print_users(uint32_t bits, fnl_enum type, char *text, size_t capacity);
+/** The same as an array of names; null: all. */
+json_t *options_users_json(uint32_t bits, fnl_enum type);
 enum options_form { OPTIONS_TEXT, OPTIONS_JSON, OPTIONS_MARKDOWN };
 /** Prints all options: for people, for programs, or as docs/options.md. */
 void options_print(enum options_form form);

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "bench.h" /* camera paths */
 #include "commands.h"
+#include "counters.h"
 #include "loading.h"
 #include "options.h"
 #include "output.h"
@@ -45,9 +46,10 @@ static void print_named(void) {
 
 static void print_help(void) {
     puts("Usage: fanal render SCENE -o OUT.png|OUT.exr|- [-o ...] [OPTIONS]\n"
-         "       fanal render --options [--json|--markdown]\n"
+         "       fanal render --options|--counters [--json|--markdown]\n"
          "\n"
-         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole lamps\n"
+         "Renders SCENE, a .gltf or .glb file or builtin:NAME?key=value&... (NAME: city hall interior wall spheres pole "
+         "lamps\n"
          "grass onetile nearplane sky glass). A .png holds the tone-mapped picture, an .exr linear radiance in cd/m^2.\n"
          "Defaults are in brackets.\n"
          "\n"
@@ -56,9 +58,11 @@ static void print_help(void) {
          "  --format KIND              what -o - writes: png exr raw y4m (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
          "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
-         "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a file\n"
+         "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a "
+         "file\n"
          "                             of lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
-         "  --views cube|all|LIST      several cameras in one frame: the six faces of a cube around the camera (give a square\n"
+         "  --views cube|all|LIST      several cameras in one frame: the six faces of a cube around the camera (give a "
+         "square\n"
          "                             --size), all cameras of the scene, or some of them by name or index, with commas;\n"
          "                             each output has one %d, or as %02d, for the number of the view\n"
          "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
@@ -72,9 +76,11 @@ static void print_help(void) {
          "Scene\n"
          "  --lights N                 adds N point and spot lights at random places in the scene\n"
          "  --light-seed S             the random seed for their places (1)\n"
-         "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal (point=3,spot=1)\n"
+         "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal "
+         "(point=3,spot=1)\n"
          "  --light-scale X            multiplies their radius (1)\n"
-         "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are visible (1)\n"
+         "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "
+         "visible (1)\n"
          "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"
          "  --time SECONDS             time of the animation (0)\n"
          "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP "\n"
@@ -90,11 +96,13 @@ static void print_help(void) {
          "                             animation advances by this much between them (1/30)\n"
          "  --start-frame N            starts a sequence at picture N (0); it ends where --frames says\n"
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before the first one (20)\n"
-         "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture\n"
+         "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture. 'fanal render\n"
+         "                             --counters' prints what numbers of single techniques there are\n"
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"
-         "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto chose\n"
+         "  --no-cache                 does not use the user's cache folder, which keeps compiled pipelines and what auto "
+         "chose\n"
          "  --validate                 Vulkan validation; any message makes the command fail\n"
          "  -q, --quiet                prints nothing but errors\n"
          "  -h, --help                 prints this text\n"
@@ -105,7 +113,8 @@ static void print_help(void) {
          "\n"
          "Examples:\n"
          "  fanal render builtin:hall --lights 500 -o hall.png\n"
-         "  fanal render 'builtin:city?lights=65536' --shading deferred --lists tiled --frames 20 --stats city.json -o city.png\n"
+         "  fanal render 'builtin:city?lights=65536' --shading deferred --lists tiled --frames 20 --stats city.json -o "
+         "city.png\n"
          "  fanal render builtin:hall --shading coarse --set coarse.size=4 -o coarse.png\n"
          "  fanal render builtin:hall --aov depth,normal -o hall.exr --debug lights -o hall-lights.png\n"
          "  fanal render builtin:spheres --camera-path orbit:90 -o - --format y4m | ffmpeg -i - spheres.mp4");
@@ -152,6 +161,7 @@ enum {
     O_FOV,
     O_SET,
     O_OPTIONS,
+    O_COUNTERS,
     O_JSON,
     O_MARKDOWN,
     O_GROW_METAL,
@@ -346,6 +356,7 @@ static const struct option own_options[] = {
     {"fov", required_argument, NULL, O_FOV},
     {"set", required_argument, NULL, O_SET},
     {"options", no_argument, NULL, O_OPTIONS},
+    {"counters", no_argument, NULL, O_COUNTERS},
     {"json", no_argument, NULL, O_JSON},
     {"markdown", no_argument, NULL, O_MARKDOWN},
     {"grow-metal", required_argument, NULL, O_GROW_METAL},
@@ -472,7 +483,7 @@ int command_render(int argc, char **argv) {
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
     struct option long_options[OWN_COUNT + OPTIONS_NAMED_MAX];
-    bool prints_options = false;
+    void (*prints)(enum options_form form) = NULL;
     enum options_form form = OPTIONS_TEXT;
     options_make_long(own_options, OWN_COUNT, false, long_options);
     optind = 0;
@@ -488,18 +499,20 @@ int command_render(int argc, char **argv) {
         const char *key = NULL;
         if (option >= OPTIONS_NAMED && options_named((uint32_t)(option - OPTIONS_NAMED), &key) && options_print_values(key, optarg))
             return 0;
-        if (option == O_OPTIONS) prints_options = true;
+        if (option == O_OPTIONS || option == O_COUNTERS) prints = option == O_OPTIONS ? options_print : counters_print;
         if (option == O_JSON) form = OPTIONS_JSON;
         if (option == O_MARKDOWN) form = OPTIONS_MARKDOWN;
-        if (option == O_OPTIONS || option == O_JSON || option == O_MARKDOWN) continue;
+        if (option == O_OPTIONS || option == O_COUNTERS || option == O_JSON || option == O_MARKDOWN) continue;
         if (!(loading_has(option) ? loading_parse(option, optarg, &o.loading) : parse_option(&o, option, optarg))) return 2;
     }
-    if (prints_options) {
-        options_print(form);
+    if (prints) {
+        prints(form);
         return 0;
     }
     if (form != OPTIONS_TEXT) {
-        fputs("fanal: error: --json and --markdown belong to --options; --stats FILE writes the numbers of a frame as JSON\n", stderr);
+        fputs("fanal: error: --json and --markdown belong to --options and --counters; --stats FILE writes the numbers of a "
+              "frame as JSON\n",
+              stderr);
         return 2;
     }
     if (argc - optind != 1) {

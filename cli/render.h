@@ -95,7 +95,7 @@ char *report_text(const struct render_report *report, bool line);
 struct supersample;
 bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
 /**
- * Renders again until the pools of blended fragments, and those of dais, hold what the frame needs: they learn by a frame how large they have
+ * Renders again until all pools (counters of kind FNL_COUNTER_OVERFLOW) hold what the frame needs: they learn by a frame how large they have
  * to be. What is saved is exact if memory lasts.
  */
 bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
 
+#include "counters.h"
 #include "loading.h"
 #include "output.h"
 #include "progress.h"
@@ -288,17 +289,11 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     return true;
 }
 
-/* A pool of dais doubles from frame to frame: from the smallest to the largest in so many. */
-enum { BLEND_TURNS = 2, DAIS_TURNS = 12 };
-
-static bool overflows(const fnl_frame_stats *stats, int turn) {
-    bool does = (stats->blend_overflow > 0 && turn < BLEND_TURNS) || (stats->dais.overflow > 0 && turn < DAIS_TURNS);
-    for (uint32_t i = 0; i < stats->view_count && !does; i++) does = overflows(&stats->views[i], turn);
-    return does;
-}
+/* Some pools double from frame to frame: from the smallest to the largest in so many. */
+enum { GROWTH_MOST = 12 };
 
 bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
-    for (int turn = 0; overflows(stats, turn); turn++)
+    for (int turn = 0; turn < GROWTH_MOST && counters_overflow(stats); turn++)
         if (fnl_renderer_render(renderer, frame) != FNL_OK || fnl_renderer_query_stats(renderer, stats) != FNL_OK)
             return false;
     return true;

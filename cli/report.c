@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The numbers of a run as a table for people; report_json.c has them for programs. */
+#include "counters.h"
 #include "render.h"
 
 #include <inttypes.h>
@@ -83,59 +84,6 @@ void report_print(const struct render_report *r) {
     if (r->frame.occlusion)
         printf("  items hidden by others %" PRIu64 "; triangles, by clusters and items: %" PRIu64 "\n", s->items_occluded,
                s->triangles_occluded);
-    if (r->frame.deferred.class_blocks) {
-        printf("  blocks of %u pixels by class:", r->frame.deferred.class_blocks);
-        for (int i = 0; i < 9; i++) printf(" %u", s->shading_blocks[i]);
-        puts(" (the last: nothing to shade)");
-    }
-    if (s->decals_total)
-        printf("  decals %u; boxes in view %u; entries %" PRIu64 "; overflow %u\n", s->decals_total, s->decals_in_view,
-               s->decal_entries, s->decal_overflow);
-    if (s->msaa_pixels) {
-        printf("  edge pixels %u of %u; surfaces %" PRIu64 ", samples %" PRIu64, s->msaa_edge_pixels, s->msaa_pixels,
-               s->msaa_surfaces, s->msaa_samples);
-        if (s->msaa_shaded) printf("; shaded %" PRIu64, s->msaa_shaded);
-        puts("");
-    }
-    if (s->visibility_fragments) printf("  fragments of ids: %u\n", s->visibility_fragments);
-    if (s->visibility_entries)
-        printf("  to be shaded: %u, of %u classes\n", s->visibility_entries, s->visibility_classes);
-    if (s->blend_fragments)
-        printf("  blended fragments %" PRIu64 ", at most %u in a pixel; lists %.1f KiB; drawn as sorted: %u pixels\n",
-               s->blend_fragments, s->blend_longest, (double)s->blend_bytes / 1024, s->blend_overflow);
-    if (s->light_draws) printf("  light volumes: %u draw calls\n", s->light_draws);
-    if (s->light_bytes)
-        printf("  light apart from materials: %.1f KiB, %.0f bytes a pixel\n", (double)s->light_bytes / 1024,
-               (double)s->light_bytes / ((double)r->frame.width * r->frame.height));
-    if (s->gbuffer_bytes) {
-        printf("  G-buffer %s: %.1f KiB, %.0f bytes a pixel", fnl_value_name(FNL_ENUM_GBUFFER, r->frame.gbuffer.layout),
-               (double)s->gbuffer_bytes / 1024, (double)s->gbuffer_bytes / ((double)r->frame.width * r->frame.height));
-        if (s->items_forward) printf("; items lit forward %" PRIu64, s->items_forward);
-        putchar('\n');
-    }
-    if (s->shading == FNL_SHADING_COARSE && s->coarse_blocks)
-        printf("  blocks lit once %u of %u (%.1f%%); not for depth %u, normals %u, materials %u; lit %u times for %u pixels\n",
-               s->coarse_shared, s->coarse_blocks, 100.0 * s->coarse_shared / s->coarse_blocks, s->coarse_by_depth,
-               s->coarse_by_normal, s->coarse_by_material, s->coarse_shaded, s->coarse_pixels);
-    if (s->shading == FNL_SHADING_DAIS) {
-        printf("  dais %s: %u triangles stored", fnl_value_name(FNL_ENUM_DAIS_MODE, r->frame.dais.mode), s->dais.triangles);
-        if (s->dais.unique) printf(", %u different", s->dais.unique);
-        printf("; cache failures %u; overflow %u; %.1f KiB, %.1f bytes a sample", s->dais.cache_failures, s->dais.overflow,
-               (double)s->dais.bytes / 1024,
-               (double)s->dais.bytes / ((double)r->frame.width * r->frame.height * r->frame.msaa));
-        if (r->frame.dais.mode == FNL_DAIS_LIST) printf("; list elements %u", s->dais.list_elements);
-        if (r->frame.dais.multirate) printf("; shading samples %u", s->dais.shading_samples);
-        if (s->dais.shaded) printf("; shaded %u", s->dais.shaded);
-        putchar('\n');
-    }
-    if (s->atlas_pages)
-        printf("  atlas: %u of %u pages there, room for %u, %.1f MiB; wanted %u, filled %u, without room %u, gone %u\n",
-               s->atlas_resident, s->atlas_pages, s->atlas_capacity, (double)s->atlas_bytes / (1 << 20), s->atlas_wanted,
-               s->atlas_filled, s->atlas_missing, s->atlas_evicted);
-    if (s->shading == FNL_SHADING_MOBILE)
-        printf("  mobile %s: %s, tone mapping %s\n", fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, r->frame.mobile.layout),
-               s->mobile_merged ? "one scope" : "separate passes",
-               s->mobile_tonemapped ? "inside" : "after it, from stored radiance (a fixed --exposure may spare that)");
     printf("  images: %.2f MiB read, %.2f MiB written by passes; %.2f MiB of attachments in tile memory%s\n",
            (double)s->image_bytes_read / (1 << 20), (double)s->image_bytes_written / (1 << 20),
            (double)s->tile_bytes / (1 << 20), s->lazy_bytes ? ", lazily allocated" : "");
@@ -143,4 +91,5 @@ void report_print(const struct render_report *r) {
            "; EV100 %.2f; device memory %.1f MiB (peak %.1f)\n",
            s->draws, s->items_visible, s->items, s->triangles_visible, (double)s->ev, (double)s->device_bytes / (1 << 20),
            (double)s->device_peak_bytes / (1 << 20));
+    counters_print_table(s);
 }

@@ -178,12 +178,12 @@ void coarse_check_counts(struct stage *stage, const fnl_frame *frame) {
             shaded += kind == 1 ? 1 : inside;
         }
     const fnl_frame_stats *s = &view.stats;
-    assert_int_equal(s->coarse_pixels, pixels);
-    assert_int_equal(s->coarse_shared, blocks[1]);
-    assert_int_equal(s->coarse_by_depth, blocks[2]);
-    assert_int_equal(s->coarse_by_normal, blocks[3]);
-    assert_int_equal(s->coarse_by_material, blocks[4]);
-    assert_int_equal(s->coarse_blocks, blocks[1] + blocks[2] + blocks[3] + blocks[4]);
-    assert_int_equal(s->coarse_shaded, shaded);
+    assert_int_equal(counter(s, "coarse.pixels"), pixels);
+    assert_int_equal(counter(s, "coarse.shared"), blocks[1]);
+    assert_int_equal(counter(s, "coarse.by-depth"), blocks[2]);
+    assert_int_equal(counter(s, "coarse.by-normal"), blocks[3]);
+    assert_int_equal(counter(s, "coarse.by-material"), blocks[4]);
+    assert_int_equal(counter(s, "coarse.blocks"), blocks[1] + blocks[2] + blocks[3] + blocks[4]);
+    assert_int_equal(counter(s, "coarse.shaded"), shaded);
     shot_free(&view);
 }

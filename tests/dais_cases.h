@@ -40,12 +40,6 @@ static inline fnl_image shoot(fnl_renderer *renderer, const fnl_frame *frame) {
     return test_read(renderer, FNL_OUTPUT_RADIANCE);
 }
 
-static inline fnl_frame_stats stats_of(fnl_renderer *renderer) {
-    fnl_frame_stats stats;
-    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-    return stats;
-}
-
 static inline uint32_t sample_counts(uint32_t i) {
     static const uint32_t counts[] = {1, 4, 8, 2};
     return counts[i];

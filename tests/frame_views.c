@@ -34,8 +34,7 @@ void views_check(struct stage *stage, const fnl_frame *frame, const fnl_camera *
     struct shot all = stage_shoot(stage, &many);
     assert_int_equal(all.stats.view_count, count);
     if (frame->outputs & FNL_OUTPUT_COLOR) assert_int_equal(all.color.height, count * frame->height);
-    fnl_frame_stats stats[VIEWS_MOST];
-    memcpy(stats, all.stats.views, count * sizeof *stats);
+    const fnl_frame_stats *stats = all.stats.views;
     for (uint32_t i = 0; i < count; i++) {
         single.camera = cameras[i];
         struct shot one = stage_shoot(stage, &single);
@@ -49,6 +48,12 @@ void views_check(struct stage *stage, const fnl_frame *frame, const fnl_camera *
         assert_int_equal(stats[i].triangles_drawn, one.stats.triangles_drawn);
         assert_int_equal(stats[i].evaluations, one.stats.evaluations);
         assert_int_equal(stats[i].triangles_visible, one.stats.triangles_visible);
+        assert_int_equal(stats[i].counter_count, one.stats.counter_count);
+        for (uint32_t k = 0; k < one.stats.counter_count; k++) {
+            const fnl_counter *own = &one.stats.counters[k];
+            if (counter(&stats[i], own->key) != own->value)
+                fail_msg("%s: view %u has another %s than the frame with its camera", what, i, own->key);
+        }
         assert_memory_equal(&stats[i].ev, &one.stats.ev, sizeof one.stats.ev);
         shot_free(&one);
     }

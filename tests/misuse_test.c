@@ -122,23 +122,28 @@ static fnl_loaded loaded;
 
 /* X(function, what is tried with each pointer of its declaration). Where a host is NULL it stands for the built-in one. */
 #define EXPORTS(X)                                                                                                          \
+    X(fnl_counter_query, GIVES("out", false, fnl_counter_query(0, NULL)))                                                   \
     X(fnl_device_create, SILENT((fnl_device_create(NULL, &made_device), fnl_device_destroy(&made_device)));                 \
       NULLED("out", fnl_device_create(NULL, NULL)))                                                                         \
     X(fnl_device_destroy, SILENT(fnl_device_destroy(NULL)))                                                                 \
     X(fnl_device_import, NULLED("import", fnl_device_import(NULL, NULL, &made_device));                                     \
-      NULLED("out", fnl_device_import(NULL, &handles, NULL)); NULLED("import", fnl_device_import(NULL, NULL, &made_device))) \
+      NULLED("out", fnl_device_import(NULL, &handles, NULL));                                                               \
+      NULLED("import", fnl_device_import(NULL, NULL, &made_device)))                                                        \
     X(fnl_device_query_info, NULLED("device", fnl_device_query_info(NULL, &device_info));                                   \
       NULLED("out", fnl_device_query_info(w.device, NULL)))                                                                 \
     X(fnl_device_validation_count, GIVES("device", 0, fnl_device_validation_count(NULL)))                                   \
     X(fnl_enumerate_devices, SILENT(fnl_enumerate_devices(NULL, NULL, 0, &number));                                         \
-      SILENT(fnl_enumerate_devices(&host, NULL, 0, &number)); NULLED("out_count", fnl_enumerate_devices(NULL, NULL, 0, NULL))) \
+      SILENT(fnl_enumerate_devices(&host, NULL, 0, &number));                                                               \
+      NULLED("out_count", fnl_enumerate_devices(NULL, NULL, 0, NULL)))                                                      \
     X(fnl_exr_save, NULLED("path", fnl_exr_save(NULL, NULL, 1, 1, &channel, 1));                                            \
       NULLED("path", fnl_exr_save(&host, NULL, 1, 1, &channel, 1));                                                         \
       NULLED("channels", fnl_exr_save(&host, "x.exr", 1, 1, NULL, 1)))                                                      \
     X(fnl_frame_get, GIVES("frame", 0, fnl_frame_get(NULL, "msaa", words, sizeof words));                                   \
-      GIVES("key", 0, fnl_frame_get(&frame, NULL, words, sizeof words)); GIVES("text", 0, fnl_frame_get(&frame, "msaa", NULL, 1))) \
-    X(fnl_frame_set, SILENT(fnl_frame_set(NULL, &frame, "msaa", "1")); NULLED("frame", fnl_frame_set(NULL, NULL, "msaa", "1")); \
-      NULLED("key", fnl_frame_set(NULL, &frame, NULL, "1")); NULLED("value", fnl_frame_set(NULL, &frame, "msaa", NULL)))    \
+      GIVES("key", 0, fnl_frame_get(&frame, NULL, words, sizeof words));                                                    \
+      GIVES("text", 0, fnl_frame_get(&frame, "msaa", NULL, 1)))                                                             \
+    X(fnl_frame_set, SILENT(fnl_frame_set(NULL, &frame, "msaa", "1"));                                                      \
+      NULLED("frame", fnl_frame_set(NULL, NULL, "msaa", "1")); NULLED("key", fnl_frame_set(NULL, &frame, NULL, "1"));       \
+      NULLED("value", fnl_frame_set(NULL, &frame, "msaa", NULL)))                                                           \
     X(fnl_option_query, GIVES("out", false, fnl_option_query(0, NULL)))                                                     \
     X(fnl_value_find, GIVES("name", false, fnl_value_find(FNL_ENUM_LISTS, NULL, &number));                                  \
       SILENT(fnl_value_find(FNL_ENUM_LISTS, "tiled", NULL)))                                                                \
@@ -147,7 +152,7 @@ static fnl_loaded loaded;
       NULLED("a", fnl_image_compare(&host, NULL, &other, &difference));                                                     \
       NULLED("b", fnl_image_compare(&host, &picture, NULL, &difference));                                                   \
       NULLED("out", fnl_image_compare(&host, &picture, &other, NULL)))                                                      \
-    X(fnl_image_difference_picture, NULLED("a", fnl_image_difference_picture(NULL, NULL, &other, 1, &difference_image));               \
+    X(fnl_image_difference_picture, NULLED("a", fnl_image_difference_picture(NULL, NULL, &other, 1, &difference_image));    \
       NULLED("a", fnl_image_difference_picture(&host, NULL, &other, 1, &difference_image));                                 \
       NULLED("b", fnl_image_difference_picture(&host, &picture, NULL, 1, &difference_image));                               \
       NULLED("out", fnl_image_difference_picture(&host, &picture, &other, 1, NULL)))                                        \
@@ -171,8 +176,8 @@ static fnl_loaded loaded;
     X(fnl_renderer_render, NULLED("renderer", fnl_renderer_render(NULL, &frame));                                           \
       SILENT(fnl_renderer_render(w.renderer, NULL)))                                                                        \
     X(fnl_renderer_warm, NULLED("renderer", fnl_renderer_warm(NULL, &frame, NULL, true, NULL));                             \
-      SILENT(fnl_renderer_warm(w.renderer, NULL, NULL, false, &number));                                                     \
-      SILENT(fnl_renderer_warm(w.renderer, &frame, NULL, false, &number));                                                   \
+      SILENT(fnl_renderer_warm(w.renderer, NULL, NULL, false, &number));                                                    \
+      SILENT(fnl_renderer_warm(w.renderer, &frame, NULL, false, &number));                                                  \
       SILENT(fnl_renderer_warm(w.renderer, &frame, NULL, false, NULL)))                                                     \
     X(fnl_renderer_render_to, NULLED("renderer", fnl_renderer_render_to(NULL, &frame, &target));                            \
       NULLED("target", fnl_renderer_render_to(w.renderer, NULL, NULL));                                                     \
@@ -180,7 +185,8 @@ static fnl_loaded loaded;
     X(fnl_scene_add_camera, NULLED("scene", fnl_scene_add_camera(NULL, "c", &camera));                                      \
       SILENT(fnl_scene_add_camera(w.scene, NULL, &camera)); NULLED("camera", fnl_scene_add_camera(w.scene, "c", NULL)))     \
     X(fnl_scene_add_decal, NULLED("scene", fnl_scene_add_decal(NULL, &decal, &decal_id));                                   \
-      NULLED("params", fnl_scene_add_decal(w.scene, NULL, &decal_id)); NULLED("out", fnl_scene_add_decal(w.scene, &decal, NULL))) \
+      NULLED("params", fnl_scene_add_decal(w.scene, NULL, &decal_id));                                                      \
+      NULLED("out", fnl_scene_add_decal(w.scene, &decal, NULL)))                                                            \
     X(fnl_scene_add_image, NULLED("scene", fnl_scene_add_image(NULL, &picture, true, &image_id));                           \
       NULLED("image", fnl_scene_add_image(w.scene, NULL, true, &image_id));                                                 \
       NULLED("out", fnl_scene_add_image(w.scene, &picture, true, NULL)))                                                    \
@@ -188,24 +194,27 @@ static fnl_loaded loaded;
       NULLED("transform", fnl_scene_add_instance(w.scene, w.mesh, NULL, &instance_id));                                     \
       NULLED("out", fnl_scene_add_instance(w.scene, w.mesh, &matrix, NULL)))                                                \
     X(fnl_scene_add_light, NULLED("scene", fnl_scene_add_light(NULL, &light, &light_id));                                   \
-      NULLED("params", fnl_scene_add_light(w.scene, NULL, &light_id)); NULLED("out", fnl_scene_add_light(w.scene, &light, NULL))) \
+      NULLED("params", fnl_scene_add_light(w.scene, NULL, &light_id));                                                      \
+      NULLED("out", fnl_scene_add_light(w.scene, &light, NULL)))                                                            \
     X(fnl_scene_add_material, NULLED("scene", fnl_scene_add_material(NULL, &material, &material_id));                       \
-      SILENT(fnl_scene_add_material(w.scene, NULL, &material_id)); NULLED("out", fnl_scene_add_material(w.scene, &material, NULL))) \
+      SILENT(fnl_scene_add_material(w.scene, NULL, &material_id));                                                          \
+      NULLED("out", fnl_scene_add_material(w.scene, &material, NULL)))                                                      \
     X(fnl_scene_add_mesh, NULLED("scene", fnl_scene_add_mesh(NULL, &mesh, &mesh_id));                                       \
-      NULLED("params", fnl_scene_add_mesh(w.scene, NULL, &mesh_id)); NULLED("out", fnl_scene_add_mesh(w.scene, &mesh, NULL))) \
-    X(fnl_scene_count, GIVES("scene", 0, fnl_scene_count(NULL, FNL_ENTITY_LIGHT)))                                         \
+      NULLED("params", fnl_scene_add_mesh(w.scene, NULL, &mesh_id));                                                        \
+      NULLED("out", fnl_scene_add_mesh(w.scene, &mesh, NULL)))                                                              \
+    X(fnl_scene_count, GIVES("scene", 0, fnl_scene_count(NULL, FNL_ENTITY_LIGHT)))                                          \
     X(fnl_scene_create, SILENT((fnl_scene_create(NULL, &made), fnl_scene_destroy(&made)));                                  \
       NULLED("out", fnl_scene_create(&host, NULL)))                                                                         \
     X(fnl_scene_destroy, SILENT(fnl_scene_destroy(NULL)))                                                                   \
-    X(fnl_scene_find, NULLED("scene", fnl_scene_find(NULL, FNL_ENTITY_CAMERA, "c", &number));                              \
-      NULLED("name", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, NULL, &number));                                           \
-      NULLED("out_index", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, "c", NULL)))                                          \
+    X(fnl_scene_find, NULLED("scene", fnl_scene_find(NULL, FNL_ENTITY_CAMERA, "c", &number));                               \
+      NULLED("name", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, NULL, &number));                                            \
+      NULLED("out_index", fnl_scene_find(w.scene, FNL_ENTITY_CAMERA, "c", NULL)))                                           \
     X(fnl_scene_grow_metal, NULLED("scene", fnl_scene_grow_metal(NULL, 1)))                                                 \
     X(fnl_scene_load, NULLED("source", fnl_scene_load(NULL, NULL, NULL, &made));                                            \
       NULLED("source", fnl_scene_load(&host, NULL, NULL, &made));                                                           \
       SILENT((fnl_scene_load(&host, "builtin:spheres", NULL, &made), fnl_scene_destroy(&made)));                            \
       NULLED("out", fnl_scene_load(&host, "builtin:spheres", NULL, NULL)))                                                  \
-    X(fnl_scene_load_into, NULLED("scene", fnl_scene_load_into(NULL, (fnl_instance_id){0, 0}, "x.gltf", NULL, &loaded));     \
+    X(fnl_scene_load_into, NULLED("scene", fnl_scene_load_into(NULL, (fnl_instance_id){0, 0}, "x.gltf", NULL, &loaded));    \
       NULLED("source", fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, NULL, NULL, &loaded));                         \
       SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, &loaded));                         \
       SILENT(fnl_scene_load_into(w.scene, (fnl_instance_id){0, 0}, "x.gltf", &in_memory, NULL)))                            \
@@ -216,15 +225,15 @@ static fnl_loaded loaded;
       NULLED("out", fnl_scene_query_camera(w.scene, 0, NULL)))                                                              \
     X(fnl_scene_query_decal, NULLED("scene", fnl_scene_query_decal(NULL, 0, &decal));                                       \
       NULLED("out", fnl_scene_query_decal(w.scene, 0, NULL)))                                                               \
-    X(fnl_scene_query_entity, NULLED("scene", fnl_scene_query_entity(NULL, FNL_ENTITY_LIGHT, 0, &entity_info));            \
-      NULLED("out", fnl_scene_query_entity(w.scene, FNL_ENTITY_LIGHT, 0, NULL)))                                           \
-    X(fnl_scene_query_instance, NULLED("scene", fnl_scene_query_instance(NULL, 0, &instance_info));                        \
-      NULLED("out", fnl_scene_query_instance(w.scene, 0, NULL)))                                                           \
-    X(fnl_scene_query_material, NULLED("scene", fnl_scene_query_material(NULL, 0, &material));                             \
-      NULLED("out", fnl_scene_query_material(w.scene, 0, NULL)))                                                           \
-    X(fnl_scene_set_instance_visible, NULLED("scene", fnl_scene_set_instance_visible(NULL, w.instance, true)))             \
-    X(fnl_scene_set_material, NULLED("scene", fnl_scene_set_material(NULL, w.material, &material));                        \
-      NULLED("params", fnl_scene_set_material(w.scene, w.material, NULL)))                                                 \
+    X(fnl_scene_query_entity, NULLED("scene", fnl_scene_query_entity(NULL, FNL_ENTITY_LIGHT, 0, &entity_info));             \
+      NULLED("out", fnl_scene_query_entity(w.scene, FNL_ENTITY_LIGHT, 0, NULL)))                                            \
+    X(fnl_scene_query_instance, NULLED("scene", fnl_scene_query_instance(NULL, 0, &instance_info));                         \
+      NULLED("out", fnl_scene_query_instance(w.scene, 0, NULL)))                                                            \
+    X(fnl_scene_query_material, NULLED("scene", fnl_scene_query_material(NULL, 0, &material));                              \
+      NULLED("out", fnl_scene_query_material(w.scene, 0, NULL)))                                                            \
+    X(fnl_scene_set_instance_visible, NULLED("scene", fnl_scene_set_instance_visible(NULL, w.instance, true)))              \
+    X(fnl_scene_set_material, NULLED("scene", fnl_scene_set_material(NULL, w.material, &material));                         \
+      NULLED("params", fnl_scene_set_material(w.scene, w.material, NULL)))                                                  \
     X(fnl_scene_query_extension, NULLED("scene", fnl_scene_query_extension(NULL, 0, &extension_info));                      \
       NULLED("out", fnl_scene_query_extension(w.scene, 0, NULL)))                                                           \
     X(fnl_scene_query_framing_camera, NULLED("scene", fnl_scene_query_framing_camera(NULL, 1, &camera));                    \

@@ -49,6 +49,7 @@ void test_device_destroy(fnl_device **device) {
 fnl_device *test_device;
 struct test_memory test_device_memory;
 static uint64_t messages_seen;
+static void forget_kept(void);
 static struct stage open_stages[8]; /* those of a test that fails are closed after it */
 
 int test_group_begin(void **state) {
@@ -68,6 +69,7 @@ int harness_check(void **state) {
     UNUSED(state);
     for (uint32_t i = 0; i < COUNT_OF(open_stages); i++)
         if (open_stages[i].scene) stage_close(&open_stages[i]);
+    forget_kept();
     uint64_t messages = fnl_device_validation_count(test_device);
     bool silent = messages == messages_seen;
     if (!silent) print_error("%llu validation messages\n", (unsigned long long)(messages - messages_seen));
@@ -342,6 +344,61 @@ void stage_close(struct stage *stage) {
         if (open_stages[i].scene == scene) open_stages[i] = (struct stage){0};
 }
 
+/* ---- numbers ---- */
+
+static struct kept {
+    struct kept *next;
+    max_align_t bytes[];
+} * all_kept;
+
+static void forget_kept(void) {
+    for (struct kept *next; all_kept; all_kept = next) {
+        next = all_kept->next;
+        free(all_kept);
+    }
+}
+
+static void *keep(const void *data, size_t size) {
+    struct kept *kept = malloc(sizeof *kept + size);
+    assert_non_null(kept);
+    if (size) memcpy(kept->bytes, data, size);
+    kept->next = all_kept;
+    all_kept = kept;
+    return kept->bytes;
+}
+
+static void keep_stats(fnl_frame_stats *stats) {
+    stats->counters = keep(stats->counters, stats->counter_count * sizeof *stats->counters);
+    fnl_frame_stats *views = keep(stats->views, stats->view_count * sizeof *stats->views);
+    for (uint32_t i = 0; i < stats->view_count; i++) keep_stats(&views[i]);
+    stats->views = stats->view_count ? views : NULL;
+}
+
+fnl_frame_stats harness_stats(fnl_renderer *renderer) {
+    fnl_frame_stats stats;
+    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
+    keep_stats(&stats);
+    return stats;
+}
+
+bool has_counter(const fnl_frame_stats *stats, const char *key) {
+    fnl_counter row;
+    bool known = false;
+    for (uint32_t i = 0; fnl_counter_query(i, &row); i++) known = known || strcmp(row.key, key) == 0;
+    if (!known) fail_msg("there is no counter %s", key);
+    return fnl_counter_find(stats, key);
+}
+
+uint64_t counter(const fnl_frame_stats *stats, const char *key) {
+    if (!has_counter(stats, key)) fail_msg("the frame does not have the counter %s", key);
+    return fnl_counter_find(stats, key)->value;
+}
+
+uint64_t counter_of(fnl_renderer *renderer, const char *key) {
+    fnl_frame_stats stats = harness_stats(renderer);
+    return counter(&stats, key);
+}
+
 /* ---- shots ---- */
 
 struct shot stage_shoot(struct stage *stage, const fnl_frame *frame) {
@@ -351,7 +408,7 @@ struct shot stage_shoot(struct stage *stage, const fnl_frame *frame) {
     for (uint32_t i = 0; i < COUNT_OF(images); i++)
         if (frame->outputs & 1u << i)
             assert_int_equal(fnl_renderer_read(stage->renderer, (fnl_output)(1u << i), images[i]), FNL_OK);
-    assert_int_equal(fnl_renderer_query_stats(stage->renderer, &shot.stats), FNL_OK);
+    shot.stats = harness_stats(stage->renderer);
     shot.stats.passes = NULL;
     shot.stats.pass_count = 0;
     assert_int_equal(shot.stats.lights_dropped, 0);

@@ -54,9 +54,18 @@ void stage_close(struct stage *stage);
  */
 void harness_set_pool(struct stage *stage, uint32_t entries);
 
+/** The numbers of the last frame. Counters and views outlast the next query, unlike the library's: until the end of the test. */
+fnl_frame_stats harness_stats(fnl_renderer *renderer);
+/** A number of a technique. Fails the test, and names the key, where there is no such counter, or the frame does not have it. */
+uint64_t counter(const fnl_frame_stats *stats, const char *key);
+/** Whether the frame has the number. Fails where there is no such counter. */
+bool has_counter(const fnl_frame_stats *stats, const char *key);
+/** The same of a renderer's last frame. */
+uint64_t counter_of(fnl_renderer *renderer, const char *key);
+
 struct shot {
     fnl_image color, radiance, surface, normal, position; /* those that the frame asked for */
-    fnl_frame_stats stats;                                /* without the passes */
+    fnl_frame_stats stats;                                /* harness_stats(), without the passes */
 };
 
 struct shot stage_shoot(struct stage *stage, const fnl_frame *frame);

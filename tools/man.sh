@@ -17,3 +17,4 @@ END
 "$1" --help | section DESCRIPTION
 for command in render bench info devices compare; do "$1" "$command" --help | section "fanal $command"; done
 "$1" render --options | section "OPTIONS OF A FRAME"
+"$1" render --counters | section "COUNTERS"

@@ -1,13 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# docs/options.md is what `fanal render --options --markdown` prints: options.sh update|check FANAL
+# docs/options.md and docs/counters.md are what `fanal render --options|--counters --markdown` prints: options.sh update|check FANAL
 set -eu
 cd "$(dirname "$0")/.."
-case $1 in
-update) "$2" render --options --markdown >docs/options.md ;;
-check)
-    "$2" render --options --markdown | diff docs/options.md - && exit
-    echo "docs/options.md is not what the program has: tools/options.sh update $2" >&2
-    exit 1
-    ;;
-esac
+status=0
+for page in options counters; do
+    case $1 in
+    update) "$2" render --$page --markdown >docs/$page.md ;;
+    check)
+        "$2" render --$page --markdown | diff docs/$page.md - && continue
+        echo "docs/$page.md is not what the program has: tools/options.sh update $2" >&2
+        status=1
+        ;;
+    esac
+done
+exit $status

@@ -5,6 +5,8 @@
 
 #include "fanal/frame.h"
 
+#include <string.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -13,6 +15,32 @@ typedef struct fnl_pass_time {
     const char *name; /**< as the frame graph names it */
     double milliseconds;
 } fnl_pass_time;
+
+typedef enum fnl_counter_kind {
+    FNL_COUNTER_COUNT = 0, /**< how many */
+    FNL_COUNTER_OVERFLOW,  /**< how many found no room in a pool, so that the frame was drawn in another way; the pool grows for the next frame */
+    FNL_COUNTER_SWITCH     /**< 1: yes, 0: no */
+} fnl_counter_kind;
+
+/** A number of one technique. All strings live as long as the program. */
+typedef struct fnl_counter {
+    /** Such as "coarse.shared": the technique, and what is counted. */
+    const char *key;
+    /** One line. */
+    const char *help;
+    fnl_counter_kind kind;
+    /** Such as "bytes"; "": none. */
+    const char *unit;
+    /** The shading paths that can have it: bit 1 << fnl_shading. All bits: it does not depend on the path alone. */
+    uint32_t shadings;
+    /** The option that a frame needs to have it: "count-lights" where that is not off or 0, "dais.mode=list" where it has this value; "": none. */
+    const char *needs;
+    /** What the frame counted; 0 in a row of fnl_counter_query(). */
+    uint64_t value;
+} fnl_counter;
+
+/** The counter `index`, 0 and up, without a value; false beyond the last. No frame has all of them. */
+FNL_API bool fnl_counter_query(uint32_t index, fnl_counter *out);
 
 typedef struct fnl_frame_stats {
     /* ---- lights ---- */
@@ -37,13 +65,6 @@ typedef struct fnl_frame_stats {
     /** Lights that a pixel visits, on average and at most. */
     double mean_per_pixel;
     uint32_t max_per_pixel;
-    /** backface lists: lights in view that are behind the surfaces of every tile they touch. */
-    uint64_t lights_behind;
-    /** Paths that separate light from materials, or store layers of lights: memory of what replaces the G-buffer. Without depth and radiance, and
-        without the ids of light-indexed, which are in list_bytes. */
-    uint64_t light_bytes;
-    /** deferred-volumes: draw calls of the volumes: 2, and 2 for each light that the shape stencil draws by itself. */
-    uint32_t light_draws;
 
     /* ---- geometry ---- */
 
@@ -53,8 +74,6 @@ typedef struct fnl_frame_stats {
     uint64_t items, items_visible, items_occluded;
     /** Visible items drawn as a whole because a pool of culling was too small in this frame. */
     uint32_t items_whole;
-    /** Visible items that the G-buffer layout cannot hold and a forward pass shades; known with count_lights. */
-    uint64_t items_forward;
     /** Triangles of visible items, opaque and alpha-masked; known with count_lights. */
     uint64_t triangles_visible;
     /** Opaque and alpha-masked triangles of all instances, and with culling by clusters or triangles what became of them: drawn, outside the view,
@@ -65,52 +84,12 @@ typedef struct fnl_frame_stats {
     /** What drew the clusters: vertex or mesh. */
     fnl_geometry geometry;
 
-    /* ---- what the shading paths did ---- */
+    /* ---- what the techniques of the frame did ---- */
 
-    /** Memory of the G-buffer's targets, including its mask; without depth and radiance; 0 without a G-buffer. */
-    uint64_t gbuffer_bytes;
-    /** virtual-texturing: pages of the scene; room in the atlas; pages that the last frame wanted; pages in the atlas; pages filled for this frame;
-        wanted pages without room; pages replaced by others; memory of the atlas. */
-    uint32_t atlas_pages, atlas_capacity, atlas_wanted, atlas_resident, atlas_filled, atlas_missing, atlas_evicted;
-    uint64_t atlas_bytes;
-    /** deferred.class_blocks: blocks by class: bit 0 some pixel has lights, 1 some pixel is metal, 2 all pixels are shaded; [8]: nothing to shade. */
-    uint32_t shading_blocks[9];
-    /** Transparency linked: blended fragments that nothing opaque occludes, the most in one pixel, and pixels drawn as sorted because the pool was too
-        small in this frame. Bytes: memory of linked and weighted besides the picture. */
-    uint64_t blend_fragments, blend_bytes;
-    uint32_t blend_longest, blend_overflow;
-    /** visibility with sort or MSAA: classes that occur; pixels, or triangles of pixels, to shade. */
-    uint32_t visibility_classes, visibility_entries;
-    /** visibility: writes of the id pass; known with count_lights. */
-    uint32_t visibility_fragments;
-    /** MSAA in deferred, deferred texturing and visibility: pixels that show a surface in some sample, and pixels whose samples show more than one
-        thing, sky being one. */
-    uint32_t msaa_pixels, msaa_edge_pixels;
-    /** Surfaces of all pixels, where msaa_groups and msaa_tolerance merge some into one; samples that show a surface; surfaces shaded, known with
-        count_lights. In visibility each triangle is a surface. */
-    uint64_t msaa_surfaces, msaa_samples, msaa_shaded;
-    /** coarse: blocks that show a surface; blocks shaded once; blocks that are not, because of depths or triangles, normals, materials; pixels that
-        show a surface; pixels and blocks shaded; with ao_radius, how often occlusion was computed. */
-    uint32_t coarse_blocks, coarse_shared, coarse_by_depth, coarse_by_normal, coarse_by_material, coarse_pixels, coarse_shaded;
-    uint32_t coarse_ao_shaded;
-    struct fnl_dais_stats {
-        uint64_t bytes;           /**< filled by this frame's references, triangles, cache and lists */
-        uint32_t triangles;       /**< stored, including those that the cache had forgotten */
-        uint32_t unique;          /**< different ones among them; known with count_lights */
-        uint32_t cache_failures;  /**< stored again because a cache bucket stayed locked */
-        uint32_t overflow;        /**< fragments that found a pool full; if any, the frame was shaded forward, and the pool grows for the next */
-        uint32_t list_elements;   /**< FNL_DAIS_LIST: triangles that cover only part of their pixel */
-        uint32_t shading_samples; /**< with multirate: places where ambient light was computed */
-        uint32_t shaded;          /**< triangles of all pixels, each of which is shaded once; known with count_lights */
-    } dais;
-    /** mobile: the passes shared one scope, and tone mapping was in it. */
-    bool mobile_merged, mobile_tonemapped;
-    /** Decals that are shown, baked ones left out, and those whose bounds touch the view. */
-    uint32_t decals_total, decals_in_view;
-    /** Entries of the decal list, or of the tiles of decals over the G-buffer. */
-    uint64_t decal_entries;
-    /** Cells, or pixels of decals over the G-buffer, that tested all decals because the pool was too small in this frame. */
-    uint32_t decal_overflow;
+    /** The numbers that the frame has, in the order of fnl_counter_query(). What the frame's shading path, lists and options do not make is left out, not
+        0. fnl_counter_find() finds one by its key. Owned by the renderer, valid until the next call on it. */
+    uint32_t counter_count;
+    const fnl_counter *counters;
 
     /* ---- memory and time ---- */
 
@@ -148,11 +127,18 @@ typedef struct fnl_frame_stats {
     /** The passes in order. Owned by the renderer, valid until the next call on it. */
     uint32_t pass_count;
     const fnl_pass_time *passes;
-    /** The numbers of each view of a frame with several: those of lights, geometry and shading paths, and ev, are the view's own, the rest is the frame's.
+    /** The numbers of each view of a frame with several: those of lights and geometry, the counters, and ev are the view's own, the rest is the frame's.
         Here outside are those of the first view. 0 and NULL for a frame with one. Owned by the renderer, valid until the next call on it. */
     uint32_t view_count;
     const struct fnl_frame_stats *views;
 } fnl_frame_stats;
+
+/** The counter with a key in a frame, or in one of its views; NULL: it has none. */
+static inline const fnl_counter *fnl_counter_find(const fnl_frame_stats *stats, const char *key) {
+    for (uint32_t i = 0; i < stats->counter_count; i++)
+        if (strcmp(stats->counters[i].key, key) == 0) return &stats->counters[i];
+    return NULL;
+}
 
 #ifdef __cplusplus
 }

@@ -71,6 +71,7 @@ static bool needs_list(const struct frame_state *f) {
 
 static void add_list(struct frame_state *f) {
     const struct device_decals *all = decals_of(f);
+    counters_note(f, "decals.total", all->order.count);
     struct geometry_scene *geometry = &f->scene->geometry;
     struct frame_decals *d = &f->decals;
     struct light_input input = {.buffer = d->buffers.bounds,
@@ -98,6 +99,7 @@ static void add_list(struct frame_state *f) {
     struct clustered_params params = cluster_params(f);
     d->list = all->count < f->r->decal_tree ? clustered_add(f->graph, f->r->device, &input, &d->in_view, &params)
                                             : bvh_add(f->graph, f->r->device, &input, &d->in_view, &params);
+    COUNTERS_COPY(f, d->list.totals, 0, decals);
     d->set->list = d->list.header;
     geometry->features |= GPU_FEATURE_DECALS;
     geometry->feature_buffers[3] = d->list.cells;
@@ -134,7 +136,8 @@ void decals_on_gbuffer_add(struct frame_state *f, const struct shade_input *inpu
                                           .emits = decals_of(f)->emits,
                                           .mip_fix = f->frame->decal_mip_fix,
                                           .pool_capacity = f->r->decal_capacity};
-    f->decals.fragments = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
+    graph_buffer totals = decals_gbuffer_add(f->graph, f->r->device, input, &decals, gbuffer, f->radiance);
+    COUNTERS_COPY(f, totals, 0, gbuffer_decals);
 }
 
 bool decals_redraws(const struct frame_state *f) { return is_on(f) && decals_of(f)->draw_count > 0; }
@@ -150,3 +153,31 @@ void decals_redraw(struct frame_state *f, const struct shade_input *input) {
                                    .decals = f->decals.buffers.decals};
     decals_redraw_add(f->graph, input, &redraw, f->radiance, f->depth);
 }
+
+/* ---- numbers ---- */
+
+/* Those in lists, and those in the G-buffer's way. */
+static bool has_boxes(const struct counted *counted) {
+    return COUNTED_HAS(counted, decals) || COUNTED_HAS(counted, gbuffer_decals);
+}
+static bool find_in_view(const struct counted *counted, uint64_t *value) {
+    *value = MAX(counted->counts->decals.in_view, counted->counts->gbuffer_decals.in_view);
+    return has_boxes(counted);
+}
+static bool find_entries(const struct counted *counted, uint64_t *value) {
+    *value = (uint64_t)counted->counts->decals.entries + counted->counts->gbuffer_decals.entries;
+    return has_boxes(counted);
+}
+static bool find_overflow(const struct counted *counted, uint64_t *value) {
+    *value = (uint64_t)counted->counts->decals.overflow_cells + counted->counts->gbuffer_decals.overflow_pixels;
+    return has_boxes(counted);
+}
+
+static const struct counter counters[] = {
+    {"decals.total", "decals", "decals that are shown, without baked ones", NOTED},
+    {"decals.in-view", "decals", "boxes and volumes whose bounds touch the view", .find = find_in_view},
+    {"decals.entries", "", "entries of the decal list, or of the tiles of decals over the G-buffer", .find = find_entries},
+    {"decals.overflow", "", "cells, or pixels, that tested all decals because the pool was too small",
+     .find = find_overflow},
+};
+const struct counter_table decals_counters = {counters, COUNT_OF(counters)};

@@ -58,6 +58,7 @@ static fnl_result declare_views(const struct frame_state *shared, uint32_t first
         f->kept = &f->r->views.data[f->view_index];
         f->kept->scene = *scene;
         f->scene = &f->kept->scene;
+        f->kept->numbers = (struct view_counters){0};
         f->view_address = cameras->address + f->view_index * sizeof(struct gpu_view);
         f->counts_offset = f->view_index * sizeof(struct frame_counts);
         if (named) graph_push_names(graph, graph_name(graph, "view %u", f->view_index));

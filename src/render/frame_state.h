@@ -21,7 +21,6 @@ struct frame_decals {
     struct light_input input;
     struct lights_in_view in_view;
     struct light_list list;
-    graph_buffer fragments; /* of the G-buffer's way: struct decals_gbuffer_totals */
 };
 
 /** Of the frame and the last one (temporal.c). */
@@ -55,27 +54,18 @@ struct frame_state {
     struct light_input whole_lights;        /* before small ones were faded */
     fnl_light_lists drawn_lists;            /* the frame's, or those that stand in for them */
     struct light_list lights, blend_lights; /* the same list but for tiles with depth bounds */
-    graph_buffer counters, exposure, class_counts;
-    graph_buffer page_commands;         /* of virtual texturing: its counts stand at 16 */
-    graph_buffer surfaces, edge_counts; /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
-    struct visibility visibility;           /* depth id 0: none */
-    graph_buffer visible_fragments;     /* how often its id pass wrote */
-    graph_buffer visible_ranges;        /* of visibility shading by lists (passes/visibility/visible_shared.h) */
-    graph_buffer coarse_counts, coarse_words; /* of coarse shading (passes/shade/coarse.h) */
-    uint32_t coarse_bytes;                                      /* of its G-buffer beside the layout, a pixel */
+    graph_buffer counters, exposure;
+    struct visibility visibility;       /* depth id 0: none */
+    graph_buffer surfaces;              /* of MSAA in orders that shade after drawing (passes/shade/samples_shared.h) */
+    graph_buffer coarse_words;          /* of coarse shading (passes/shade/coarse.h) */
     struct texturing texturing;         /* pages.address 0: not of virtual texturing */
     struct dais dais;                   /* counts.id 0: not of this order */
     struct frame_decals decals;
     struct aov_images aov;
-    struct linked_lists linked; /* transparency */
-    uint64_t gbuffer_bytes; /* of orders with one of their own */
-    uint64_t blend_bytes, light_bytes;
-    uint32_t light_draws; /* of light volumes */
     struct frame_temporal temporal;
     graph_image color;
     const struct frame_target *target; /* or NULL: where the picture goes besides */
     bool blended;                      /* the order has drawn blended surfaces itself */
-    bool mobile_merged, mobile_tonemapped;
 };
 
 /** What radiance is multiplied by for the picture; 1 where metering finds it. */

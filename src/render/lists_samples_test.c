@@ -51,7 +51,7 @@ static void test_decals_and_samples(void **state) {
             stage.renderer->decal_tree = way == 1 ? 1 : tree;
             memset(stage.renderer->slot_views, 0, sizeof stage.renderer->slot_views);
             shots[way] = stage_shoot(&stage, &frame);
-            assert_int_equal(shots[way].stats.decal_overflow > 0, way == 2);
+            assert_int_equal(counter(&shots[way].stats, "decals.overflow") > 0, way == 2);
             uint64_t differing = count_differing(&shots[0].radiance, &shots[way].radiance);
             if (differing) fail_msg("%s, way %u: %llu pixels differ", pair_name(&frame), way, (unsigned long long)differing);
         }

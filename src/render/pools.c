@@ -27,7 +27,7 @@ uint32_t pools_list_limit(const fnl_renderer *r) { return renderer_tests(r).fixe
 
 /* So does what holds decals: entries of their list, or fragments of the G-buffer's way. */
 static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) {
-    uint64_t needed = MAX(counts->decals.entries, counts->decal_fragments);
+    uint64_t needed = MAX(counts->decals.entries, counts->gbuffer_decals.entries);
     uint64_t limit = MIN(gpu_info(r->device)->memory_bytes / 32, (uint64_t)POOL_LIMIT);
     if (needed > r->decal_capacity)
         r->decal_capacity = (uint32_t)MIN(needed + needed / 4, MAX(limit, (uint64_t)DECAL_POOL_START));

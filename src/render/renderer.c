@@ -155,6 +155,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
     array_free(&r->host, &r->views);
     array_free(&r->host, &r->view_stats);
+    array_free(&r->host, &r->counters);
     array_free(&r->host, &r->pass_times);
     gpu_wait_idle(r->device); /* nothing is in flight: this frees device memory at once */
     fnl_host host = r->host;

@@ -5,21 +5,23 @@
 #include "fanal/renderer.h"
 #include "passes/dais/dais_shared.h"
 #include "passes/debug/debug.h"
+#include "passes/decals/decals_gbuffer.h"
 #include "passes/geometry/clusters_shared.h"
 #include "passes/transparency/transparency.h"
 #include "passes/shade/coarse_shared.h"
 #include "passes/shade/edges_shared.h"
 #include "render/chooser.h"
+#include "render/counters.h"
 #include "render/device/scene.h"
 #include "render/lists.h"
 #include "render/temporal.h"
 #include "render/view.h"
 
-/** What the GPU writes for the CPU in each frame. */
+/** What the GPU writes for the CPU in each frame, for each view. What a frame does not count is 0. */
 struct frame_counts {
     struct light_totals lights, blend_lights;
     struct light_totals decals;
-    uint32_t decal_fragments, decal_overflow, gbuffer_decals; /* of the G-buffer's way: struct decals_gbuffer_totals */
+    struct decals_gbuffer_totals gbuffer_decals;
     uint32_t visible_items, lights_behind;
     float exposure[2];
     uint32_t blocks[9]; /* by class (passes/shade/classify_shared.h) */
@@ -52,6 +54,7 @@ struct renderer_view {
     struct device_scene_frame scene; /* with the lights as this view sees them; passes look at it while they are recorded */
     struct gpu_buffer draws, counters; /* read back with count_lights */
     fnl_frame_stats stats;             /* the parts that the CPU knows */
+    struct view_counters numbers;
     struct light_totals known_totals;
     bool totals_known;
     uint32_t forward_layouts; /* frame_state.forward_layouts */
@@ -94,6 +97,7 @@ struct fnl_renderer {
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
     struct lists_shared lists;
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
+    ARRAY(fnl_counter) counters;           /* handed out with all stats */
     struct virtual_atlas atlas; /* of virtual texturing */
     uint32_t pool_capacity;   /* entries that the pools of lists have at least; grows after an overflow */
     uint32_t blend_capacity;  /* fragments of linked transparency; 0: before the first frame */
@@ -103,7 +107,6 @@ struct fnl_renderer {
     bool meshes;              /* mesh shaders draw the frame being made */
     uint32_t mobile_notes;    /* bits of what was said once about the order mobile */
     uint32_t dais_capacity, dais_node_capacity; /* words of triangles, list elements; they grow after an overflow */
-    uint64_t dais_bytes;                        /* of the last frame: what the pools do not hold */
 
     struct renderer_tests *tests; /* of the host; NULL outside of tests */
 

@@ -43,9 +43,6 @@ static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *v
     const struct gpu_draw *draws = view->draws.mapped;
     for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
         const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
-        bool forward = !bucket->blend && bucket->forward_layouts & view->forward_layouts;
-        for (uint32_t i = 0; i < bucket->group_count && forward; i++)
-            s->items_forward += draws[bucket->first_group + i].instance_count;
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
         for (uint32_t i = 0; i < bucket->group_count; i++) {
             const struct gpu_draw *draw = &draws[bucket->first_group + i];
@@ -58,10 +55,6 @@ static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *v
 static void query_view(const fnl_renderer *r, const struct renderer_view *view, const struct frame_counts *counts,
                        fnl_frame_stats *out) {
     *out = view->stats;
-    shading_query(r, counts, out);
-    out->decals_in_view = MAX(counts->decals.in_view, counts->gbuffer_decals);
-    out->decal_entries = (uint64_t)counts->decals.entries + counts->decal_fragments;
-    out->decal_overflow = counts->decals.overflow_cells + counts->decal_overflow;
     struct light_totals lights = view->totals_known ? view->known_totals : counts->lights;
     out->lights_in_view = lights.in_view + r->device_scene.sun_data.count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
@@ -79,38 +72,8 @@ static void query_view(const fnl_renderer *r, const struct renderer_view *view, 
     out->clusters_drawn = counts->clusters.clusters_drawn;
     out->items_occluded = counts->hidden_items;
     out->items_whole = counts->clusters.whole_items;
-    memcpy(out->shading_blocks, counts->blocks, sizeof out->shading_blocks);
-    out->msaa_pixels = counts->edges[EDGES_PIXELS];
-    out->msaa_edge_pixels = counts->edges[EDGES_MIXED];
-    out->msaa_surfaces = counts->edges[EDGES_SURFACES];
-    out->msaa_samples = counts->edges[EDGES_SAMPLES];
-    out->msaa_shaded = counts->edges[EDGES_SHADED];
-    out->visibility_fragments = counts->visible_fragments;
-    for (uint32_t c = 0; c < GPU_CLASSES; c++) {
-        uint32_t entries = counts->visible[c][1] - counts->visible[c][0];
-        out->visibility_classes += entries > 0;
-        out->visibility_entries += entries;
-    }
-    out->coarse_shared = counts->coarse[COARSE_SHARED];
-    out->coarse_by_depth = counts->coarse[COARSE_DEPTH];
-    out->coarse_by_normal = counts->coarse[COARSE_NORMAL];
-    out->coarse_by_material = counts->coarse[COARSE_OTHER];
-    out->coarse_blocks =
-        out->coarse_shared + out->coarse_by_depth + out->coarse_by_normal + out->coarse_by_material;
-    out->coarse_pixels = counts->coarse[COARSE_COUNT_PIXELS];
-    out->coarse_shaded = counts->coarse[COARSE_COUNT_SHADED];
-    out->coarse_ao_shaded = counts->coarse[COARSE_COUNT_AO];
-    out->atlas_wanted = counts->pages.wanted;
-    out->atlas_resident = counts->pages.resident;
-    out->atlas_filled = counts->pages.filled;
-    out->atlas_missing = counts->pages.missing;
-    out->atlas_evicted = counts->pages.evicted;
-    out->blend_fragments = counts->blend.fragments;
-    out->blend_longest = counts->blend.longest;
-    out->blend_overflow = counts->blend.overflow_pixels;
     if (r->frame.exposure == FNL_EXPOSURE_AUTO) out->ev = counts->exposure[1];
     if (r->frame.count_lights) sum_evaluations(r, view, out);
-    out->lights_behind = counts->lights_behind;
 }
 
 /* Those of the whole frame. */
@@ -150,8 +113,15 @@ static fnl_result query_frame(fnl_renderer *r, fnl_frame_stats *out) {
     return FNL_OK;
 }
 
+/* r->counters has room for the view's. */
 static fnl_result query_one(fnl_renderer *r, uint32_t view, fnl_frame_stats *out) {
-    query_view(r, &r->views.data[view], (const struct frame_counts *)r->counts[r->frame_slot].mapped + view, out);
+    const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
+    const struct counted counted = {r, &r->views.data[view], &counts[view]};
+    fnl_counter *counters = r->counters.data + r->counters.count;
+    query_view(r, counted.view, counted.counts, out);
+    out->counters = counters;
+    out->counter_count = counters_query(&counted, counters);
+    r->counters.count += out->counter_count;
     return query_frame(r, out);
 }
 
@@ -162,8 +132,10 @@ fnl_result fnl_renderer_query_stats(fnl_renderer *r, fnl_frame_stats *out) {
     TRY(gpu_frame_wait(r->device, r->frame_number));
     const struct frame_counts *counts = r->counts[r->frame_slot].mapped;
     for (uint32_t i = 0; i < frame_view_count(&r->frame); i++) pools_grow(r, &counts[i]);
-    TRY(query_one(r, 0, out));
     uint32_t views = r->frame.view_count;
+    r->counters.count = 0;
+    if (!array_reserve(&r->host, &r->counters, (1 + views) * counters_total())) return FNL_ERROR_MEMORY;
+    TRY(query_one(r, 0, out));
     if (views == 0) return FNL_OK;
     if (!array_reserve(&r->host, &r->view_stats, views)) return FNL_ERROR_MEMORY;
     r->view_stats.count = views;

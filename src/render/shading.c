@@ -62,11 +62,6 @@ void shading_submitted(fnl_renderer *r, const fnl_frame *frame) {
     if (order->submitted) order->submitted(r);
 }
 
-void shading_query(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out) {
-    const struct order *order = orders[r->frame.shading];
-    if (order->query) order->query(r, counts, out);
-}
-
 /* ---- what orders share ---- */
 
 bool order_has_blend(const struct frame_state *f) {
@@ -106,6 +101,12 @@ struct light_list order_add_fallback_lists(struct frame_state *f) {
     return lists_add_fallback(&context);
 }
 
+void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes) {
+    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer.layout, f->frame->gbuffer.normals, f->frame->gbuffer.chroma) +
+                     (f->gbuffer.mask.id ? 1 : 0) + extra_bytes;
+    counters_note(f, "gbuffer.bytes", bytes * f->frame->width * f->frame->height * f->frame->msaa);
+}
+
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape) {
     struct volumes_input input = {&f->scene->lights, f->view_address, f->frame->list.frustum_cull, shape,
                                   renderer_tests(f->r).volume_hook};
@@ -129,12 +130,14 @@ static void add_transparency(struct frame_state *f, const struct shade_input *in
     fnl_renderer *r = f->r;
     if (f->frame->transparency == FNL_TRANSPARENCY_LINKED) {
         struct linked_params params = {r->blend_capacity};
-        f->linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
-        f->blend_bytes = f->linked.byte_count;
+        struct linked_lists linked = linked_add(f->graph, input, &params, f->radiance, f->depth);
+        COUNTERS_COPY(f, linked.totals, 0, blend);
+        counters_note(f, "transparency.bytes", linked.byte_count);
     } else if (f->frame->transparency == FNL_TRANSPARENCY_WEIGHTED) {
         bool half = renderer_tests(r).weighted_half || weighted_needs_half(r->device);
         weighted_add(f->graph, input, half, f->radiance, f->depth);
-        f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa * weighted_bytes(half);
+        uint64_t samples = (uint64_t)f->frame->width * f->frame->height * f->frame->msaa;
+        counters_note(f, "transparency.bytes", samples * weighted_bytes(half));
     } else {
         forward_add(f->graph, input, GEOMETRY_BLEND, false, f->radiance, f->depth);
     }
@@ -219,11 +222,42 @@ void shading_add(struct frame_state *f) {
     }
 }
 
-uint64_t shading_gbuffer_bytes(const struct frame_state *f) {
-    const struct gbuffer *g = &f->gbuffer;
-    if (!g->depth.id) return f->gbuffer_bytes;
-    uint64_t bytes = gbuffer_bytes(f->frame->gbuffer.layout, f->frame->gbuffer.normals, f->frame->gbuffer.chroma) + (g->mask.id ? 1 : 0) + f->coarse_bytes;
-    return bytes * f->frame->width * f->frame->height * f->frame->msaa;
+uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws + f->opaque_draws + blend_draw_count(f); }
+
+/* ---- numbers that do not depend on the order alone ---- */
+
+/* By the draws of this very frame, read back. */
+static bool find_forward_items(const struct counted *counted, uint64_t *value) {
+    const struct gpu_draw *draws = counted->view->draws.mapped;
+    uint32_t layouts = counted->view->forward_layouts;
+    for (uint32_t b = 0; b < counted->r->device_scene.buckets.count && layouts; b++) {
+        const struct geometry_bucket *bucket = &counted->r->device_scene.buckets.data[b];
+        bool forward = !bucket->blend && bucket->forward_layouts & layouts;
+        for (uint32_t i = 0; i < bucket->group_count && forward; i++)
+            *value += draws[bucket->first_group + i].instance_count;
+    }
+    return layouts;
 }
 
-uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws + f->opaque_draws + blend_draw_count(f); }
+static const struct counter counters[] = {
+    {"lights.behind", "lights", "lights in view that are behind the surfaces of every tile they touch",
+     COUNTED(lights_behind), .needs = "lists=backface"},
+    {"gbuffer.bytes", "bytes", "memory of the G-buffer's targets; without depth and radiance", NOTED},
+    {"gbuffer.items-forward", "items", "visible items that the G-buffer cannot hold: a forward pass shades them",
+     .find = find_forward_items, .needs = "count-lights"},
+    {"msaa.pixels", "pixels", "pixels that show a surface in some sample", COUNTED(edges[EDGES_PIXELS])},
+    {"msaa.edge-pixels", "pixels", "pixels whose samples show more than one thing, sky being one",
+     COUNTED(edges[EDGES_MIXED])},
+    {"msaa.surfaces", "surfaces", "surfaces of all pixels; for visibility each triangle is one",
+     COUNTED(edges[EDGES_SURFACES])},
+    {"msaa.samples", "samples", "samples that show a surface", COUNTED(edges[EDGES_SAMPLES])},
+    {"msaa.shaded", "surfaces", "surfaces shaded", COUNTED(edges[EDGES_SHADED]), .needs = "count-lights"},
+    {"transparency.bytes", "bytes", "memory for blended surfaces besides the picture", NOTED},
+    {"transparency.fragments", "fragments", "blended fragments that nothing opaque occludes", COUNTED(blend.fragments),
+     .needs = "transparency=linked"},
+    {"transparency.longest", "fragments", "most blended fragments in one pixel", COUNTED(blend.longest),
+     .needs = "transparency=linked"},
+    {"transparency.overflow-pixels", "pixels", "pixels drawn as sorted because the pool was too small",
+     COUNTED(blend.overflow_pixels), .needs = "transparency=linked", .kind = FNL_COUNTER_OVERFLOW},
+};
+const struct counter_table shading_counters = {counters, COUNT_OF(counters)};

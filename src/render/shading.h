@@ -56,11 +56,9 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
 void shading_add(struct frame_state *f);
 /** Once the frame is on its way to the device. */
 void shading_submitted(fnl_renderer *r, const fnl_frame *frame);
-/** Adds the order's numbers to the stats of a frame that the device has finished. */
-void shading_query(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out);
+/** Of what several orders do. */
+extern const struct counter_table shading_counters;
 
-/** Bytes of the G-buffer's targets: what drawing it writes, and lighting reads once; depth and radiance are left out. */
-uint64_t shading_gbuffer_bytes(const struct frame_state *f);
 /** Draw calls of the frame so declared. */
 uint32_t shading_draw_count(const struct frame_state *f);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * check_schema SCHEMA FILE…: whether each JSON text of the files (a text, or one a line) is by the schema, and whether together they show every property that
- * the schema knows. Of JSON Schema it knows what docs/stats.schema.json uses: type, const, enum, minimum, properties, required, additionalProperties: false or a schema,
+ * the schema knows. Of JSON Schema it knows what docs/stats.schema.json uses: type, const, enum, minimum, properties, required, additionalProperties: false or a schema, $defs,
  * items, minItems, maxItems, $ref to a place in itself, and description; any other keyword is an error, so that none is passed over.
  */
 #include <jansson.h>
@@ -110,7 +110,7 @@ static void check(const json_t *value, json_t *schema, const char *place) {
             char inner[512];
             snprintf(inner, sizeof inner, "%s/*", place);
             if (json_is_array(value)) json_array_foreach((json_t *)value, index, item) check(item, wanted, inner);
-        } else if (!strstr(" type properties additionalProperties description title $schema $id ", keyword)) {
+        } else if (!strstr(" type properties additionalProperties description title $schema $id $defs ", keyword)) {
             fail(keyword, "is a keyword that check_schema does not know");
         }
     }

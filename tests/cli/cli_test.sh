@@ -272,7 +272,9 @@ cmp -s "$work/dais-list.png" "$work/dais-grown.png" || fail 'the first frame of 
 expect 0 'coarse-reason +why other blocks are not' render --debug help
 expect 0 '^zbin$' render --lists help
 expect 2 'coarse' render "builtin:glass?lights=8" $small --shading deferred --debug coarse -o "$work/c.png"
-expect 0 'blended fragments [0-9]+, at most [0-9]+ in a pixel' render "builtin:glass?lights=8" $small --transparency linked --debug layers -o "$work/c.png"
+expect 0 '^coarse.shared \(blocks\)' render --counters
+expect 0 '"key": "coarse.shared"' render --counters --json
+expect 0 'transparency.longest +[1-9][0-9]* ' render "builtin:glass?lights=8" $small --transparency linked --debug layers -o "$work/c.png"
 for kind in weighted linked; do cmp -s "$work/glass-sorted.png" "$work/glass-$kind.png" && fail "$kind gives the same picture as sorted"; done
 [ $failures = 0 ] && echo 'all checks of the command passed'
 exit $((failures > 0))

@@ -115,7 +115,7 @@ if command -v git >/dev/null; then
 fi
 # Each option of the help has its value in the settings, under "options" by its key, and so has each option of a frame.
 named='shading|lists|msaa|msaa-method|gbuffer|transparency|decals|aa|cull|geometry|occlusion|light-lod|tonemap|debug|size|exposure'
-for option in $("$fanal" render --help | grep -oE -- '--[a-z][a-z-]*' | sort -u | grep -vxE -- "--(help|gbuffers|set|options|json|markdown|$named)"); do
+for option in $("$fanal" render --help | grep -oE -- '--[a-z][a-z-]*' | sort -u | grep -vxE -- "--(help|gbuffers|set|options|counters|json|markdown|$named)"); do
     key=${option#--}
     grep -q "^    \"${key//-/_}\":" still.json || fail "the settings leave out $option"
 done
@@ -125,5 +125,17 @@ for key in $("$fanal" render --options | grep -oE '^[a-z][a-z0-9.-]*='); do
     count=$((count + 1))
 done
 [ $count -gt 70 ] || fail "only $count options"
+# So has the object of each counter's technique, and it holds the counter where it is not null.
+count=0
+for key in $("$fanal" render --counters | grep -oE '^[a-z0-9-]+\.[a-z0-9-]+' | tr - _); do
+    group=${key%.*}
+    grep -qE "^  \"$group\": (null|\{)" still.json || fail "the statistics leave out $group"
+    for file in still dais coarse visibility atlas mobile msaa; do
+        members=$(sed -n "/^  \"$group\": {/,/^  }/p" $file.json)
+        [ -z "$members" ] || grep -qE "^    \"${key#*.}\": (null|true|false|[0-9]+),?$" <<<"$members" || fail "$file.json leaves out $key"
+        grep -qE "^    \"${key#*.}\": (true|false|[0-9]+)" <<<"$members" && count=$((count + 1))
+    done
+done
+[ $count -gt 30 ] || fail "only $count counters have values"
 [ $failures = 0 ] && echo 'all checks of streams and numbers passed'
 exit $((failures > 0))

@@ -17,15 +17,17 @@ static void test_cache(void **state) {
         for (uint32_t i = 0; i < COUNT_OF(buckets); i++) {
             frame.dais.cache_buckets = buckets[i];
             fnl_image radiance = shoot(renderer, &frame);
-            fnl_frame_stats stats = stats_of(renderer);
+            fnl_frame_stats stats = harness_stats(renderer);
             print_message("%u samples, %u buckets: %u triangles for %u, %u failures\n", samples, buckets[i],
-                          stats.dais.triangles, stats.dais.unique, stats.dais.cache_failures);
-            assert_true(stats.dais.unique > 400 && stats.dais.triangles >= stats.dais.unique);
-            assert_int_equal(stats.dais.overflow, 0);
+                          (uint32_t)counter(&stats, "dais.triangles"), (uint32_t)counter(&stats, "dais.unique"),
+                          (uint32_t)counter(&stats, "dais.cache-failures"));
+            assert_true(counter(&stats, "dais.unique") > 400 &&
+                        counter(&stats, "dais.triangles") >= counter(&stats, "dais.unique"));
+            assert_int_equal(counter(&stats, "dais.overflow"), 0);
             /* Locks are given back: but for threads that lose the processor in the middle, nobody waits in vain. */
-            assert_true(stats.dais.cache_failures * 2 < stats.dais.triangles);
+            assert_true(counter(&stats, "dais.cache-failures") * 2 < counter(&stats, "dais.triangles"));
             if (i == 0) {
-                assert_true(stats.dais.triangles <= stats.dais.unique * 1.02 + 4);
+                assert_true(counter(&stats, "dais.triangles") <= counter(&stats, "dais.unique") * 1.02 + 4);
                 first = radiance;
                 continue;
             }
@@ -75,11 +77,12 @@ static void test_buckets_keep_two(void **state) {
             frame.msaa = samples;
             frame.dais.cache_buckets = buckets;
             fnl_image radiance = shoot(renderer, &frame);
-            struct fnl_dais_stats dais = stats_of(renderer).dais;
-            print_message("%u samples, %u buckets: %u triangles stored, %u for locks\n", samples, buckets, dais.triangles,
-                          dais.cache_failures);
-            assert_int_equal(dais.unique, 2 * STRIPS);
-            if (buckets >= STRIPS) assert_int_equal(dais.triangles - dais.cache_failures, 2 * STRIPS);
+            uint32_t triangles = (uint32_t)counter_of(renderer, "dais.triangles"),
+                     failures = (uint32_t)counter_of(renderer, "dais.cache-failures");
+            print_message("%u samples, %u buckets: %u triangles stored, %u for locks\n", samples, buckets, triangles,
+                          failures);
+            assert_int_equal(counter_of(renderer, "dais.unique"), 2 * STRIPS);
+            if (buckets >= STRIPS) assert_int_equal(triangles - failures, 2 * STRIPS);
             free_picture(&radiance);
         }
     fnl_renderer_destroy(&renderer);
@@ -97,19 +100,22 @@ static void test_locked(void **state) {
         frame.msaa = i & 1 ? 4 : 1;
         frame.dais.mode = (fnl_dais_mode)(i >> 1);
         fnl_image usual = shoot(renderer, &frame);
-        uint32_t unique = stats_of(renderer).dais.unique, shaded = stats_of(renderer).dais.shaded;
+        uint32_t unique = counter_of(renderer, "dais.unique"), shaded = counter_of(renderer, "dais.shaded");
         harness_hooks(renderer)->dais_impatient = true;
         fnl_image locked = shoot(renderer, &frame);
-        for (uint32_t turns = 0; stats_of(renderer).dais.overflow && turns < 12; turns++) {
+        for (uint32_t turns = 0; counter_of(renderer, "dais.overflow") && turns < 12; turns++) {
             free_picture(&locked);
             locked = shoot(renderer, &frame);
         }
-        fnl_frame_stats stats = stats_of(renderer);
-        print_message("%u samples, %s: %u triangles stored for %u\n", frame.msaa, fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode),
-                      stats.dais.triangles, stats.dais.unique);
+        fnl_frame_stats stats = harness_stats(renderer);
+        print_message("%u samples, %s: %u triangles stored for %u\n", frame.msaa,
+                      fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode), (uint32_t)counter(&stats, "dais.triangles"),
+                      (uint32_t)counter(&stats, "dais.unique"));
         assert_true(test_equal(&usual, &locked));
-        assert_true(stats.dais.overflow == 0 && stats.dais.unique == unique && stats.dais.shaded == shaded);
-        assert_true(stats.dais.cache_failures == stats.dais.triangles && stats.dais.triangles > unique * 2);
+        assert_true(counter(&stats, "dais.overflow") == 0 && counter(&stats, "dais.unique") == unique &&
+                    counter(&stats, "dais.shaded") == shaded);
+        assert_true(counter(&stats, "dais.cache-failures") == counter(&stats, "dais.triangles") &&
+                    counter(&stats, "dais.triangles") > unique * 2);
         frame.outputs |= FNL_OUTPUT_COLOR;
         frame.debug = FNL_DEBUG_DAIS_FAILURES;
         test_render_frame(renderer, &frame);

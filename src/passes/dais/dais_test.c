@@ -215,12 +215,12 @@ static void test_overflow(void **state) {
         if (i >= 4 && frame.msaa == 1) continue; /* no elements */
         fnl_renderer *renderer = test_renderer(scene);
         fnl_image whole = shoot(renderer, &frame);
-        fnl_frame_stats stats = stats_of(renderer);
-        assert_int_equal(stats.dais.overflow, 0);
-        assert_true(stats.dais.shaded > 4000);
+        fnl_frame_stats stats = harness_stats(renderer);
+        assert_int_equal(counter(&stats, "dais.overflow"), 0);
+        assert_true(counter(&stats, "dais.shaded") > 4000);
         /* Too small by far, or by so little that all but a few fragments find room. */
         uint32_t *pool = i < 4 ? &renderer->dais_capacity : &renderer->dais_node_capacity;
-        const uint32_t enough = i < 4 ? stats.dais.triangles * 16 : stats.dais.list_elements + 1;
+        const uint32_t enough = i < 4 ? counter(&stats, "dais.triangles") * 16 : counter(&stats, "dais.list-elements") + 1;
         const uint32_t sizes[] = {i < 4 ? 700 : 100, enough / 2, enough - enough / 50};
         fnl_frame other = frame;
         other.shading = FNL_SHADING_FORWARD_PREPASS;
@@ -230,12 +230,13 @@ static void test_overflow(void **state) {
             for (uint32_t k = 0; k < GPU_FRAMES_IN_FLIGHT; k++) test_render_frame(renderer, &other); /* no counts let the pool grow */
             *pool = sizes[run / 2];
             fnl_image cut = shoot(renderer, &frame);
-            stats = stats_of(renderer);
+            stats = harness_stats(renderer);
             if (run % 2)
                 print_message("%u samples, %s, room for %u of %u: %u fragments had none\n", frame.msaa,
-                              fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode), sizes[run / 2], enough, stats.dais.overflow);
-            assert_true(stats.dais.overflow > 0);
-            assert_int_equal(stats.dais.shaded, 0);
+                              fnl_value_name(FNL_ENUM_DAIS_MODE, frame.dais.mode), sizes[run / 2], enough,
+                              (uint32_t)counter(&stats, "dais.overflow"));
+            assert_true(counter(&stats, "dais.overflow") > 0);
+            assert_int_equal(counter(&stats, "dais.shaded"), 0);
             assert_true(test_equal(&cut, &forward));
             free_picture(&cut);
         }
@@ -244,12 +245,12 @@ static void test_overflow(void **state) {
         uint32_t turns = 0;
         do {
             fnl_image grown = shoot(renderer, &frame);
-            stats = stats_of(renderer);
-            assert_int_equal(stats.dais.shaded > 0, stats.dais.overflow == 0);
-            if (stats.dais.overflow == 0) assert_true(test_equal(&whole, &grown));
+            stats = harness_stats(renderer);
+            assert_int_equal(counter(&stats, "dais.shaded") > 0, counter(&stats, "dais.overflow") == 0);
+            if (counter(&stats, "dais.overflow") == 0) assert_true(test_equal(&whole, &grown));
             free_picture(&grown);
-        } while (stats.dais.overflow && ++turns < 12);
-        assert_int_equal(stats.dais.overflow, 0);
+        } while (counter(&stats, "dais.overflow") && ++turns < 12);
+        assert_int_equal(counter(&stats, "dais.overflow"), 0);
         free_picture(&whole);
         fnl_renderer_destroy(&renderer);
     }
@@ -274,7 +275,7 @@ static void test_gate(void **state) {
             spy_capture(renderer->graph, name, name, &draws);
             test_render_frame(renderer, &frame);
             spy_capture(NULL, NULL, NULL, NULL);
-            assert_int_equal(stats_of(renderer).dais.overflow > 0, cramped); /* and waits */
+            assert_int_equal(counter_of(renderer, "dais.overflow") > 0, cramped); /* and waits */
             const struct gpu_draw *draw = draws.mapped;
             uint32_t drawn = clusters ? *(const uint32_t *)draws.mapped : draw->instance_count;
             if (!cramped) assert_int_equal(drawn, 0);
@@ -331,9 +332,9 @@ static void test_layouts(void **state) {
         fnl_renderer *renderer = test_renderer(scene);
         fnl_frame frame = wide_frame(0);
         fnl_image dais = shoot(renderer, &frame);
-        fnl_frame_stats stats = stats_of(renderer);
-        bytes[k] = stats.dais.bytes;
-        triangles[k] = stats.dais.triangles;
+        fnl_frame_stats stats = harness_stats(renderer);
+        bytes[k] = counter(&stats, "dais.bytes");
+        triangles[k] = counter(&stats, "dais.triangles");
         frame.shading = FNL_SHADING_FORWARD;
         fnl_image forward = shoot(renderer, &frame);
         frame.shading = FNL_SHADING_VISIBILITY;
@@ -362,12 +363,13 @@ static void test_record_sizes(void **state) {
         fnl_renderer *renderer = test_renderer(scene);
         fnl_frame frame = wide_frame(0);
         test_render_frame(renderer, &frame);
-        fnl_frame_stats stats = stats_of(renderer);
+        fnl_frame_stats stats = harness_stats(renderer);
         bool base = k & 1, normal = k & 2, second = k & 4;
         uint32_t words = 16 + (normal || (base && !second) ? 6 : 0) + (base && second ? 6 : 0) + (normal ? 12 : 0);
-        assert_true(stats.dais.triangles > 50);
-        assert_int_equal(stats.dais.bytes, 4ull * frame.width * frame.height + 16ull * frame.dais.cache_buckets +
-                                               4ull * stats.dais.triangles * (words + 1)); /* and its number */
+        assert_true(counter(&stats, "dais.triangles") > 50);
+        assert_int_equal(counter(&stats, "dais.bytes"),
+                         4ull * frame.width * frame.height + 16ull * frame.dais.cache_buckets +
+                             4ull * counter(&stats, "dais.triangles") * (words + 1)); /* and its number */
         fnl_renderer_destroy(&renderer);
         fnl_scene_destroy(&scene);
     }
@@ -386,13 +388,14 @@ static void test_dense(void **state) {
     fnl_frame frame = wide_frame(0);
     frame.count_lights = true;
     fnl_image dais = shoot(renderer, &frame);
-    fnl_frame_stats stats = stats_of(renderer);
+    fnl_frame_stats stats = harness_stats(renderer);
     frame.shading = FNL_SHADING_FORWARD;
     fnl_image forward = shoot(renderer, &frame);
     struct closeness c = compare(&forward, &dais, 1e-3);
-    print_message("%u triangles seen of %llu, %u shaded; %u of %u pixels off\n", stats.dais.unique,
-                  (unsigned long long)stats.triangles_visible, stats.dais.shaded, c.beyond, c.shown);
-    assert_true(stats.dais.unique * 2 > stats.dais.shaded); /* hardly a triangle shows at two pixels */
+    print_message("%u triangles seen of %llu, %u shaded; %u of %u pixels off\n", (uint32_t)counter(&stats, "dais.unique"),
+                  (unsigned long long)stats.triangles_visible, (uint32_t)counter(&stats, "dais.shaded"), c.beyond, c.shown);
+    assert_true(counter(&stats, "dais.unique") * 2 >
+                counter(&stats, "dais.shaded")); /* hardly a triangle shows at two pixels */
     assert_int_equal(c.beyond, 0);
     free_picture(&dais);
     free_picture(&forward);
@@ -415,14 +418,14 @@ static void test_lists(void **state) {
         frame.dais.mode = FNL_DAIS_LIST;
         harness_hooks(renderer)->dais_plain = i >= 4; /* an element for each sample */
         fnl_image list = shoot(renderer, &frame);
-        fnl_frame_stats stats = stats_of(renderer);
-        if (stats.dais.overflow) {
+        fnl_frame_stats stats = harness_stats(renderer);
+        if (counter(&stats, "dais.overflow")) {
             free_picture(&list);
             list = shoot(renderer, &frame);
         }
         harness_hooks(renderer)->dais_plain = false;
-        print_message("%u samples: %u elements\n", frame.msaa, stats.dais.list_elements);
-        assert_true(frame.msaa == 1 || stats.dais.list_elements > 1000);
+        print_message("%u samples: %u elements\n", frame.msaa, (uint32_t)counter(&stats, "dais.list-elements"));
+        assert_true(frame.msaa == 1 || counter(&stats, "dais.list-elements") > 1000);
         assert_true(test_equal(&target, &list));
         free_picture(&target);
         free_picture(&list);
@@ -456,12 +459,12 @@ static void test_full_cover(void **state) {
     fnl_frame frame = wide_frame(0);
     frame.msaa = 4;
     fnl_image target = shoot(renderer, &frame);
-    uint64_t target_bytes = stats_of(renderer).dais.bytes;
+    uint64_t target_bytes = counter_of(renderer, "dais.bytes");
     frame.dais.mode = FNL_DAIS_LIST;
     fnl_image list = shoot(renderer, &frame);
-    fnl_frame_stats stats = stats_of(renderer);
+    fnl_frame_stats stats = harness_stats(renderer);
     assert_true(test_equal(&target, &list));
-    assert_int_equal(stats.dais.triangles, 1);
+    assert_int_equal(counter(&stats, "dais.triangles"), 1);
     uint32_t wholly = 0, partly = 0;
     for (uint32_t y = 0; y < frame.height; y++)
         for (uint32_t x = 0; x < frame.width; x++) {
@@ -469,10 +472,12 @@ static void test_full_cover(void **state) {
             wholly += level > 0.999f;
             partly += level > 0.001f && level <= 0.999f;
         }
-    print_message("%u elements; %u pixels are covered wholly, %u partly\n", stats.dais.list_elements, wholly, partly);
+    print_message("%u elements; %u pixels are covered wholly, %u partly\n", (uint32_t)counter(&stats, "dais.list-elements"),
+                  wholly, partly);
     assert_true(wholly > 3000);
-    assert_int_equal(stats.dais.list_elements, partly);
-    assert_int_equal(target_bytes - stats.dais.bytes, 3ull * 4 * frame.width * frame.height - partly * DAIS_NODE * 4ull);
+    assert_int_equal(counter(&stats, "dais.list-elements"), partly);
+    assert_int_equal(target_bytes - counter(&stats, "dais.bytes"),
+                     3ull * 4 * frame.width * frame.height - partly * DAIS_NODE * 4ull);
     free_picture(&target);
     free_picture(&list);
     fnl_renderer_destroy(&renderer);
@@ -495,12 +500,12 @@ static void test_multirate(void **state) {
         frame.msaa = i % 2 ? 4 : 1;
         frame.dais.mode = i % 4 < 2 ? FNL_DAIS_TARGET : FNL_DAIS_LIST;
         fnl_image all = shoot(renderer, &frame), all_color = test_read(renderer, FNL_OUTPUT_COLOR);
-        uint32_t shaded = stats_of(renderer).dais.shaded;
+        uint32_t shaded = counter_of(renderer, "dais.shaded");
         frame.dais.multirate = true;
         harness_hooks(renderer)->dais_plain = i >= 4; /* nobody shares */
         fnl_image part = shoot(renderer, &frame), part_color = test_read(renderer, FNL_OUTPUT_COLOR);
         harness_hooks(renderer)->dais_plain = false;
-        uint32_t samples = stats_of(renderer).dais.shading_samples;
+        uint32_t samples = counter_of(renderer, "dais.shading-samples");
         fnl_image_difference difference;
         assert_int_equal(fnl_image_compare(NULL, &all_color, &part_color, &difference), FNL_OK);
         uint32_t holes = 0, surfaces = 0, other = 0; /* what comes from shading samples is rounded: it shows that they are used */
@@ -547,10 +552,10 @@ static void test_multirate_overflow(void **state) {
     frame.dais.multirate = true;
     harness_hooks(renderer)->dais_plain = true; /* a sample for each pixel of each surface */
     fnl_image crowded = shoot(renderer, &frame);
-    fnl_frame_stats stats = stats_of(renderer);
-    print_message("%u shading samples of %u pixels\n", stats.dais.shading_samples, pixels);
-    assert_int_equal(stats.dais.shading_samples, 2 * pixels); /* of which five eighths find room */
-    assert_int_equal(stats.dais.overflow, 0);
+    fnl_frame_stats stats = harness_stats(renderer);
+    print_message("%u shading samples of %u pixels\n", (uint32_t)counter(&stats, "dais.shading-samples"), pixels);
+    assert_int_equal(counter(&stats, "dais.shading-samples"), 2 * pixels); /* of which five eighths find room */
+    assert_int_equal(counter(&stats, "dais.overflow"), 0);
     assert_true(test_equal(&alone, &crowded));
     free_picture(&alone);
     free_picture(&crowded);
@@ -570,15 +575,16 @@ static void test_bytes(void **state) {
     fnl_frame frame = wide_frame(0);
     frame.msaa = 4;
     test_render_frame(renderer, &frame);
-    fnl_frame_stats dais = stats_of(renderer);
+    fnl_frame_stats dais = harness_stats(renderer);
     uint64_t samples = (uint64_t)frame.width * frame.height * frame.msaa, cache = (uint64_t)frame.dais.cache_buckets * 16;
     /* What is counted is what formats and records say: 4 bytes a sample, the cache, and for each triangle its record and its number. */
-    uint64_t records = dais.dais.bytes - samples * 4 - cache;
-    assert_true(records >= dais.dais.triangles * 4ull * (16 + 1) && records <= dais.dais.triangles * 4ull * (DAIS_RECORD_MAX + 1));
+    uint64_t records = counter(&dais, "dais.bytes") - samples * 4 - cache;
+    assert_true(records >= counter(&dais, "dais.triangles") * 4ull * (16 + 1) &&
+                records <= counter(&dais, "dais.triangles") * 4ull * (DAIS_RECORD_MAX + 1));
     frame.shading = FNL_SHADING_DEFERRED;
     test_render_frame(renderer, &frame);
-    assert_int_equal(stats_of(renderer).gbuffer_bytes, samples * info.bits / 8);
-    double each = (double)records / dais.dais.triangles;
+    assert_int_equal(counter_of(renderer, "gbuffer.bytes"), samples * info.bits / 8);
+    double each = (double)records / counter(&dais, "dais.triangles");
     static const uint32_t sizes[][2] = {{1920, 1080}, {3840, 2160}};
     for (uint32_t i = 0; i < 2; i++) {
         uint64_t many = 8ull * sizes[i][0] * sizes[i][1], deferred = many * info.bits / 8;
@@ -607,15 +613,16 @@ static void test_crossover(void **state) {
         fnl_frame frame = wide_frame(0);
         frame.msaa = 4;
         test_render_frame(renderer, &frame);
-        fnl_frame_stats dais = stats_of(renderer);
+        fnl_frame_stats dais = harness_stats(renderer);
         frame.shading = FNL_SHADING_DEFERRED;
         test_render_frame(renderer, &frame);
-        double samples = 4.0 * frame.width * frame.height, deferred = (double)stats_of(renderer).gbuffer_bytes,
-               bytes = (double)(dais.dais.bytes - frame.dais.cache_buckets * 16ull), each = samples / dais.dais.triangles;
+        double samples = 4.0 * frame.width * frame.height, deferred = (double)counter_of(renderer, "gbuffer.bytes"),
+               bytes = (double)(counter(&dais, "dais.bytes") - frame.dais.cache_buckets * 16ull),
+               each = samples / counter(&dais, "dais.triangles");
         double even = (64 + 4) / (deferred / samples - 4); /* a record without textures, and its number */
         print_message("%.2f samples to each of %u triangles: %.2f of the bytes of deferred; even at %.2f\n", each,
-                      dais.dais.triangles, bytes / deferred, even);
-        assert_true(bytes == samples * 4 + dais.dais.triangles * 68.0 && (bytes < deferred) == (each > even));
+                      (uint32_t)counter(&dais, "dais.triangles"), bytes / deferred, even);
+        assert_true(bytes == samples * 4 + counter(&dais, "dais.triangles") * 68.0 && (bytes < deferred) == (each > even));
         ahead += bytes < deferred;
         behind += bytes > deferred;
         fnl_renderer_destroy(&renderer);
@@ -633,7 +640,7 @@ static void test_timers(void **state) {
     frame.timers = true;
     frame.dais.multirate = true;
     test_render_frame(renderer, &frame);
-    fnl_frame_stats stats = stats_of(renderer);
+    fnl_frame_stats stats = harness_stats(renderer);
     static const char *const passes[] = {"depth prepass", "dais visibility", "dais derivatives", "dais shared samples",
                                          "dais shade"};
     for (uint32_t k = 0; k < COUNT_OF(passes); k++) {
@@ -664,7 +671,7 @@ static void test_views(void **state) {
         test_render_frame(renderer, &frame);
         shown[k] = test_read(renderer, FNL_OUTPUT_COLOR);
     }
-    fnl_frame_stats stats = stats_of(renderer);
+    fnl_frame_stats stats = harness_stats(renderer);
     uint32_t triangles = 0, red = 0;
     for (uint32_t y = 0; y < frame.height; y++)
         for (uint32_t x = 0; x < frame.width; x++) {
@@ -675,9 +682,10 @@ static void test_views(void **state) {
             triangles += n;
             red += test_pixel8(&shown[2], x, y)[0] > 100;
         }
-    print_message("%u triangles of pixels shown, %u shaded; %u red\n", triangles, stats.dais.shaded, red);
-    assert_int_equal(triangles, stats.dais.shaded);
-    assert_true(stats.dais.cache_failures > 0 || red == 0);
+    print_message("%u triangles of pixels shown, %u shaded; %u red\n", triangles, (uint32_t)counter(&stats, "dais.shaded"),
+                  red);
+    assert_int_equal(triangles, counter(&stats, "dais.shaded"));
+    assert_true(counter(&stats, "dais.cache-failures") > 0 || red == 0);
     for (int k = 0; k < 3; k++) free_picture(&shown[k]);
     frame.shading = FNL_SHADING_FORWARD;
     assert_int_equal(fnl_renderer_render(renderer, &frame), FNL_ERROR_UNSUPPORTED);
@@ -720,7 +728,7 @@ static void test_little(void **state) {
         frame.dais.multirate = i == 2;
         fnl_image radiance = shoot(renderer, &frame);
         for (int k = 0; k < 3; k++) assert_true(test_pixel(&radiance, 0, 0)[k] == (&scene->background.x)[k]);
-        assert_int_equal(stats_of(renderer).dais.triangles, 0);
+        assert_int_equal(counter_of(renderer, "dais.triangles"), 0);
         free_picture(&radiance);
     }
     fnl_renderer_destroy(&renderer);

@@ -457,8 +457,9 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
             fnl_image full = test_read(r, FNL_OUTPUT_COLOR);
             fnl_frame_stats stats;
             assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
-            assert_true(stats.decals_total > 1400 && stats.decals_in_view > 0 && stats.decal_entries > 0);
-            assert_int_equal(stats.decal_overflow, 0);
+            assert_true(counter(&stats, "decals.total") > 1400 && counter(&stats, "decals.in-view") > 0 &&
+                        counter(&stats, "decals.entries") > 0);
+            assert_int_equal(counter(&stats, "decals.overflow"), 0);
             uint32_t beyond = 0;
             for (uint32_t i = 0; i < frame.width * frame.height * 4; i++)
                 beyond += abs(((const uint8_t *)full.pixels)[i] - ((const uint8_t *)reference.pixels)[i]) > 2;
@@ -467,16 +468,16 @@ static void test_all_orders_agree_EQ_ES_36_ES_59(void **state) {
             test_render_frame(r, &frame);
             fnl_image cramped = test_read(r, FNL_OUTPUT_COLOR);
             assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
-            assert_true(stats.decal_overflow > 0);
+            assert_true(counter(&stats, "decals.overflow") > 0);
             assert_true(test_equal(&full, &cramped));
             assert_true(r->decal_capacity > 7);         /* for the next frame */
             for (uint32_t tree = 0; tree < 2; tree++) { /* cells that ask each box, and a tree over few: the same entries */
-                uint64_t entries = stats.decal_entries;
+                uint64_t entries = counter(&stats, "decals.entries");
                 r->decal_tree = tree ? 0 : UINT32_MAX;
                 test_render_frame(r, &frame);
                 fnl_image same = test_read(r, FNL_OUTPUT_COLOR);
                 assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
-                assert_int_equal(stats.decal_entries, entries);
+                assert_int_equal(counter(&stats, "decals.entries"), entries);
                 assert_true(test_equal(&full, &same));
                 free_picture(&same);
                 fnl_renderer_print(r, FNL_PRINT_PLAN, plan, sizeof plan);
@@ -591,9 +592,9 @@ static void test_tiles_note_what_meets_them_ES_30(void **state) {
         test_render_frame(r, &frame);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
-        print_message("%s: %llu entries\n", cases[i].name, (unsigned long long)stats.decal_entries);
-        assert_int_equal(stats.decals_in_view, i + 1);
-        assert_int_equal(stats.decal_entries, expected);
+        print_message("%s: %llu entries\n", cases[i].name, (unsigned long long)counter(&stats, "decals.entries"));
+        assert_int_equal(counter(&stats, "decals.in-view"), i + 1);
+        assert_int_equal(counter(&stats, "decals.entries"), expected);
     }
     fnl_renderer_destroy(&r);
     fnl_scene_destroy(&scene);
@@ -622,9 +623,9 @@ static void test_a_hundred_thousand_decals(void **state) {
             test_render_frame(r, &frame);
             assert_int_equal(fnl_renderer_query_stats(r, &stats), FNL_OK);
         }
-        assert_int_equal(stats.decals_total, 100000);
-        assert_true(stats.decals_in_view > 60000);
-        assert_int_equal(stats.decal_overflow, 0);
+        assert_int_equal(counter(&stats, "decals.total"), 100000);
+        assert_true(counter(&stats, "decals.in-view") > 60000);
+        assert_int_equal(counter(&stats, "decals.overflow"), 0);
         pictures[way] = test_read(r, FNL_OUTPUT_COLOR);
         fnl_renderer_destroy(&r);
     }

@@ -95,16 +95,10 @@ static fnl_frame garden_frame(uint32_t view) {
     return frame;
 }
 
-static fnl_frame_stats stats_of(fnl_renderer *renderer) {
-    fnl_frame_stats stats;
-    assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-    return stats;
-}
-
 static fnl_image shoot(fnl_renderer *renderer, fnl_frame frame, fnl_geometry geometry, fnl_frame_stats *out) {
     frame.geometry = geometry;
     test_render_frame(renderer, &frame);
-    *out = stats_of(renderer);
+    *out = harness_stats(renderer);
     return test_read(renderer, FNL_OUTPUT_RADIANCE);
 }
 
@@ -339,7 +333,7 @@ static void test_gates(void **state) {
     fnl_frame_stats stats;
     renderer->dais_capacity = 8; /* for next to nothing */
     fnl_image cut = shoot(renderer, frame, FNL_GEOMETRY_MESH, &stats);
-    assert_true(stats.dais.overflow > 0);
+    assert_true(counter(&stats, "dais.overflow") > 0);
     assert_int_equal(stats.geometry, FNL_GEOMETRY_MESH);
     frame.shading = FNL_SHADING_FORWARD_PREPASS;
     fnl_image forward = shoot(renderer, frame, FNL_GEOMETRY_MESH, &stats);

@@ -496,8 +496,8 @@ static void test_walls_TD_6(void **state) {
         stage.frame.lists = FNL_LISTS_BACKFACE;
         struct shot shot = stage_shoot(&stage, &stage.frame);
         assert_int_equal(count_differing(&tiled.radiance, &shot.radiance), 0);
-        assert_int_equal(shot.stats.lights_behind, behind[test]);
-        assert_int_equal(tiled.stats.lights_behind, 0);
+        assert_int_equal(counter(&shot.stats, "lights.behind"), behind[test]);
+        assert_false(has_counter(&tiled.stats, "lights.behind"));
         print_message("%s: %llu evaluations of %llu\n", source, (unsigned long long)shot.stats.evaluations,
                       (unsigned long long)tiled.stats.evaluations);
         if (test == 0) {

@@ -20,7 +20,8 @@ static void test_merged_and_separate_are_equal_MB_1(void **state) {
             struct shot merged = stage_shoot(&stage, &frame);
             frame.mobile.separate = true;
             struct shot separate = stage_shoot(&stage, &frame);
-            assert_true(merged.stats.mobile_merged && merged.stats.mobile_tonemapped && !separate.stats.mobile_merged);
+            assert_true(counter(&merged.stats, "mobile.merged") && counter(&merged.stats, "mobile.tonemapped-inside") &&
+                        !counter(&separate.stats, "mobile.merged"));
             assert_same(&merged.color, &separate.color, fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout));
             bool wide = layout >= FNL_MOBILE_METALLIC_256;
             double mean = mean_difference(&merged.color, &forward.color);
@@ -112,7 +113,7 @@ static void test_lights_as_volumes_MB_1_MB_2_MB_13(void **state) {
             frame.mobile.lights = FNL_MOBILE_LIGHTS_VOLUMES;
             frame.volume_shape = (fnl_volume_shape)((i + (uint32_t)variant) % FNL_VOLUME_SHAPE_COUNT);
             struct shot volumes = stage_shoot(&stage, &frame);
-            assert_true(volumes.stats.mobile_merged && volumes.stats.mobile_tonemapped);
+            assert_true(counter(&volumes.stats, "mobile.merged") && counter(&volumes.stats, "mobile.tonemapped-inside"));
             frame.mobile.separate = true;
             struct shot separate = stage_shoot(&stage, &frame);
             assert_same(&volumes.color, &separate.color, sources[i]);
@@ -302,7 +303,8 @@ static void test_tone_mapping_inside_equals_tone_mapping_after_MB_15(void **stat
         struct shot inside = stage_shoot(&stage, &frame);
         frame.outputs |= FNL_OUTPUT_RADIANCE;
         struct shot after = stage_shoot(&stage, &frame);
-        assert_true(inside.stats.mobile_tonemapped && !after.stats.mobile_tonemapped && after.stats.mobile_merged);
+        assert_true(counter(&inside.stats, "mobile.tonemapped-inside") &&
+                    !counter(&after.stats, "mobile.tonemapped-inside") && counter(&after.stats, "mobile.merged"));
         assert_int_equal(greatest_difference(&inside.color, &after.color), 0);
         shot_free(&inside);
         shot_free(&after);
@@ -318,7 +320,7 @@ static void test_automatic_exposure_MB_15(void **state) {
     frame.exposure = FNL_EXPOSURE_AUTO;
     frame.mobile.light = FNL_MOBILE_LIGHT_UNORM; /* floats take over */
     struct shot mobile = stage_shoot(&stage, &frame);
-    assert_true(mobile.stats.mobile_merged && !mobile.stats.mobile_tonemapped);
+    assert_true(counter(&mobile.stats, "mobile.merged") && !counter(&mobile.stats, "mobile.tonemapped-inside"));
     frame.shading = FNL_SHADING_DEFERRED;
     struct shot deferred = stage_shoot(&stage, &frame);
     assert_true(fabsf(mobile.stats.ev - deferred.stats.ev) < 0.05f);
@@ -380,10 +382,10 @@ static void test_weighted_glass_inside_MB_16(void **state) {
         frame.mobile.layout = (fnl_mobile_layout)layout;
         frame.mobile.lights = layout & 1 ? FNL_MOBILE_LIGHTS_VOLUMES : FNL_MOBILE_LIGHTS_LISTS;
         struct shot inside = stage_shoot(&with, &frame), none = stage_shoot(&without, &frame);
-        assert_true(inside.stats.mobile_merged && inside.stats.mobile_tonemapped);
+        assert_true(counter(&inside.stats, "mobile.merged") && counter(&inside.stats, "mobile.tonemapped-inside"));
         assert_int_equal(inside.stats.image_bytes_written, 4ull * frame.width * frame.height);
         assert_int_equal(inside.stats.image_bytes_read, 0);
-        assert_true(inside.stats.blend_bytes >= 10ull * frame.width * frame.height);
+        assert_true(counter(&inside.stats, "transparency.bytes") >= 10ull * frame.width * frame.height);
         frame.mobile.separate = true;
         struct shot separate = stage_shoot(&with, &frame);
         assert_same(&inside.color, &separate.color, fnl_value_name(FNL_ENUM_MOBILE_LAYOUT, frame.mobile.layout));
@@ -391,7 +393,7 @@ static void test_weighted_glass_inside_MB_16(void **state) {
         frame.light_lod =
             1e-3f; /* points for small lights, of which there are none: blended surfaces follow after the scope */
         struct shot after = stage_shoot(&with, &frame);
-        assert_true(!after.stats.mobile_tonemapped);
+        assert_true(!counter(&after.stats, "mobile.tonemapped-inside"));
         frame.light_lod = 0;
         frame.shading = FNL_SHADING_FORWARD_PREPASS;
         struct shot forward = stage_shoot(&with, &frame), forward_none = stage_shoot(&without, &frame);
@@ -429,7 +431,7 @@ static void test_what_does_not_fit_inside_follows_MB_16(void **state) {
         if (variant == 1) frame.light_lod = 3;
         if (variant == 2) frame.debug = FNL_DEBUG_LIGHTS;
         struct shot mobile = stage_shoot(&stage, &frame);
-        assert_true(mobile.stats.mobile_merged && !mobile.stats.mobile_tonemapped);
+        assert_true(counter(&mobile.stats, "mobile.merged") && !counter(&mobile.stats, "mobile.tonemapped-inside"));
         frame.shading = FNL_SHADING_DEFERRED;
         struct shot deferred = stage_shoot(&stage, &frame);
         if (variant < 2) assert_true(mean_difference(&mobile.color, &deferred.color) < 1.5);
@@ -476,7 +478,7 @@ static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
     assert_int_equal(stage.renderer->mobile_notes, 0);
     harness_hooks(stage.renderer)->cannot_merge = true;
     struct shot fallback = stage_shoot(&stage, &frame);
-    assert_true(merged.stats.mobile_merged && !fallback.stats.mobile_merged);
+    assert_true(counter(&merged.stats, "mobile.merged") && !counter(&fallback.stats, "mobile.merged"));
     assert_int_equal(stage.renderer->mobile_notes, 2); /* and it said so */
     assert_same(&merged.color, &fallback.color, "fallback");
     frame.msaa = 4;

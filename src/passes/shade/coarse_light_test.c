@@ -76,7 +76,7 @@ static void test_split_pixel_rate_CP_10(void **state) {
         struct shot full = coarse_deferred(&stage, frame), none = stage_shoot(&stage, &frame);
         frame.coarse.split = (fnl_coarse_split)split;
         struct shot shot = stage_shoot(&stage, &frame);
-        assert_int_equal(shot.stats.coarse_shared, shot.stats.coarse_blocks);
+        assert_int_equal(counter(&shot.stats, "coarse.shared"), counter(&shot.stats, "coarse.blocks"));
         double worst = coarse_worst_ratio(&shot.radiance, &full.radiance, 1),
                without = coarse_worst_ratio(&none.radiance, &full.radiance, 1);
         print_message("split %s: off by %.3g, without by %.3g\n", fnl_value_name(FNL_ENUM_COARSE_SPLIT, frame.coarse.split), worst, without);
@@ -122,7 +122,7 @@ static void test_split_work_CP_10(void **state) {
                 frame.coarse.split = (fnl_coarse_split)split;
                 fnl_frame_stats s = coarse_stats(&stage, &frame);
                 bool twice = split == FNL_COARSE_SPLIT_HIGHLIGHTS || split == FNL_COARSE_SPLIT_SHARP;
-                assert_int_equal(s.coarse_shared, blocks);
+                assert_int_equal(counter(&s, "coarse.shared"), blocks);
                 assert_int_equal(s.evaluations, (uint64_t)(twice ? blocks + PIXELS : blocks) * (POINTS + SPOTS));
                 if (split == FNL_COARSE_SPLIT_NONE) useful_once = s.evaluations_useful;
                 uint64_t useful = split == FNL_COARSE_SPLIT_HIGHLIGHTS ? useful_once + full.evaluations_useful
@@ -147,8 +147,8 @@ static void test_splat_and_gather_CP_11(void **state) {
         frame.coarse.gather = true;
         struct shot gather = stage_shoot(&stage, &frame);
         assert_int_equal(count_differing(&splat.radiance, &gather.radiance), 0);
-        assert_int_equal(splat.stats.coarse_shaded, gather.stats.coarse_shaded);
-        assert_true(splat.stats.coarse_shared > 0);
+        assert_int_equal(counter(&splat.stats, "coarse.shaded"), counter(&gather.stats, "coarse.shaded"));
+        assert_true(counter(&splat.stats, "coarse.shared") > 0);
         shot_free(&splat);
         shot_free(&gather);
     }
@@ -231,9 +231,11 @@ static void test_cost_changes_time_alone_CP_15(void **state) {
         assert_int_equal(count_differing(&cheap.radiance, &dear.radiance), 0);
         assert_true(before == 0 || after > 1.5 * before); /* 20000 sines a pixel are not left out */
         if (i == 1) deferred = after;
-        print_message("%s: %.0f ms; %u of %u lit\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), after, dear.stats.coarse_shaded,
-                      dear.stats.coarse_pixels);
-        if (i > 1) assert_true(dear.stats.coarse_shaded < 0.5 * dear.stats.coarse_pixels && after <= 0.6 * deferred);
+        print_message("%s: %.0f ms\n", fnl_value_name(FNL_ENUM_SHADING, frame.shading), after);
+        assert_int_equal(has_counter(&dear.stats, "coarse.shaded"), i > 1);
+        if (i > 1)
+            assert_true(counter(&dear.stats, "coarse.shaded") < 0.5 * counter(&dear.stats, "coarse.pixels") &&
+                        after <= 0.6 * deferred);
         shot_free(&cheap);
         shot_free(&dear);
     }
@@ -268,10 +270,10 @@ static void test_occlusion_at_coarse_rate_CP_17(void **state) {
     fnl_frame frame = coarse_front_frame(&stage);
     frame.coarse.size = 1;
     struct shot off = stage_shoot(&stage, &frame);
-    assert_int_equal(off.stats.coarse_ao_shaded, 0);
+    assert_false(has_counter(&off.stats, "coarse.ao-shaded"));
     frame.coarse.ao_radius = 0.4f;
     struct shot full = stage_shoot(&stage, &frame);
-    assert_int_equal(full.stats.coarse_ao_shaded, 64 * 64);
+    assert_int_equal(counter(&full.stats, "coarse.ao-shaded"), 64 * 64);
     const float *a = off.radiance.pixels, *b = full.radiance.pixels;
     for (uint32_t y = 0; y < 64; y++)
         for (uint32_t x = 0; x < 64; x++) {
@@ -285,16 +287,16 @@ static void test_occlusion_at_coarse_rate_CP_17(void **state) {
         frame.coarse.size = size;
         frame.coarse.depth_factor = 0; /* no block is alike */
         struct shot fine = stage_shoot(&stage, &frame);
-        assert_int_equal(fine.stats.coarse_ao_shaded, 64 * 64);
+        assert_int_equal(counter(&fine.stats, "coarse.ao-shaded"), 64 * 64);
         assert_int_equal(count_differing(&fine.radiance, &full.radiance), 0);
         shot_free(&fine);
         frame.coarse.depth_factor = 1;
         struct shot shot = stage_shoot(&stage, &frame);
-        assert_int_equal(shot.stats.coarse_ao_shaded, shot.stats.coarse_shaded);
-        assert_true(shot.stats.coarse_ao_shaded < 64 * 64 / 3);
+        assert_int_equal(counter(&shot.stats, "coarse.ao-shaded"), counter(&shot.stats, "coarse.shaded"));
+        assert_true(counter(&shot.stats, "coarse.ao-shaded") < 64 * 64 / 3);
         double near = coarse_psnr(&shot.color, &full.color);
-        print_message("size %u: occlusion found %u times for 4096 pixels, %.1f dB\n", size, shot.stats.coarse_ao_shaded,
-                      near);
+        print_message("size %u: occlusion found %u times for 4096 pixels, %.1f dB\n", size,
+                      (uint32_t)counter(&shot.stats, "coarse.ao-shaded"), near);
         assert_true(near > 28);
         /* Blocks have the occlusion of their first pixels, whatever else they share. */
         assert_true(coarse_worst_ratio(&shot.radiance, &full.radiance, size) < 1e-6);

@@ -26,10 +26,10 @@ static void test_gradient_is_the_slope_of_a_plane_CP_1(void **state) {
             fnl_frame_stats below = coarse_stats(&stage, &frame);
             frame.coarse.depth_factor = factor * 1.005f;
             fnl_frame_stats above = coarse_stats(&stage, &frame);
-            assert_int_equal(below.coarse_blocks, 64 * 64 / (size * size));
-            assert_int_equal(below.coarse_shared, 0);
-            assert_int_equal(below.coarse_by_depth, below.coarse_blocks);
-            assert_int_equal(above.coarse_shared, above.coarse_blocks);
+            assert_int_equal(counter(&below, "coarse.blocks"), 64 * 64 / (size * size));
+            assert_int_equal(counter(&below, "coarse.shared"), 0);
+            assert_int_equal(counter(&below, "coarse.by-depth"), counter(&below, "coarse.blocks"));
+            assert_int_equal(counter(&above, "coarse.shared"), counter(&above, "coarse.blocks"));
         }
         stage_close(&stage);
     }
@@ -44,7 +44,7 @@ static void test_size_1_is_deferred_CP_2(void **state) {
         frame.coarse.size = 1;
         struct shot a = stage_shoot(&stage, &frame), b = coarse_deferred(&stage, frame);
         assert_int_equal(count_differing(&a.radiance, &b.radiance), 0);
-        assert_int_equal(a.stats.coarse_shaded, a.stats.coarse_pixels);
+        assert_int_equal(counter(&a.stats, "coarse.shaded"), counter(&a.stats, "coarse.pixels"));
         shot_free(&a);
         shot_free(&b);
         stage_close(&stage);
@@ -66,12 +66,12 @@ static void test_plane_is_lit_once_per_block_CP_3(void **state) {
             struct shot shot = stage_shoot(&stage, &frame);
             double error = coarse_worst_ratio(&shot.radiance, &full.radiance, 1);
             uint32_t blocks = 64 * 64 / (size * size);
-            assert_int_equal(shot.stats.coarse_blocks, blocks);
+            assert_int_equal(counter(&shot.stats, "coarse.blocks"), blocks);
             if (criterion != FNL_COARSE_CRITERION_ID) {
-                assert_int_equal(shot.stats.coarse_shared, blocks);
-                assert_int_equal(shot.stats.coarse_shaded, blocks);
+                assert_int_equal(counter(&shot.stats, "coarse.shared"), blocks);
+                assert_int_equal(counter(&shot.stats, "coarse.shaded"), blocks);
             } else { /* but for the edge between the two triangles */
-                assert_in_range(blocks - shot.stats.coarse_shared, 1, 3 * 64 / size);
+                assert_in_range(blocks - counter(&shot.stats, "coarse.shared"), 1, 3 * 64 / size);
             }
             /* Light changes by less than 4 % from a pixel to the next diagonally, and the farthest is size - 1 away. */
             print_message("size %u, %s: off by %.3g\n", size, fnl_value_name(FNL_ENUM_COARSE_CRITERION, frame.coarse.criterion), error);
@@ -96,10 +96,11 @@ static void test_curved_surface_is_lit_by_pixels_at_0_degrees_CP_4(void **state)
             frame.coarse.size = size;
             frame.coarse.criterion = (fnl_coarse_criterion)criterion;
             frame.coarse.normal_degrees = 8;
-            assert_true(coarse_stats(&stage, &frame).coarse_shared > 0);
+            fnl_frame_stats loose = coarse_stats(&stage, &frame);
+            assert_true(counter(&loose, "coarse.shared") > 0);
             frame.coarse.normal_degrees = 0;
             struct shot shot = stage_shoot(&stage, &frame);
-            assert_int_equal(shot.stats.coarse_shared, 0);
+            assert_int_equal(counter(&shot.stats, "coarse.shared"), 0);
             assert_int_equal(count_differing(&shot.radiance, &full.radiance), 0);
             shot_free(&shot);
         }
@@ -245,8 +246,9 @@ static void test_cameras_CP_7(void **state) {
         struct shot shot = stage_shoot(&stage, &frame), full = coarse_deferred(&stage, frame);
         assert_int_equal(count_broken(&shot.radiance), 0);
         double near = coarse_psnr(&shot.color, &full.color);
-        print_message("camera %u: %u of %u blocks lit once, %.1f dB\n", kind, shot.stats.coarse_shared,
-                      shot.stats.coarse_blocks, near);
+        print_message("camera %u: %u of %u blocks lit once, %.1f dB\n", kind,
+                      (uint32_t)counter(&shot.stats, "coarse.shared"), (uint32_t)counter(&shot.stats, "coarse.blocks"),
+                      near);
         assert_true(near > 30);
         shot_free(&shot);
         shot_free(&full);
@@ -263,11 +265,11 @@ static void test_counts_CP_9(void **state) {
         frame.count_lights = true;
         frame.lists = FNL_LISTS_ALL;
         fnl_frame_stats s = coarse_stats(&stage, &frame);
-        uint32_t blocks = 96 * 64 / (size * size), list = s.coarse_blocks - s.coarse_shared;
-        assert_int_equal(s.coarse_blocks, blocks);
-        assert_true(list > 0 && s.coarse_shared > 0);
-        assert_int_equal(s.coarse_shaded, blocks + list * (size * size - 1));
-        assert_int_equal(s.evaluations, (uint64_t)s.coarse_shaded * 32); /* lights are visited as often */
+        uint32_t blocks = 96 * 64 / (size * size), list = counter(&s, "coarse.blocks") - counter(&s, "coarse.shared");
+        assert_int_equal(counter(&s, "coarse.blocks"), blocks);
+        assert_true(list > 0 && counter(&s, "coarse.shared") > 0);
+        assert_int_equal(counter(&s, "coarse.shaded"), blocks + list * (size * size - 1));
+        assert_int_equal(s.evaluations, (uint64_t)counter(&s, "coarse.shaded") * 32); /* lights are visited as often */
         frame.count_lights = false;
         frame.width = 95;
         frame.height = 61;
@@ -289,8 +291,8 @@ static void test_triangles_of_a_plane_CP_13(void **state) {
         frame.coarse.size = size;
         frame.coarse.criterion = FNL_COARSE_CRITERION_ID;
         fnl_frame_stats s = coarse_stats(&stage, &frame);
-        assert_int_equal(s.coarse_by_depth, 64 / size);
-        assert_int_equal(s.coarse_shared, s.coarse_blocks - s.coarse_by_depth);
+        assert_int_equal(counter(&s, "coarse.by-depth"), 64 / size);
+        assert_int_equal(counter(&s, "coarse.shared"), counter(&s, "coarse.blocks") - counter(&s, "coarse.by-depth"));
     }
     stage_close(&stage);
 }
@@ -368,7 +370,7 @@ static void test_views_CP_16(void **state) {
             assert_int_equal(coarse_kind_at(&green.color, x, y), kind == 1 ? 1 : 0);
             shared += kind == 1;
         }
-    assert_int_equal(shared, 4 * green.stats.coarse_shared);
+    assert_int_equal(shared, 4 * counter(&green.stats, "coarse.shared"));
     for (uint32_t k = 1; k < 5; k++) assert_true(colors[k] > 0);
     frame.shading = FNL_SHADING_DEFERRED;
     frame.debug = FNL_DEBUG_COARSE;
@@ -397,8 +399,8 @@ static void test_culling_changes_nothing_CP_8_ES_79(void **state) {
                 struct shot shot = stage_shoot(&stage, &frame);
                 assert_int_equal(count_differing(&first.radiance, &whole.radiance), 0);
                 assert_int_equal(count_differing(&shot.radiance, &whole.radiance), 0);
-                assert_int_equal(shot.stats.coarse_shared, whole.stats.coarse_shared);
-                assert_int_equal(shot.stats.coarse_shaded, whole.stats.coarse_shaded);
+                assert_int_equal(counter(&shot.stats, "coarse.shared"), counter(&whole.stats, "coarse.shared"));
+                assert_int_equal(counter(&shot.stats, "coarse.shaded"), counter(&whole.stats, "coarse.shaded"));
                 assert_true(shot.stats.triangles_back > 0 &&
                             (!occlusion || shot.stats.triangles_occluded > 0 || shot.stats.items_occluded > 0));
                 shot_free(&first);

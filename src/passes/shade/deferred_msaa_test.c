@@ -19,8 +19,8 @@ static struct shot shoot_method(struct stage *stage, fnl_frame frame, fnl_msaa_m
 /* Invocations when every sample of edge pixels is shaded that shows a surface, and one of all others: pixels + (N - 1) edges where there is
  * no sky. */
 static uint64_t per_sample(const fnl_frame_stats *s, uint32_t samples) {
-    uint64_t plain = s->msaa_pixels - s->msaa_edge_pixels;
-    return plain + s->msaa_samples - samples * plain;
+    uint64_t plain = counter(s, "msaa.pixels") - counter(s, "msaa.edge-pixels");
+    return plain + counter(s, "msaa.samples") - samples * plain;
 }
 
 /* ---- the exact methods ---- */
@@ -46,7 +46,7 @@ static uint64_t per_tile(struct stage *stage, fnl_frame frame) {
             plain_tiles += own == 0;
             sum += own ? (uint64_t)pixels * frame.msaa : pixels;
         }
-    assert_int_equal(edges, map.stats.msaa_edge_pixels);
+    assert_int_equal(edges, counter(&map.stats, "msaa.edge-pixels"));
     assert_true(plain_tiles > 0);
     shot_free(&map);
     return sum;
@@ -57,9 +57,11 @@ static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_rou
     const fnl_frame_stats *s = &all.stats;
     bool radiance = (frame.outputs & FNL_OUTPUT_RADIANCE) != 0;
     if (radiance) assert_int_equal(count_broken(&all.radiance), 0);
-    assert_int_equal(s->msaa_shaded, s->msaa_samples);
-    assert_true(s->msaa_pixels <= frame.width * frame.height && s->msaa_edge_pixels <= s->msaa_pixels);
-    assert_true(s->msaa_samples <= (uint64_t)frame.msaa * s->msaa_pixels && s->msaa_surfaces <= s->msaa_samples);
+    assert_int_equal(counter(s, "msaa.shaded"), counter(s, "msaa.samples"));
+    assert_true(counter(s, "msaa.pixels") <= frame.width * frame.height &&
+                counter(s, "msaa.edge-pixels") <= counter(s, "msaa.pixels"));
+    assert_true(counter(s, "msaa.samples") <= (uint64_t)frame.msaa * counter(s, "msaa.pixels") &&
+                counter(s, "msaa.surfaces") <= counter(s, "msaa.samples"));
     for (uint32_t m = FNL_MSAA_TILES; m <= FNL_MSAA_COMPACT; m++) {
         struct shot shot = shoot_method(stage, frame, (fnl_msaa_method)m);
         const fnl_frame_stats *t = &shot.stats;
@@ -68,18 +70,21 @@ static void check_exact(struct stage *stage, fnl_frame frame, bool walls_all_rou
         if (differing)
             fail_msg("%s: %llu pixels differ from all", fnl_value_name(FNL_ENUM_MSAA_METHOD, (fnl_msaa_method)m),
                      (unsigned long long)differing);
-        assert_int_equal(t->msaa_pixels, s->msaa_pixels);
-        assert_int_equal(t->msaa_edge_pixels, s->msaa_edge_pixels);
-        assert_int_equal(t->msaa_surfaces, s->msaa_surfaces);
+        assert_int_equal(counter(t, "msaa.pixels"), counter(s, "msaa.pixels"));
+        assert_int_equal(counter(t, "msaa.edge-pixels"), counter(s, "msaa.edge-pixels"));
+        assert_int_equal(counter(t, "msaa.surfaces"), counter(s, "msaa.surfaces"));
         uint64_t expected = per_sample(t, frame.msaa);
-        if (m == FNL_MSAA_STENCIL) assert_int_equal(t->msaa_shaded, expected);
-        if (m == FNL_MSAA_TILES) assert_true(t->msaa_shaded >= expected && t->msaa_shaded <= t->msaa_samples);
-        if (m == FNL_MSAA_COMPACT) assert_true(t->msaa_shaded == t->msaa_surfaces && t->msaa_shaded <= expected);
+        if (m == FNL_MSAA_STENCIL) assert_int_equal(counter(t, "msaa.shaded"), expected);
+        if (m == FNL_MSAA_TILES)
+            assert_true(counter(t, "msaa.shaded") >= expected && counter(t, "msaa.shaded") <= counter(t, "msaa.samples"));
+        if (m == FNL_MSAA_COMPACT)
+            assert_true(counter(t, "msaa.shaded") == counter(t, "msaa.surfaces") && counter(t, "msaa.shaded") <= expected);
         if (walls_all_round && m == FNL_MSAA_STENCIL) {
-            assert_int_equal(t->msaa_pixels, frame.width * frame.height);
-            assert_int_equal(t->msaa_shaded, t->msaa_pixels + (frame.msaa - 1) * t->msaa_edge_pixels);
+            assert_int_equal(counter(t, "msaa.pixels"), frame.width * frame.height);
+            assert_int_equal(counter(t, "msaa.shaded"),
+                             counter(t, "msaa.pixels") + (frame.msaa - 1) * counter(t, "msaa.edge-pixels"));
         }
-        if (walls_all_round && m == FNL_MSAA_TILES) assert_int_equal(t->msaa_shaded, per_tile(stage, frame));
+        if (walls_all_round && m == FNL_MSAA_TILES) assert_int_equal(counter(t, "msaa.shaded"), per_tile(stage, frame));
         shot_free(&shot);
     }
     shot_free(&all);
@@ -188,10 +193,10 @@ static void test_edges_of_one_material(void **state) {
             struct shot shot = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
             const fnl_frame_stats *s = &shot.stats;
             print_message("%s, %u samples: %u edge pixels, %u by geometry and %u that may be\n", wall ? "wall" : "sky",
-                          samples, s->msaa_edge_pixels, certain, uncertain);
+                          samples, (uint32_t)counter(s, "msaa.edge-pixels"), certain, uncertain);
             assert_true(certain > 80 && uncertain < 20);
-            assert_true(s->msaa_edge_pixels >= certain && s->msaa_edge_pixels <= certain + uncertain);
-            if (wall) assert_int_equal(s->msaa_surfaces, 61 * 61 + s->msaa_edge_pixels);
+            assert_true(counter(s, "msaa.edge-pixels") >= certain && counter(s, "msaa.edge-pixels") <= certain + uncertain);
+            if (wall) assert_int_equal(counter(s, "msaa.surfaces"), 61 * 61 + counter(s, "msaa.edge-pixels"));
             shot_free(&shot);
             check_exact(&stage, frame, wall);
         }
@@ -222,9 +227,9 @@ static void test_slopes_have_no_edges(void **state) {
     frame.camera.position.z = 300;
     frame.camera.far_distance = 600;
     struct shot shot = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
-    assert_int_equal(shot.stats.msaa_pixels, frame.width * frame.height);
-    assert_int_equal(shot.stats.msaa_edge_pixels, 0);
-    assert_int_equal(shot.stats.msaa_shaded, shot.stats.msaa_pixels);
+    assert_int_equal(counter(&shot.stats, "msaa.pixels"), frame.width * frame.height);
+    assert_int_equal(counter(&shot.stats, "msaa.edge-pixels"), 0);
+    assert_int_equal(counter(&shot.stats, "msaa.shaded"), counter(&shot.stats, "msaa.pixels"));
     shot_free(&shot);
     stage_close(&stage);
 }
@@ -266,7 +271,7 @@ static void test_forward(void **state) {
     print_message("%u of %u pixels are no edges, worst %d/255, %u beyond 2; all: %.1f dB, from forward-prepass %.1f dB\n",
                   inner, pixels, worst, off, near, near_prepass);
     assert_true(near_prepass > near - 4); /* cutouts keep what the prepass has left of them */
-    assert_true(inner > pixels / 4 && inner + deferred.stats.msaa_edge_pixels >= pixels - 800);
+    assert_true(inner > pixels / 4 && inner + counter(&deferred.stats, "msaa.edge-pixels") >= pixels - 800);
     assert_int_equal(off, 0);
     assert_true(near > c->least);
     shot_free(&deferred);
@@ -337,16 +342,20 @@ static void test_rough(void **state) {
                           msaa_psnr(&all.color, &two.color), msaa_psnr(&all.color, &three.color)};
         print_message("%u samples: 1 sample %.1f dB, coverage %.1f dB, aggregate %.1f dB, of three %.1f dB; shades a pixel: "
                       "all %.2f, coverage %.2f, aggregate %.2f and %.2f\n",
-                      samples, from[0], from[1], from[2], from[3], (double)all.stats.msaa_shaded / all.stats.msaa_pixels,
-                      (double)coverage.stats.msaa_shaded / coverage.stats.msaa_pixels,
-                      (double)two.stats.msaa_shaded / two.stats.msaa_pixels,
-                      (double)three.stats.msaa_shaded / three.stats.msaa_pixels);
-        assert_int_equal(coverage.stats.msaa_shaded, coverage.stats.msaa_pixels);
-        assert_int_equal(two.stats.msaa_shaded, two.stats.msaa_surfaces);
-        assert_int_equal(three.stats.msaa_shaded, three.stats.msaa_surfaces);
-        assert_true(two.stats.msaa_shaded <= two.stats.msaa_pixels + (uint64_t)two.stats.msaa_edge_pixels);
-        assert_true(three.stats.msaa_shaded <= three.stats.msaa_pixels + 2ull * three.stats.msaa_edge_pixels);
-        assert_true(two.stats.msaa_shaded <= three.stats.msaa_shaded && three.stats.msaa_shaded <= all.stats.msaa_shaded);
+                      samples, from[0], from[1], from[2], from[3],
+                      (double)counter(&all.stats, "msaa.shaded") / counter(&all.stats, "msaa.pixels"),
+                      (double)counter(&coverage.stats, "msaa.shaded") / counter(&coverage.stats, "msaa.pixels"),
+                      (double)counter(&two.stats, "msaa.shaded") / counter(&two.stats, "msaa.pixels"),
+                      (double)counter(&three.stats, "msaa.shaded") / counter(&three.stats, "msaa.pixels"));
+        assert_int_equal(counter(&coverage.stats, "msaa.shaded"), counter(&coverage.stats, "msaa.pixels"));
+        assert_int_equal(counter(&two.stats, "msaa.shaded"), counter(&two.stats, "msaa.surfaces"));
+        assert_int_equal(counter(&three.stats, "msaa.shaded"), counter(&three.stats, "msaa.surfaces"));
+        assert_true(counter(&two.stats, "msaa.shaded") <=
+                    counter(&two.stats, "msaa.pixels") + (uint64_t)counter(&two.stats, "msaa.edge-pixels"));
+        assert_true(counter(&three.stats, "msaa.shaded") <=
+                    counter(&three.stats, "msaa.pixels") + 2ull * counter(&three.stats, "msaa.edge-pixels"));
+        assert_true(counter(&two.stats, "msaa.shaded") <= counter(&three.stats, "msaa.shaded") &&
+                    counter(&three.stats, "msaa.shaded") <= counter(&all.stats, "msaa.shaded"));
         assert_true(from[1] > c->coverage && from[2] > c->aggregate && from[3] >= from[2] - 0.1);
         assert_true(from[2] > from[0] + 2);
         shot_free(&all);
@@ -365,17 +374,17 @@ static void test_tolerance(void **state) {
     struct stage stage = stage_open("builtin:spheres?lights=20", 0);
     fnl_frame frame = msaa_frame(&stage, 4);
     struct shot exact = shoot_method(&stage, frame, FNL_MSAA_COMPACT);
-    uint64_t before = exact.stats.msaa_surfaces;
+    uint64_t before = counter(&exact.stats, "msaa.surfaces");
     for (uint32_t i = 1; i <= 2; i++) {
         frame.deferred.msaa_tolerance = i == 1 ? 0.02f : 0.1f;
         struct shot merged = shoot_method(&stage, frame, FNL_MSAA_COMPACT),
                     tiles = shoot_method(&stage, frame, FNL_MSAA_TILES);
         double near = msaa_psnr(&exact.color, &merged.color);
         print_message("tolerance %g: %llu surfaces of %llu, %.1f dB\n", (double)frame.deferred.msaa_tolerance,
-                      (unsigned long long)merged.stats.msaa_surfaces, (unsigned long long)before, near);
-        assert_true(merged.stats.msaa_surfaces < before && near > (i == 1 ? 45 : 38));
+                      (unsigned long long)counter(&merged.stats, "msaa.surfaces"), (unsigned long long)before, near);
+        assert_true(counter(&merged.stats, "msaa.surfaces") < before && near > (i == 1 ? 45 : 38));
         assert_int_equal(count_differing(&merged.radiance, &tiles.radiance), 0);
-        before = merged.stats.msaa_surfaces;
+        before = counter(&merged.stats, "msaa.surfaces");
         shot_free(&merged);
         shot_free(&tiles);
     }

@@ -403,10 +403,11 @@ static void test_no_bleeding_ES_13(void **state) {
     struct shot chroma = stage_shoot(&stage, &frame);
     int most = greatest_difference(&plain.color, &chroma.color);
     print_message("with chroma the picture is off by %d/255 at most; %llu and %llu bytes\n", most,
-                  (unsigned long long)plain.stats.gbuffer_bytes, (unsigned long long)chroma.stats.gbuffer_bytes);
+                  (unsigned long long)counter(&plain.stats, "gbuffer.bytes"),
+                  (unsigned long long)counter(&chroma.stats, "gbuffer.bytes"));
     assert_true(most <= 2); /* one for the colours, one for tone mapping */
-    assert_int_equal(plain.stats.gbuffer_bytes, 16ull * 131 * 131);
-    assert_int_equal(chroma.stats.gbuffer_bytes, 14ull * 131 * 131);
+    assert_int_equal(counter(&plain.stats, "gbuffer.bytes"), 16ull * 131 * 131);
+    assert_int_equal(counter(&chroma.stats, "gbuffer.bytes"), 14ull * 131 * 131);
     shot_free(&plain);
     shot_free(&chroma);
     stage_close(&stage);
@@ -431,7 +432,7 @@ static void test_greys_keep_their_radiance(void **state) {
     struct shot forward = stage_shoot(&stage, &frame);
     frame.shading = FNL_SHADING_DEFERRED;
     struct shot deferred = stage_shoot(&stage, &frame);
-    assert_int_equal(deferred.stats.gbuffer_bytes, 16ull * frame.width * frame.height);
+    assert_int_equal(counter(&deferred.stats, "gbuffer.bytes"), 16ull * frame.width * frame.height);
     double sum = 0, worst = 0;
     for (uint32_t i = 0; i < GREYS; i++) {
         size_t at = 4 * ((size_t)frame.height / 2 * frame.width + i * STEP + STEP / 2);
@@ -482,7 +483,8 @@ static void test_material_ids_ES_11_MP_21(void **state) {
         frame.count_lights = true;
         struct shot mixed = stage_shoot(&stage, &frame);
         /* IDs of 8 bits hold 256 materials; the others are lit forward. */
-        assert_int_equal(mixed.stats.items_forward, layouts[k] == FNL_GBUFFER_STALKER ? 0 : COUNT - 256);
+        assert_int_equal(counter(&mixed.stats, "gbuffer.items-forward"),
+                         layouts[k] == FNL_GBUFFER_STALKER ? 0 : COUNT - 256);
         frame.debug = FNL_DEBUG_MATERIAL_ID;
         struct shot ids = stage_shoot(&stage, &frame);
         uint32_t colors[COUNT], distinct = 0;
@@ -573,7 +575,7 @@ static void test_lit_once_FP_8(void **state) {
             assert_int_equal(shot.stats.evaluations, opaque * LIGHTS);
             assert_int_equal(shot.stats.max_per_pixel, LIGHTS);
             bool plastic_alone = layout == FNL_GBUFFER_KILLZONE2 || layout == FNL_GBUFFER_ENGEL;
-            assert_int_equal(shot.stats.items_forward, plastic_alone ? 9 : 0);
+            assert_int_equal(counter(&shot.stats, "gbuffer.items-forward"), plastic_alone ? 9 : 0);
             /* A material that is lit forward looks as it does where the layout holds it. */
             if (layout == 0 && blocks == 0) {
                 reference = shot;

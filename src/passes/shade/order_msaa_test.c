@@ -55,7 +55,7 @@ static void check_inner(struct stage *stage, fnl_frame frame, const struct shot 
     assert_true(inner > pixels / 5);
     /* Gradients of stored coordinates beside silhouettes are those of the centroids that hardware takes, a square in its own way. */
     assert_true(off * 100 <= (shading_is(frame.shading, SHADING_APPROXIMATE) ? inner : 0));
-    assert_true(shot->stats.msaa_pixels > 0 && shot->stats.msaa_edge_pixels > 0);
+    assert_true(counter(&shot->stats, "msaa.pixels") > 0 && counter(&shot->stats, "msaa.edge-pixels") > 0);
     shot_free(&edges);
 }
 

@@ -428,10 +428,10 @@ static void test_random_spheres_ES_15_ES_16(void **state) {
         assert_int_equal(shape.stats.evaluations_useful, all.stats.evaluations_useful);
         if (i == FNL_VOLUME_STENCIL) { /* more lights than are drawn alone, and far more than the stencil has marks */
             assert_in_range(shape.stats.lights_in_view, VOLUME_STENCIL_LIGHTS + 100, 10000);
-            assert_int_equal(shape.stats.light_draws, 2 + 2 * VOLUME_STENCIL_LIGHTS);
+            assert_int_equal(counter(&shape.stats, "volumes.draws"), 2 + 2 * VOLUME_STENCIL_LIGHTS);
             assert_int_equal(count_differing(&solids.radiance, &shape.radiance), 0);
         } else {
-            assert_int_equal(shape.stats.light_draws, 2);
+            assert_int_equal(counter(&shape.stats, "volumes.draws"), 2);
         }
         if (i == FNL_VOLUME_SOLIDS)
             solids = shape;

@@ -54,12 +54,12 @@ static void test_scene(void **state) {
     struct shot paged = stage_shoot(&stage, &frame), again = stage_shoot(&stage, &frame);
     assert_true(compare(c, "virtual", &forward, &paged, &beyond) >= c->virtual_psnr);
     assert_int_equal(count_differing(&paged.radiance, &again.radiance), 0);
-    assert_int_equal(paged.stats.atlas_missing, 0);
-    print_message("  %u of %u pages, %u items forward\n", paged.stats.atlas_resident, paged.stats.atlas_pages,
-                  (uint32_t)paged.stats.items_forward);
+    assert_int_equal(counter(&paged.stats, "atlas.missing"), 0);
+    print_message("  %u of %u pages, %u items forward\n", (uint32_t)counter(&paged.stats, "atlas.resident"),
+                  (uint32_t)counter(&paged.stats, "atlas.pages"), (uint32_t)counter(&paged.stats, "gbuffer.items-forward"));
     shot_free(&paged);
     shot_free(&again);
-    assert_true(derived.stats.gbuffer_bytes < stored.stats.gbuffer_bytes);
+    assert_true(counter(&derived.stats, "gbuffer.bytes") < counter(&stored.stats, "gbuffer.bytes"));
     shot_free(&forward);
     shot_free(&stored);
     shot_free(&prepass);

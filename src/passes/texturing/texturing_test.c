@@ -27,7 +27,7 @@ static double psnr_against_forward(fnl_scene *scene, fnl_frame frame, fnl_shadin
         colors[k] = test_read(renderer, FNL_OUTPUT_COLOR);
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
     }
-    *out_bytes = (uint32_t)(stats.gbuffer_bytes / (frame.width * frame.height));
+    *out_bytes = (uint32_t)(counter(&stats, "gbuffer.bytes") / (frame.width * frame.height));
     fnl_image_difference difference;
     assert_int_equal(fnl_image_compare(NULL, &colors[0], &colors[1], &difference), FNL_OK);
     uint32_t lit = 0;

@@ -270,19 +270,22 @@ static void test_pages_follow_the_view(void **state) {
     near.camera.target = (vec3){0.8f, 0.7f, 0};
     struct shot first = stage_shoot(&stage, &far), again = stage_shoot(&stage, &far);
     assert_int_equal(count_differing(&first.radiance, &again.radiance), 0);
-    assert_true(first.stats.atlas_filled == first.stats.atlas_wanted && first.stats.atlas_wanted >= 4);
-    assert_int_equal(again.stats.atlas_filled, 0);
-    assert_int_equal(first.stats.atlas_evicted, 0);
-    assert_int_equal(first.stats.atlas_pages, 4 * (18 * 18 + 5 * 5 + 2 * 2 + 1 + 3) + 1); /* and one that nothing has */
+    assert_true(counter(&first.stats, "atlas.filled") == counter(&first.stats, "atlas.wanted") &&
+                counter(&first.stats, "atlas.wanted") >= 4);
+    assert_int_equal(counter(&again.stats, "atlas.filled"), 0);
+    assert_int_equal(counter(&first.stats, "atlas.evicted"), 0);
+    assert_int_equal(counter(&first.stats, "atlas.pages"),
+                     4 * (18 * 18 + 5 * 5 + 2 * 2 + 1 + 3) + 1); /* and one that nothing has */
     struct shot blurred = stage_shoot(&stage, &near), sharp = stage_shoot(&stage, &near), truth = stage_shoot(&fresh, &near);
-    assert_int_equal(blurred.stats.atlas_filled, 0);
-    assert_true(sharp.stats.atlas_filled > 0 && sharp.stats.atlas_missing == 0);
+    assert_int_equal(counter(&blurred.stats, "atlas.filled"), 0);
+    assert_true(counter(&sharp.stats, "atlas.filled") > 0 && counter(&sharp.stats, "atlas.missing") == 0);
     assert_int_equal(count_differing(&sharp.radiance, &truth.radiance), 0);
     assert_true(count_differing(&sharp.radiance, &blurred.radiance) > 100);
     fnl_image_difference difference;
     assert_int_equal(fnl_image_compare(NULL, &sharp.color, &blurred.color, &difference), FNL_OK);
-    print_message("far: %u pages; near: %u, %u new; the frame between %.1f dB\n", first.stats.atlas_resident,
-                  sharp.stats.atlas_resident, sharp.stats.atlas_filled, difference.psnr);
+    print_message("far: %u pages; near: %u, %u new; the frame between %.1f dB\n",
+                  (uint32_t)counter(&first.stats, "atlas.resident"), (uint32_t)counter(&sharp.stats, "atlas.resident"),
+                  (uint32_t)counter(&sharp.stats, "atlas.filled"), difference.psnr);
     struct shot *shots[] = {&first, &again, &blurred, &sharp, &truth};
     for (uint32_t i = 0; i < COUNT_OF(shots); i++) shot_free(shots[i]);
     stage_close(&stage);
@@ -300,17 +303,18 @@ static void test_overflow(void **state) {
         struct shot forward = stage_shoot(&stage, &frame);
         frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
         struct shot whole = stage_shoot(&stage, &frame);
-        assert_int_equal(whole.stats.atlas_missing, 0);
+        assert_int_equal(counter(&whole.stats, "atlas.missing"), 0);
         frame.texturing.atlas_size = 512;
         struct shot first = stage_shoot(&stage, &frame), later = stage_shoot(&stage, &frame);
-        assert_true(first.stats.atlas_missing > 0);
-        assert_int_equal(first.stats.atlas_resident, 16);
-        assert_int_equal(later.stats.atlas_filled, 0);
+        assert_true(counter(&first.stats, "atlas.missing") > 0);
+        assert_int_equal(counter(&first.stats, "atlas.resident"), 16);
+        assert_int_equal(counter(&later.stats, "atlas.filled"), 0);
         assert_int_equal(count_differing(&first.radiance, &later.radiance), 0);
         fnl_image_difference difference;
         assert_int_equal(fnl_image_compare(NULL, &forward.color, &first.color, &difference), FNL_OK);
-        print_message("%s: %u pages wanted, room for %u: %.1f dB\n", plain ? "plain" : "checkered", first.stats.atlas_wanted,
-                      first.stats.atlas_capacity, difference.psnr);
+        print_message("%s: %u pages wanted, room for %u: %.1f dB\n", plain ? "plain" : "checkered",
+                      (uint32_t)counter(&first.stats, "atlas.wanted"), (uint32_t)counter(&first.stats, "atlas.capacity"),
+                      difference.psnr);
         if (plain)
             assert_true(greatest_difference(&forward.color, &first.color) <= 1);
         else
@@ -328,10 +332,11 @@ static void test_overflow(void **state) {
             frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
             first = stage_shoot(&stage, &frame);
             later = stage_shoot(&stage, &frame);
-            assert_int_equal(first.stats.atlas_filled, 0);
-            assert_int_equal(later.stats.atlas_resident, 16);
-            assert_true(later.stats.atlas_filled > 0);
-            assert_int_equal(later.stats.atlas_evicted, later.stats.atlas_filled); /* there was no empty place */
+            assert_int_equal(counter(&first.stats, "atlas.filled"), 0);
+            assert_int_equal(counter(&later.stats, "atlas.resident"), 16);
+            assert_true(counter(&later.stats, "atlas.filled") > 0);
+            assert_int_equal(counter(&later.stats, "atlas.evicted"),
+                             counter(&later.stats, "atlas.filled")); /* there was no empty place */
             if (plain) {
                 assert_true(greatest_difference(&forward.color, &first.color) <= 1);
                 assert_true(greatest_difference(&forward.color, &later.color) <= 1);
@@ -368,8 +373,8 @@ static void test_what_the_atlas_cannot_hold(void **state) {
     struct shot forward = stage_shoot(&stage, &frame);
     frame.shading = FNL_SHADING_VIRTUAL_TEXTURING;
     struct shot shot = stage_shoot(&stage, &frame);
-    assert_int_equal(shot.stats.items_forward, 2);
-    assert_int_equal(shot.stats.gbuffer_bytes, 8ull * frame.width * frame.height);
+    assert_int_equal(counter(&shot.stats, "gbuffer.items-forward"), 2);
+    assert_int_equal(counter(&shot.stats, "gbuffer.bytes"), 8ull * frame.width * frame.height);
     fnl_image_difference difference;
     assert_int_equal(fnl_image_compare(NULL, &forward.color, &shot.color, &difference), FNL_OK);
     print_message("two of four materials forward: %.1f dB\n", difference.psnr);
@@ -496,8 +501,8 @@ static void test_wanted_pages(void **state) {
         assert_true(marked > 20 && certain * 4 >= marked * 3 && possible <= marked * 2 && tiers[1] > 5 && (view == 2 || tiers[0] > 3));
         shot_free(&shot);
         struct shot later = stage_shoot(&stage, &frame);
-        assert_int_equal(later.stats.atlas_wanted, with_always);
-        assert_int_equal(later.stats.atlas_missing, 0);
+        assert_int_equal(counter(&later.stats, "atlas.wanted"), with_always);
+        assert_int_equal(counter(&later.stats, "atlas.missing"), 0);
         shot_free(&later);
         /* Room for 16: what is left out is as fine as anything that is there, or finer. */
         frame.texturing.atlas_size = 512;
@@ -518,7 +523,7 @@ static void test_wanted_pages(void **state) {
         }
         print_message("  room for 16: %u missing, of tier %u at most; the finest that is there is of tier %u\n", missing, coarsest_missing, finest_there);
         assert_true(missing > 0 && coarsest_missing <= finest_there);
-        assert_int_equal(later.stats.atlas_missing, missing);
+        assert_int_equal(counter(&later.stats, "atlas.missing"), missing);
         shot_free(&later);
     }
     stage_close(&stage);
@@ -543,20 +548,20 @@ static void test_views(void **state) {
     frame.camera.position.z = 1;
     frame.debug = FNL_DEBUG_ATLAS;
     struct shot atlas = stage_shoot(&stage, &frame);
-    uint32_t side = MIN(frame.width, frame.height), places = atlas.stats.atlas_capacity, shown = 0;
+    uint32_t side = MIN(frame.width, frame.height), places = counter(&atlas.stats, "atlas.capacity"), shown = 0;
     for (int seed = 1; seed <= 4; seed++) {
         uint32_t found = count_color(&atlas.color, 40 + seed * 37 % 200, 40 + seed * 91 % 200, 40 + seed * 53 % 200, 1);
         assert_true(found > 0);
         shown += found;
     }
-    print_message("%u of %u places there, %u of %u pixels show their textures\n", atlas.stats.atlas_resident, places, shown,
-                  side * side);
-    double share = (double)atlas.stats.atlas_resident / places, seen = (double)shown / (side * side);
+    print_message("%u of %u places there, %u of %u pixels show their textures\n",
+                  (uint32_t)counter(&atlas.stats, "atlas.resident"), places, shown, side * side);
+    double share = (double)counter(&atlas.stats, "atlas.resident") / places, seen = (double)shown / (side * side);
     assert_true(seen > 0.7 * share && seen <= share);
     assert_int_equal(count_color(&atlas.color, 255, 0, 255, 0), 0);
     frame.debug = FNL_DEBUG_PAGES;
     struct shot shown_pages = stage_shoot(&stage, &frame);
-    assert_int_equal(shown_pages.stats.atlas_missing, 0);
+    assert_int_equal(counter(&shown_pages.stats, "atlas.missing"), 0);
     assert_int_equal(count_color(&shown_pages.color, 255, 0, 255, 0), 0);
     frame.shading = FNL_SHADING_TEXTURING;
     assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
@@ -574,7 +579,7 @@ static void test_views(void **state) {
     shown_pages = stage_shoot(&stage, &frame);
     uint32_t striped = count_color(&shown_pages.color, 255, 0, 255, 0), black = count_color(&shown_pages.color, 0, 0, 0, 0);
     print_message("%u stripes in %u pixels of pages\n", striped, frame.width * frame.height - black);
-    assert_true(shown_pages.stats.atlas_missing > 0 && striped * 8 > frame.width * frame.height - black);
+    assert_true(counter(&shown_pages.stats, "atlas.missing") > 0 && striped * 8 > frame.width * frame.height - black);
     shot_free(&shown_pages);
     stage_close(&stage);
 }

@@ -175,9 +175,7 @@ static fnl_frame square_frame(fnl_transparency transparency) {
 
 static fnl_image shoot(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
     test_render_frame(renderer, frame);
-    fnl_frame_stats s;
-    assert_int_equal(fnl_renderer_query_stats(renderer, &s), FNL_OK);
-    if (stats) *stats = s;
+    if (stats) *stats = harness_stats(renderer);
     return test_read(renderer, FNL_OUTPUT_RADIANCE);
 }
 
@@ -215,8 +213,9 @@ static void test_crossing_panes(void **state) {
             fnl_frame_stats stats;
             fnl_image image = shoot(renderer, &frame, &stats);
             v[t] = judge(&image, squares, count, samples);
-            assert_int_equal(stats.blend_fragments != 0, t == FNL_TRANSPARENCY_LINKED);
-            assert_int_equal(stats.blend_overflow, 0);
+            assert_int_equal(has_counter(&stats, "transparency.fragments"), t == FNL_TRANSPARENCY_LINKED);
+            assert_true(t != FNL_TRANSPARENCY_LINKED || counter(&stats, "transparency.fragments") > 0);
+            assert_true(t != FNL_TRANSPARENCY_LINKED || counter(&stats, "transparency.overflow-pixels") == 0);
             free_picture(&image);
         }
         print_message("%u samples, %u pixels: sorted is wrong in %u (%.3f), weighted in %u (%.3f), linked in %u (%.1e)\n",
@@ -267,7 +266,9 @@ static void test_random_squares(void **state) {
                     double allowed = shading_is(frame.shading, SHADING_APPROXIMATE) ? 0.05 : 0.005;
                     if (v.worst > allowed) fail_msg("%s: off by %g", fnl_value_name(FNL_ENUM_SHADING, frame.shading), v.worst);
                 }
-                if (samples == 1) assert_true(stats.blend_fragments >= v.layers && stats.blend_longest <= 20);
+                if (samples == 1)
+                    assert_true(counter(&stats, "transparency.fragments") >= v.layers &&
+                                counter(&stats, "transparency.longest") <= 20);
                 free_picture(&image);
             }
         }
@@ -297,7 +298,7 @@ static void test_two_hundred_layers(void **state) {
         frame.msaa = samples;
         fnl_frame_stats stats;
         fnl_image image = shoot(renderer, &frame, &stats);
-        if (stats.blend_overflow) { /* the pool learns its size */
+        if (counter(&stats, "transparency.overflow-pixels")) { /* the pool learns its size */
             free_picture(&image);
             image = shoot(renderer, &frame, &stats);
         }
@@ -305,9 +306,9 @@ static void test_two_hundred_layers(void **state) {
         print_message("%u samples: off by %.1e\n", samples, v.worst);
         assert_true(v.sure == 21 * 21 && v.wrong == 0);
         /* The two triangles of a square share the pixels of its diagonal where these have several samples. */
-        assert_int_equal(stats.blend_longest, samples == 1 ? LAYERS : 2 * LAYERS);
-        assert_int_equal(stats.blend_fragments, LAYERS * (21 * 21 + (samples == 1 ? 0 : 21)));
-        assert_int_equal(stats.blend_overflow, 0);
+        assert_int_equal(counter(&stats, "transparency.longest"), samples == 1 ? LAYERS : 2 * LAYERS);
+        assert_int_equal(counter(&stats, "transparency.fragments"), LAYERS * (21 * 21 + (samples == 1 ? 0 : 21)));
+        assert_int_equal(counter(&stats, "transparency.overflow-pixels"), 0);
         free_picture(&image);
     }
     fnl_renderer_destroy(&renderer);
@@ -332,8 +333,9 @@ static void test_small_pool(void **state) {
         sorted_frame.msaa = frame.msaa = samples;
         fnl_frame_stats stats, whole;
         fnl_image sorted = shoot(renderer, &sorted_frame, NULL), linked = shoot(renderer, &frame, &whole);
-        assert_int_equal(whole.blend_overflow, 0);
-        const uint32_t capacities[] = {1, (uint32_t)whole.blend_fragments / 2, (uint32_t)whole.blend_fragments - 1};
+        assert_int_equal(counter(&whole, "transparency.overflow-pixels"), 0);
+        const uint32_t capacities[] = {1, (uint32_t)counter(&whole, "transparency.fragments") / 2,
+                                       (uint32_t)counter(&whole, "transparency.fragments") - 1};
         for (uint32_t i = 0; i < COUNT_OF(capacities); i++) {
             for (int k = 0; k < GPU_FRAMES_IN_FLIGHT; k++)
                 test_render_frame(renderer, &sorted_frame); /* that has not grown yet */
@@ -351,14 +353,16 @@ static void test_small_pool(void **state) {
                     differ += over && !is_sorted;
                 }
             print_message("pool of %u for %llu: %u pixels overflow, %u look linked, %u sorted\n", capacities[i],
-                          (unsigned long long)whole.blend_fragments, stats.blend_overflow, as_linked, as_sorted);
+                          (unsigned long long)counter(&whole, "transparency.fragments"),
+                          (uint32_t)counter(&stats, "transparency.overflow-pixels"), as_linked, as_sorted);
             assert_int_equal(differ, 0);
-            assert_true(stats.blend_overflow > 0 && stats.blend_fragments == whole.blend_fragments);
+            assert_true(counter(&stats, "transparency.overflow-pixels") > 0 &&
+                        counter(&stats, "transparency.fragments") == counter(&whole, "transparency.fragments"));
             if (i == 0) assert_true(test_equal(&image, &sorted));
             if (i == 1) assert_true(as_linked > 100 && as_sorted > 100);
             free_picture(&image);
             image = shoot(renderer, &frame, &stats); /* it has grown */
-            assert_int_equal(stats.blend_overflow, 0);
+            assert_int_equal(counter(&stats, "transparency.overflow-pixels"), 0);
             assert_true(test_equal(&image, &linked));
             free_picture(&image);
         }
@@ -584,7 +588,7 @@ static void test_nothing_blended(void **state) {
         assert_true(fnl_renderer_print(renderer, FNL_PRINT_PLAN, plans[t], sizeof plans[t]) < sizeof plans[t]);
         assert_string_equal(plans[0], plans[t]);
         assert_true(test_equal(&images[0], &images[t]));
-        assert_true(stats.blend_bytes == 0 && stats.blend_fragments == 0 && stats.blend_longest == 0);
+        assert_false(has_counter(&stats, "transparency.bytes") || has_counter(&stats, "transparency.fragments"));
     }
     for (int t = 0; t < FNL_TRANSPARENCY_COUNT; t++) free_picture(&images[t]);
     fnl_renderer_destroy(&renderer);
@@ -617,7 +621,7 @@ static void test_inside_glass(void **state) {
                 fnl_frame_stats stats;
                 images[t] = shoot(renderer, &frame, &stats);
                 if (t == FNL_TRANSPARENCY_LINKED)
-                    assert_int_equal(stats.blend_fragments, sided ? frame.width * frame.height : 0);
+                    assert_int_equal(counter(&stats, "transparency.fragments"), sided ? frame.width * frame.height : 0);
                 assert_true(test_pixel(&images[t], 0, 0)[1] > 0.01f || !sided);
                 assert_true(test_difference(&images[0], &images[t]) < 1e-5);
             }

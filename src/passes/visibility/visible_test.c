@@ -110,7 +110,7 @@ static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height
         free_picture(&radiance);
         fnl_frame_stats stats;
         assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-        assert_int_equal(stats.visibility_entries, seen);
+        assert_int_equal(counter(&stats, "visibility.entries"), seen);
         uint32_t once = 0, never = 0;
         for (uint32_t i = 0; i < width * height; i++) {
             once += visited(renderer, i) == LIGHTS;
@@ -119,8 +119,9 @@ static void check_sorts(uint32_t material_count, uint32_t width, uint32_t height
         assert_int_equal(once + never, width * height); /* none twice */
         assert_true(material_count < 20 || once > 0);
         assert_true(stats.evaluations == (uint64_t)once * LIGHTS);
-        if (material_count > 1000) assert_true(stats.visibility_classes >= 6 && once < seen); /* unlit ones ask no light */
-        if (material_count == 1) assert_int_equal(stats.visibility_classes, 1);
+        if (material_count > 1000)
+            assert_true(counter(&stats, "visibility.classes") >= 6 && once < seen); /* unlit ones ask no light */
+        if (material_count == 1) assert_int_equal(counter(&stats, "visibility.classes"), 1);
     }
     free_picture(&plain);
     fnl_renderer_destroy(&renderer);
@@ -202,7 +203,7 @@ static void test_order_of_the_list(void **state) {
         static bool listed[WIDTH * HEIGHT];
         memset(listed, 0, sizeof listed);
         uint32_t runs = 0, classes = 0, last_material = 0;
-        for (uint32_t i = 0; i < stats.visibility_entries; i++) {
+        for (uint32_t i = 0; i < counter(&stats, "visibility.entries"); i++) {
             uint32_t key = pairs[2 * i], pixel = pairs[2 * i + 1];
             assert_true(pixel < WIDTH * HEIGHT && !listed[pixel]);
             listed[pixel] = true;
@@ -216,9 +217,10 @@ static void test_order_of_the_list(void **state) {
             last_material = material;
         }
         print_message("%s: %u pixels, %u classes, %u runs of one material\n",
-                      fnl_value_name(FNL_ENUM_VISIBILITY_SORT, (fnl_visibility_sort)sort), stats.visibility_entries, classes, runs);
-        assert_true(stats.visibility_entries > 1500);
-        assert_int_equal(classes, stats.visibility_classes);
+                      fnl_value_name(FNL_ENUM_VISIBILITY_SORT, (fnl_visibility_sort)sort),
+                      (uint32_t)counter(&stats, "visibility.entries"), classes, runs);
+        assert_true(counter(&stats, "visibility.entries") > 1500);
+        assert_int_equal(classes, counter(&stats, "visibility.classes"));
         if (bits) assert_int_equal(runs, COUNT);
         if (!bits) assert_true(runs > COUNT); /* blocks of pixels cross from square to square */
         /* Each class has its part of the list shaded by what its materials need and no more. */
@@ -387,9 +389,9 @@ static void check_samples(bool slopes) {
             }
         print_message("%u pixels checked, %u with several triangles\n", checked, mixed);
         assert_true(checked > frame.width * frame.height * 9 / 10 && mixed > 150);
-        if (!plain) assert_int_equal(stats.visibility_entries, stats.msaa_surfaces);
-        assert_int_equal(stats.msaa_shaded, stats.msaa_surfaces);
-        if (sort == FNL_VISIBILITY_SORT_OFF) assert_true(shades == stats.msaa_surfaces);
+        if (!plain) assert_int_equal(counter(&stats, "visibility.entries"), counter(&stats, "msaa.surfaces"));
+        assert_int_equal(counter(&stats, "msaa.shaded"), counter(&stats, "msaa.surfaces"));
+        if (sort == FNL_VISIBILITY_SORT_OFF) assert_true(shades == counter(&stats, "msaa.surfaces"));
         free_picture(&radiance);
     }
     fnl_renderer_destroy(&renderer);
@@ -493,7 +495,7 @@ static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double 
         plain[i] = test_read(renderer, FNL_OUTPUT_RADIANCE);
     }
     assert_int_equal(fnl_renderer_query_stats(renderer, &stats), FNL_OK);
-    uint32_t fragments = stats.visibility_fragments, wrong = 0, unlike_centers = 0;
+    uint32_t fragments = counter(&stats, "visibility.fragments"), wrong = 0, unlike_centers = 0;
     frame.jitter = (fnl_vec2){0, 0};
     frame.visibility.grid = true;
     fnl_image gridded[FNL_VISIBILITY_SORT_COUNT];
@@ -517,11 +519,11 @@ static void check_grid(fnl_scene *scene, fnl_frame frame, uint32_t bits, double 
             unlike_centers += other > 1e-3;
         }
     print_message("%ux%u: %u pixels differ (from the opposite places %u), %u fragments of %u\n", frame.width, frame.height,
-                  wrong, unlike_centers, stats.visibility_fragments, fragments);
+                  wrong, unlike_centers, (uint32_t)counter(&stats, "visibility.fragments"), fragments);
     assert_true(wrong * 1000 <= frame.width * frame.height);
     if (fragments > 100) assert_true(unlike_centers > 20 * wrong + 20);
-    assert_true(stats.visibility_fragments <= most_fragments * fragments);
-    assert_true(stats.visibility_fragments * 4 >= fragments);
+    assert_true(counter(&stats, "visibility.fragments") <= most_fragments * fragments);
+    assert_true(counter(&stats, "visibility.fragments") * 4 >= fragments);
     for (int i = 0; i < 4; i++) free_picture(&plain[i]);
     for (int i = 0; i < FNL_VISIBILITY_SORT_COUNT; i++) free_picture(&gridded[i]);
     fnl_renderer_destroy(&renderer);

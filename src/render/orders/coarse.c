@@ -18,8 +18,8 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     order_add_lists(f, f->depth, &gbuffer);
     struct coarse coarse = coarse_add(f->graph, f->r->device, input, &params, &gbuffer, f->radiance);
     f->gbuffer = gbuffer;
-    f->coarse_bytes = coarse_extra_bytes(&params.options);
-    f->coarse_counts = coarse.counts;
+    order_note_gbuffer(f, coarse_extra_bytes(&params.options));
+    COUNTERS_COPY(f, coarse.counts, 0, coarse);
     f->coarse_words = coarse.words;
 }
 
@@ -32,9 +32,25 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_COARSE_REASON, .surfaces = true, .add = add_view},
 };
 
-const struct order order_coarse = {
-    .traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS,
-    .check = check,
-    .add = add,
-    .views = views,
-    .view_count = COUNT_OF(views)};
+static const struct counter counters[] = {
+    {"coarse.blocks", "blocks", "blocks that show a surface",
+     COUNTED_SUM(coarse[COARSE_SHARED], COARSE_OTHER - COARSE_SHARED + 1)},
+    {"coarse.shared", "blocks", "blocks shaded once", COUNTED(coarse[COARSE_SHARED])},
+    {"coarse.by-depth", "blocks", "blocks shaded pixel by pixel because depths or triangles differ",
+     COUNTED(coarse[COARSE_DEPTH])},
+    {"coarse.by-normal", "blocks", "blocks shaded pixel by pixel because normals differ", COUNTED(coarse[COARSE_NORMAL])},
+    {"coarse.by-material", "blocks", "blocks shaded pixel by pixel because materials differ", COUNTED(coarse[COARSE_OTHER])},
+    {"coarse.pixels", "pixels", "pixels that show a surface", COUNTED(coarse[COARSE_COUNT_PIXELS])},
+    {"coarse.shaded", "", "how often a pixel or a block was shaded", COUNTED(coarse[COARSE_COUNT_SHADED])},
+    {"coarse.ao-shaded", "", "how often ambient occlusion was computed", COUNTED(coarse[COARSE_COUNT_AO]),
+     .needs = "coarse.ao-radius"},
+};
+
+const struct order order_coarse = {.traits = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS |
+                                             SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS,
+                                   .check = check,
+                                   .add = add,
+                                   .views = views,
+                                   .view_count = COUNT_OF(views),
+                                   .counters = counters,
+                                   .counter_count = COUNT_OF(counters)};

@@ -36,22 +36,8 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     order_add_lists(f, f->depth, NULL);
     dais_shade_add(f->graph, input, &dais, f->radiance);
     f->dais = dais;
-    f->r->dais_bytes = dais.fixed_bytes;
-}
-
-static void query(const fnl_renderer *r, const struct frame_counts *frame_counts, fnl_frame_stats *stats) {
-    const uint32_t *counts = frame_counts->dais;
-    struct fnl_dais_stats *out = &stats->dais;
-    bool lists = r->frame.dais.mode == FNL_DAIS_LIST;
-    out->triangles = counts[DAIS_STORED];
-    out->unique = counts[DAIS_UNIQUE];
-    out->cache_failures = counts[DAIS_FAILED];
-    out->overflow = counts[DAIS_OVERFLOW];
-    out->list_elements = counts[DAIS_NODES];
-    out->shading_samples = counts[DAIS_SAMPLES];
-    out->shaded = counts[DAIS_SHADED];
-    out->bytes = r->dais_bytes + counts[DAIS_WORDS] * 4ull + counts[DAIS_STORED] * 4ull +
-                 (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
+    COUNTERS_COPY(f, dais.counts, 0, dais);
+    counters_note(f, "dais.bytes", dais.fixed_bytes);
 }
 
 static void add_view(struct frame_state *f, bool swap) {
@@ -65,10 +51,38 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_DAIS_FAILURES, .add = add_view},
 };
 
-const struct order order_dais = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW | SHADING_SAMPLES |
-                                           SHADING_APPROXIMATE,
+/* Noted is what does not depend on the picture. */
+static bool find_bytes(const struct counted *counted, uint64_t *value) {
+    const uint32_t *counts = counted->counts->dais;
+    bool lists = counted->r->frame.dais.mode == FNL_DAIS_LIST;
+    *value += counts[DAIS_WORDS] * 4ull + counts[DAIS_STORED] * 4ull +
+              (lists ? counts[DAIS_NODES] * (uint64_t)DAIS_NODE * 4 : 0) + counts[DAIS_SAMPLES] * 8ull;
+    return COUNTED_HAS(counted, dais);
+}
+
+static const struct counter counters[] = {
+    {"dais.bytes", "bytes", "memory that references, triangles, cache and lists fill", .find = find_bytes},
+    {"dais.triangles", "triangles", "triangles stored, including those that the cache had forgotten",
+     COUNTED(dais[DAIS_STORED])},
+    {"dais.unique", "triangles", "different triangles among those stored", COUNTED(dais[DAIS_UNIQUE]),
+     .needs = "count-lights"},
+    {"dais.cache-failures", "triangles", "triangles stored again because a cache bucket stayed locked",
+     COUNTED(dais[DAIS_FAILED])},
+    {"dais.overflow", "fragments", "fragments that found a pool full: the frame was shaded forward",
+     COUNTED(dais[DAIS_OVERFLOW]), .kind = FNL_COUNTER_OVERFLOW},
+    {"dais.list-elements", "", "triangles that cover only part of their pixel", COUNTED(dais[DAIS_NODES]),
+     .needs = "dais.mode=list"},
+    {"dais.shading-samples", "", "places where ambient light was computed", COUNTED(dais[DAIS_SAMPLES]),
+     .needs = "dais.multirate"},
+    {"dais.shaded", "triangles", "triangles of pixels, each of which is shaded once", COUNTED(dais[DAIS_SHADED]),
+     .needs = "count-lights"},
+};
+
+const struct order order_dais = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_PREPASS | SHADING_REDRAW |
+                                           SHADING_SAMPLES | SHADING_APPROXIMATE,
                                  .check = check,
                                  .add = add,
                                  .views = views,
                                  .view_count = COUNT_OF(views),
-                                 .query = query};
+                                 .counters = counters,
+                                 .counter_count = COUNT_OF(counters)};

@@ -34,10 +34,11 @@ static void add_deferred_samples(struct frame_state *f, struct shade_input *inpu
     struct deferred_msaa_params params = {.method = (uint32_t)f->frame->deferred.msaa_method,
                                           .groups = f->frame->deferred.msaa_groups,
                                           .tolerance = f->frame->deferred.msaa_method == FNL_MSAA_ALL ? 0 : f->frame->deferred.msaa_tolerance};
+    order_note_gbuffer(f, 0);
     struct edges edges = deferred_msaa_add(f->graph, input, &f->gbuffer, &params, f->radiance);
     add_rest(f, input, &f->gbuffer);
     f->surfaces = edges.surfaces;
-    f->edge_counts = edges.counts;
+    COUNTERS_COPY(f, edges.counts, 0, edges);
 }
 
 static void draw(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -56,13 +57,14 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     struct shade_classes classes = {0};
     if (f->frame->deferred.class_blocks) {
         classes = classify_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks);
-        f->class_counts = classes.counts;
+        COUNTERS_COPY(f, classes.counts, 0, blocks);
     }
     if (f->frame->deferred.pass == FNL_DEFERRED_FRAGMENT && deferred_screen_supported(f->r->device))
         f->radiance = deferred_screen_add(f->graph, input, gbuffer, f->radiance);
     else
         deferred_add(f->graph, input, gbuffer, f->frame->deferred.class_blocks ? &classes : NULL, f->radiance);
     add_rest(f, input, gbuffer);
+    order_note_gbuffer(f, 0);
 }
 
 _Static_assert((int)FNL_VOLUME_SOLIDS == VOLUME_SOLIDS && (int)FNL_VOLUME_SHAPE_COUNT == VOLUME_STENCIL + 1,
@@ -78,7 +80,7 @@ static struct surface_layers add_base(struct frame_state *f, struct shade_input 
     struct deferred_msaa_params params = {.method = MSAA_COMPACT, .groups = 2};
     struct edges edges = deferred_msaa_add(f->graph, input, gbuffer, &params, f->radiance);
     f->surfaces = edges.surfaces;
-    f->edge_counts = edges.counts;
+    COUNTERS_COPY(f, edges.counts, 0, edges);
     layers.surfaces = edges.surfaces;
     return layers;
 }
@@ -108,12 +110,13 @@ static void add_with_volumes(struct frame_state *f, struct shade_input *input, b
         volumes_add_samples(f->graph, input, &volumes, &gbuffer, &layers, f->radiance);
     else
         volumes_add(f->graph, input, &volumes, &gbuffer, f->radiance);
-    f->light_draws = layers.count * (2 + 2 * volumes.alone);
+    counters_note(f, "volumes.draws", layers.count * (2 + 2 * volumes.alone));
     if (gbuffer.mask.id) {
         input->lights = &own;
         add_rest(f, input, &gbuffer);
     }
     f->gbuffer = gbuffer;
+    order_note_gbuffer(f, 0);
     if (!has_lists) order_count_volumes(f, &volumes);
 }
 
@@ -160,15 +163,42 @@ static const struct debug_view views[] = {
     {FNL_DEBUG_LIT_FORWARD, .add = add_forward, .check = check_view},
 };
 
+/* ---- numbers ---- */
+
+#define BLOCKS(key_, what, class_)                                                                                          \
+    {                                                                                                                       \
+        "shading-blocks." key_, "blocks", "blocks of the class: " what, COUNTED(blocks[class_]),                            \
+            .needs = "deferred.class-blocks"                                                                                \
+    }
+static const struct counter counters[] = {
+    BLOCKS("plain", "neither lights nor metal, some pixels need no shading", 0),
+    BLOCKS("lights", "lights, no metal, some pixels need no shading", SHADE_LIGHTS),
+    BLOCKS("metal", "metal, no lights, some pixels need no shading", SHADE_METAL),
+    BLOCKS("lights-metal", "lights and metal, some pixels need no shading", SHADE_LIGHTS | SHADE_METAL),
+    BLOCKS("full", "neither lights nor metal, every pixel is shaded", SHADE_FULL),
+    BLOCKS("lights-full", "lights, no metal, every pixel is shaded", SHADE_LIGHTS | SHADE_FULL),
+    BLOCKS("metal-full", "metal, no lights, every pixel is shaded", SHADE_METAL | SHADE_FULL),
+    BLOCKS("lights-metal-full", "lights and metal, every pixel is shaded", SHADE_LIGHTS | SHADE_METAL | SHADE_FULL),
+    BLOCKS("empty", "nothing to shade", SHADE_NOTHING),
+};
+
+static const struct counter volume_counters[] = {
+    {"volumes.draws", "draws", "draw calls of light volumes: 2, and 2 for each light that the shape stencil draws by itself",
+     NOTED},
+};
+
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_LAYOUTS | SHADING_DECALS | SHADING_SAMPLES };
-const struct order order_deferred = {
-    .traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS | SHADING_MULTIVIEW,
-    .check = check,
-    .draw = draw,
-    .add = add,
-    .views = views,
-    .view_count = COUNT_OF(views)};
+const struct order order_deferred = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS | SHADING_MULTIVIEW,
+                                     .check = check,
+                                     .draw = draw,
+                                     .add = add,
+                                     .views = views,
+                                     .view_count = COUNT_OF(views),
+                                     .counters = counters,
+                                     .counter_count = COUNT_OF(counters)};
 const struct order order_deferred_volumes = {.traits = TRAITS | SHADING_BLENDS | SHADING_VOLUMES | SHADING_VIEWS,
                                              .add = add_with_volumes,
                                              .views = views,
-                                             .view_count = COUNT_OF(views)};
+                                             .view_count = COUNT_OF(views),
+                                             .counters = volume_counters,
+                                             .counter_count = COUNT_OF(volume_counters)};

@@ -17,10 +17,11 @@ static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
 }
 
 /* Bytes of the targets of sums, and with them of the surfaces that they were made for. */
-static uint64_t light_bytes(const struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
+static void note_light_bytes(struct frame_state *f, const struct light_sums *sums, uint64_t surface_bytes) {
     uint32_t texel = graph_image_info(f->graph, sums->targets[0]).format == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8;
-    return surface_bytes +
-           (uint64_t)sums->width * sums->height * (sums->layers * sums->target_count * texel + (sums->samples.id ? 4 : 0));
+    uint64_t texels = (uint64_t)sums->width * sums->height;
+    counters_note(f, "light-buffer.bytes",
+                  surface_bytes + texels * (sums->layers * sums->target_count * texel + (sums->samples.id ? 4 : 0)));
 }
 
 /* Of several samples a pixel lists see all depths, but no normals. At full resolution each surface of a pixel is lit. */
@@ -28,7 +29,7 @@ static void split_surfaces(struct frame_state *f, const struct shade_input *inpu
     if (surfaces->samples == 1) return;
     struct edges edges = light_surfaces_split(f->graph, input, surfaces);
     f->surfaces = edges.surfaces;
-    f->edge_counts = edges.counts;
+    COUNTERS_COPY(f, edges.counts, 0, edges);
 }
 
 static void add_light_sums(struct frame_state *f, struct shade_input *input, bool prepass, uint32_t buffer, uint32_t scale) {
@@ -40,8 +41,8 @@ static void add_light_sums(struct frame_state *f, struct shade_input *input, boo
                                                graph_image_info(f->graph, f->radiance).format, surfaces.layers.count);
     light_sums_add(f->graph, input, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    f->light_bytes =
-        light_bytes(f, &sums, (buffer == LIGHT_BUFFER_TWO ? 12ull : 8ull) * surfaces.samples * input->width * input->height);
+    uint32_t texel_bytes = buffer == LIGHT_BUFFER_TWO ? 12 : 8;
+    note_light_bytes(f, &sums, (uint64_t)texel_bytes * surfaces.samples * input->width * input->height);
 }
 
 static void add_light_prepass(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -72,7 +73,7 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
     struct volumes volumes = order_prepare_volumes(f, VOLUME_QUADS);
     pre_lighting_add(f->graph, input, &volumes, &surfaces, &sums);
     light_material_add(f->graph, input, &surfaces, &sums, f->radiance);
-    f->light_bytes = light_bytes(f, &sums, 12ull * surfaces.samples * input->width * input->height);
+    note_light_bytes(f, &sums, 12ull * surfaces.samples * input->width * input->height);
     if (!order_has_blend(f)) order_count_volumes(f, &volumes);
 }
 
@@ -101,7 +102,7 @@ static void add_zioma(struct frame_state *f, struct shade_input *input, bool pre
     struct volumes volumes = order_prepare_volumes(f, VOLUME_SOLIDS);
     uint32_t layers = MIN(f->frame->light_indexed.layers, ZIOMA_LAYERS);
     zioma_add(f->graph, input, &volumes, layers, f->radiance, f->depth);
-    f->light_bytes = (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height;
+    counters_note(f, "light-buffer.bytes", (f->frame->msaa > 1 ? 4ull : 36ull) * layers * input->width * input->height);
     f->lights.totals = volumes.totals;
     f->lights.totals_known = false;
 }
@@ -145,7 +146,7 @@ static void add_inferred(struct frame_state *f, struct shade_input *input, bool 
     inferred_material_add(f->graph, input, GEOMETRY_OPAQUE, &inferred, &sums, f->radiance, f->depth);
     if (blend) inferred_material_add(f->graph, input, GEOMETRY_BLEND, &inferred, &sums, f->radiance, f->depth);
     f->blended = blend;
-    f->light_bytes = light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
+    note_light_bytes(f, &sums, 16ull * low.width * low.height); /* its depth is not the frame's */
     if (frame->debug == FNL_DEBUG_LIGHTS || frame->debug == FNL_DEBUG_CELLS)
         f->lights = f->blend_lights; /* the view would look for pixels where there are texels */
 }
@@ -154,12 +155,22 @@ static void add_low_res(struct frame_state *f, struct shade_input *input, bool p
     add_light_sums(f, input, prepass, light_buffer(f, LIGHT_BUFFER_FOUR), f->frame->light_buffer.scale);
 }
 
+static const struct counter counters[] = {
+    {"light-buffer.bytes", "bytes",
+     "memory of light kept apart from materials, or of layers of lights; without depth and radiance", NOTED},
+};
+#define COUNTERS .counters = counters, .counter_count = COUNT_OF(counters)
+
 enum { STORES = SHADING_GBUFFER | SHADING_MAY_PREPASS | SHADING_REDRAW | SHADING_SAMPLES };
-const struct order order_light_prepass = {.traits = STORES | SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_VIEWS, .add = add_light_prepass};
-const struct order order_pre_lighting = {.traits = STORES | SHADING_FULL_RASTER | SHADING_VOLUMES | SHADING_VIEWS, .add = add_pre_lighting};
-const struct order order_low_res = {.traits = STORES | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_low_res};
-const struct order order_inferred = {.traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_inferred};
+const struct order order_light_prepass = {
+    .traits = STORES | SHADING_FULL_RASTER | SHADING_POSITIONS | SHADING_VIEWS, .add = add_light_prepass, COUNTERS};
+const struct order order_pre_lighting = {
+    .traits = STORES | SHADING_FULL_RASTER | SHADING_VOLUMES | SHADING_VIEWS, .add = add_pre_lighting, COUNTERS};
+const struct order order_low_res = {
+    .traits = STORES | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_low_res, COUNTERS};
+const struct order order_inferred = {
+    .traits = STORES | SHADING_PREPASS | SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_VIEWS, .add = add_inferred, COUNTERS};
 
 enum { WRITES_IDS = SHADING_FULL_RASTER | SHADING_PREPASS | SHADING_VOLUMES | SHADING_SAMPLES };
 const struct order order_light_indexed = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_light_indexed};
-const struct order order_zioma = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_zioma};
+const struct order order_zioma = {.traits = WRITES_IDS | SHADING_VIEWS, .add = add_zioma, COUNTERS};

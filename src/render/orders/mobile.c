@@ -123,25 +123,33 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     bool more = f->frame->light_lod > 0 || decals_redraws(f);
     f->blended = has_blend && !more && f->frame->transparency != FNL_TRANSPARENCY_LINKED;
     if (f->blended && blend.weighted)
-        f->blend_bytes = (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half);
+        counters_note(f, "transparency.bytes", (uint64_t)f->frame->width * f->frame->height * weighted_bytes(blend.half));
     const struct mobile_decals decals = {&f->decals.list, f->decals.buffers.decals};
     struct picture picture = frame_picture(f);
-    f->mobile_tonemapped = !more && tonemaps(f, f->blended);
+    bool tonemapped = !more && tonemaps(f, f->blended);
     struct mobile_finish finish = {.format = picture.format, .picture = true, .tonemap = picture.tonemap};
-    if (!f->mobile_tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
+    if (!tonemapped) finish = (struct mobile_finish){.format = shading_format(f), .target = f->radiance};
     struct mobile_result result = mobile_add(f->graph, input, f->blended ? &blend : NULL, by_volumes ? &volumes : NULL,
                                              prepass, f->depth, &params, decals_in_gbuffer(f) ? &decals : NULL, &finish);
-    if (f->mobile_tonemapped) f->color = result.target;
-    f->mobile_merged = result.merged;
+    if (tonemapped) f->color = result.target;
+    counters_note(f, "mobile.merged", result.merged);
+    counters_note(f, "mobile.tonemapped-inside", result.merged && tonemapped);
     if (renderer_tests(f->r).mobile_tap) add_tap(f, &result);
     if (!result.merged && !f->frame->mobile.separate)
         note_once(f->r, 1,
                   "the device cannot keep so many attachments in one scope: passes are separate and the G-buffer is stored");
 }
 
-const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST | SHADING_POSITIONS |
-                                             SHADING_APPROXIMATE | SHADING_DECALS | SHADING_DECAL_STEP,
+static const struct counter counters[] = {
+    {"mobile.merged", "", "whether all passes shared one scope", .kind = FNL_COUNTER_SWITCH},
+    {"mobile.tonemapped-inside", "", "whether tone mapping was in it too", .kind = FNL_COUNTER_SWITCH},
+};
+
+const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST |
+                                             SHADING_POSITIONS | SHADING_APPROXIMATE | SHADING_DECALS | SHADING_DECAL_STEP,
                                    .adjust = adjust,
                                    .check = check,
                                    .begin = begin,
-                                   .add = add};
+                                   .add = add,
+                                   .counters = counters,
+                                   .counter_count = COUNT_OF(counters)};

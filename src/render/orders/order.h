@@ -28,10 +28,11 @@ struct order {
     /* The debug views that only orders which have them offer. */
     const struct debug_view *views;
     uint32_t view_count;
+    /* Its numbers, but for those that shading.c has of all orders. */
+    const struct counter *counters;
+    uint32_t counter_count;
     /* After a frame was submitted: what it made can be relied on from now on. */
     void (*submitted)(fnl_renderer *r);
-    /* From what the GPU counted to the stats. */
-    void (*query)(const fnl_renderer *r, const struct frame_counts *counts, fnl_frame_stats *out);
 };
 
 extern const struct order order_forward, order_forward_prepass, order_deferred, order_deferred_volumes, order_light_prepass,
@@ -49,6 +50,8 @@ bool order_has_blend(const struct frame_state *f);
 void order_add_lists(struct frame_state *f, graph_image depth, const struct gbuffer *gbuffer);
 /** Makes lists beside those of the frame, for pixels that those do not serve. */
 struct light_list order_add_fallback_lists(struct frame_state *f);
+/** Notes what f->gbuffer takes, and what a pixel has beside it, as gbuffer.bytes. */
+void order_note_gbuffer(struct frame_state *f, uint32_t extra_bytes);
 /** The local lights' volumes of a shape of volumes_shared.h. */
 struct volumes order_prepare_volumes(struct frame_state *f, uint32_t shape);
 /** The lights in view are those whose volumes are drawn, where no lists count them. */

@@ -13,11 +13,11 @@ static fnl_result check(const struct call *call, const fnl_renderer *r, const fn
 }
 
 static void shade(struct frame_state *f, struct shade_input *input, const struct texturing *texturing) {
-    f->gbuffer_bytes = (uint64_t)texturing->bytes * f->frame->width * f->frame->height;
+    counters_note(f, "gbuffer.bytes", (uint64_t)texturing->bytes * f->frame->width * f->frame->height);
     order_add_lists(f, f->depth, NULL);
     struct visible_list surfaces = texturing_shade_add(f->graph, input, texturing, f->radiance);
     f->surfaces = surfaces.words;
-    f->edge_counts = surfaces.counts;
+    COUNTERS_COPY(f, surfaces.counts, 0, edges);
 }
 
 static void add(struct frame_state *f, struct shade_input *input, bool prepass) {
@@ -40,7 +40,10 @@ static void add_virtual(struct frame_state *f, struct shade_input *input, bool p
     struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->atlas, r->device_scene.materials.buffer.address);
     if (r->atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
     virtual_update_add(f->graph, &pages);
-    f->page_commands = pages.commands;
+    COUNTERS_COPY(f, pages.commands, 16, pages); /* behind a dispatch */
+    counters_note(f, "atlas.pages", r->atlas.page_count);
+    counters_note(f, "atlas.capacity", r->atlas.across * r->atlas.across);
+    counters_note(f, "atlas.bytes", r->atlas.bytes);
     struct texturing texturing = texturing_virtual_add(f->graph, input, &pages, "texturing", prepass, f->depth);
     texturing.shows_levels = renderer_tests(r).show_levels;
     f->texturing = texturing;
@@ -66,6 +69,17 @@ static const struct debug_view virtual_views[] = {
     {FNL_DEBUG_PAGES, .add = add_atlas, .check = check_pages},
 };
 
+static const struct counter virtual_counters[] = {
+    {"atlas.pages", "pages", "pages of the scene", NOTED},
+    {"atlas.capacity", "pages", "pages that there is room for in the atlas", NOTED},
+    {"atlas.wanted", "pages", "pages that the last frame wanted", COUNTED(pages.wanted)},
+    {"atlas.resident", "pages", "pages in the atlas", COUNTED(pages.resident)},
+    {"atlas.filled", "pages", "pages filled for this frame", COUNTED(pages.filled)},
+    {"atlas.missing", "pages", "wanted pages that there was no room for", COUNTED(pages.missing)},
+    {"atlas.evicted", "pages", "pages replaced by others", COUNTED(pages.evicted)},
+    {"atlas.bytes", "bytes", "memory of the atlas", NOTED},
+};
+
 /* Approximate as visibility is, and because normals are rounded. */
 enum { TRAITS = SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_APPROXIMATE | SHADING_SAMPLES };
 const struct order order_texturing = {.traits = TRAITS | SHADING_POSITIONS | SHADING_VIEWS, .check = check, .add = add};
@@ -76,4 +90,6 @@ const struct order order_virtual_texturing = {.traits = TRAITS,
                                               .add = add_virtual,
                                               .views = virtual_views,
                                               .view_count = COUNT_OF(virtual_views),
+                                              .counters = virtual_counters,
+                                              .counter_count = COUNT_OF(virtual_counters),
                                               .submitted = submitted_virtual};

@@ -41,16 +41,35 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
     order_add_lists(f, f->depth, NULL);
     enum visibility_sort sort = (enum visibility_sort)f->frame->visibility.sort;
     struct visibility_shaded shaded = visibility_shade_add(f->graph, input, &f->visibility, sort, f->radiance);
-    f->visible_ranges = shaded.ranges;
-    f->visible_fragments = f->visibility.fragments;
     f->surfaces = shaded.words;
-    f->edge_counts = shaded.counts;
+    COUNTERS_COPY(f, shaded.ranges, 0, visible);
+    COUNTERS_COPY(f, f->visibility.fragments, 0, visible_fragments);
+    COUNTERS_COPY(f, shaded.counts, 0, edges);
 }
 
+static bool find_entries(const struct counted *counted, uint64_t *value) {
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counted->counts->visible[c][1] - counted->counts->visible[c][0];
+    return COUNTED_HAS(counted, visible);
+}
+
+static bool find_classes(const struct counted *counted, uint64_t *value) {
+    for (uint32_t c = 0; c < GPU_CLASSES; c++) *value += counted->counts->visible[c][1] > counted->counts->visible[c][0];
+    return COUNTED_HAS(counted, visible);
+}
+
+static const struct counter counters[] = {
+    {"visibility.fragments", "fragments", "writes of the id pass", COUNTED(visible_fragments), .needs = "count-lights"},
+    {"visibility.entries", "", "pixels, or triangles of pixels, to shade: with visibility.sort or MSAA",
+     .find = find_entries},
+    {"visibility.classes", "classes", "shader classes among those entries", .find = find_classes},
+};
+
 /* Drivers filter explicit gradients in ways of their own: passes/visibility/scenes_test.c compares it without anisotropy. */
-const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE | SHADING_SAMPLES | SHADING_VIEWS |
-                                                 SHADING_MULTIVIEW,
+const struct order order_visibility = {.traits = SHADING_FULL_RASTER | SHADING_ITEMS | SHADING_APPROXIMATE |
+                                                 SHADING_SAMPLES | SHADING_VIEWS | SHADING_MULTIVIEW,
                                        .adjust = adjust,
                                        .check = check,
                                        .draw = draw,
-                                       .add = add};
+                                       .add = add,
+                                       .counters = counters,
+                                       .counter_count = COUNT_OF(counters)};

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/counters.h"
+
+#include "base/check.h"
+#include "fanal/options.h"
+#include "render/decals.h"
+#include "render/orders/order.h"
+
+/* ---- the tables ---- */
+
+/* Of the steps that several orders share; then those of each order. */
+static const struct counter_table *const shared[] = {&shading_counters, &decals_counters};
+enum { TABLE_COUNT = COUNT_OF(shared) + FNL_SHADING_AUTO };
+
+/* Orders may have one table in common: it is the first one's, and `out_shadings` gets the bits of them all. */
+static struct counter_table table_at(uint32_t index, uint32_t *out_shadings) {
+    *out_shadings = UINT32_MAX;
+    if (index < COUNT_OF(shared)) return *shared[index];
+    const struct order *order = shading_order((fnl_shading)(index - COUNT_OF(shared)));
+    struct counter_table table = {order->counters, order->counter_count};
+    *out_shadings = 0;
+    for (uint32_t i = FNL_SHADING_AUTO; i-- > 0 && table.count > 0;) {
+        if (shading_order((fnl_shading)i)->counters != table.rows) continue;
+        *out_shadings |= 1u << i;
+        if (i < index - COUNT_OF(shared)) table.count = 0;
+    }
+    return table;
+}
+
+uint32_t counters_total(void) {
+    uint32_t count = 0, shadings;
+    for (uint32_t t = 0; t < TABLE_COUNT; t++) count += table_at(t, &shadings).count;
+    return count;
+}
+
+static const struct counter *find(const char *key) {
+    uint32_t shadings;
+    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
+        struct counter_table table = table_at(t, &shadings);
+        for (uint32_t i = 0; i < table.count; i++)
+            if (strcmp(table.rows[i].key, key) == 0) return &table.rows[i];
+    }
+    return NULL;
+}
+
+static fnl_counter describe(const struct counter *row, uint32_t shadings) {
+    return (fnl_counter){.key = row->key,
+                         .help = row->help,
+                         .kind = row->kind,
+                         .unit = row->unit,
+                         .shadings = shadings,
+                         .needs = row->needs ? row->needs : ""};
+}
+
+bool fnl_counter_query(uint32_t index, fnl_counter *out) {
+    uint32_t shadings;
+    if (check_handle(__func__, "out", out) != FNL_OK) return false;
+    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
+        struct counter_table table = table_at(t, &shadings);
+        if (index < table.count) {
+            *out = describe(&table.rows[index], shadings);
+            return true;
+        }
+        index -= table.count;
+    }
+    return false;
+}
+
+/* ---- while a frame is declared ---- */
+
+void counters_copy(struct frame_state *f, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size) {
+    struct view_counters *c = &f->kept->numbers;
+    if (!from.id) return;
+    if (c->copy_count == COUNTERS_COPIES) {
+        log_error(&f->r->host, "a frame has more counters to copy than the %d that there is room for", COUNTERS_COPIES);
+        return;
+    }
+    c->copies[c->copy_count++] = (struct counters_copy){from, from_offset, to_offset, size};
+}
+
+void counters_note(struct frame_state *f, const char *key, uint64_t value) {
+    struct view_counters *c = &f->kept->numbers;
+    const struct counter *row = find(key);
+    if (!row || c->note_count == COUNTERS_NOTES) {
+        log_error(&f->r->host, row ? "there is no room for the counter %s" : "there is no counter %s", key);
+        return;
+    }
+    c->notes[c->note_count++] = (struct counters_noted){row, value};
+}
+
+/* ---- when it is over ---- */
+
+bool counters_copied(const struct counted *counted, uint64_t offset) {
+    const struct view_counters *c = &counted->view->numbers;
+    for (uint32_t i = 0; i < c->copy_count; i++)
+        if (offset >= c->copies[i].to_offset && offset - c->copies[i].to_offset < c->copies[i].size) return true;
+    return false;
+}
+
+static bool noted(const struct counted *counted, const struct counter *row, uint64_t *out) {
+    const struct view_counters *c = &counted->view->numbers;
+    *out = 0;
+    for (uint32_t i = 0; i < c->note_count; i++) {
+        if (c->notes[i].row != row) continue;
+        *out = c->notes[i].value;
+        return true;
+    }
+    return false;
+}
+
+/* "count-lights" or "dais.mode=list". */
+static bool has_needs(const fnl_frame *frame, const char *needs) {
+    char key[64], value[64];
+    if (!needs) return true;
+    size_t length = strcspn(needs, "=");
+    snprintf(key, sizeof key, "%.*s", (int)length, needs);
+    if (fnl_frame_get(frame, key, value, sizeof value) == 0) return false;
+    if (needs[length]) return strcmp(value, needs + length + 1) == 0;
+    return strcmp(value, "off") != 0 && strcmp(value, "0") != 0;
+}
+
+static bool query(const struct counted *counted, const struct counter *row, uint64_t *out) {
+    bool has_note = noted(counted, row, out);
+    if (!has_needs(&counted->r->frame, row->needs)) return false;
+    if (row->find) return row->find(counted, out);
+    if (row->size == 0) return has_note;
+    if (!counters_copied(counted, row->offset)) return false;
+    for (uint32_t i = 0; i < row->size; i += 4) {
+        uint32_t word;
+        memcpy(&word, (const char *)counted->counts + row->offset + i, sizeof word);
+        *out += word;
+    }
+    return true;
+}
+
+uint32_t counters_query(const struct counted *counted, fnl_counter *out) {
+    uint32_t count = 0, shadings;
+    uint64_t value;
+    for (uint32_t t = 0; t < TABLE_COUNT; t++) {
+        struct counter_table table = table_at(t, &shadings);
+        for (uint32_t i = 0; i < table.count && shadings >> counted->r->frame.shading & 1; i++) {
+            if (!query(counted, &table.rows[i], &value)) continue;
+            out[count] = describe(&table.rows[i], shadings);
+            out[count++].value = value;
+        }
+    }
+    return count;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * The numbers of techniques, a row each. Rows stand in the file of the order that makes them (struct order), or in that of the step which several
+ * orders share (counters.c lists these). While a frame is declared the step says where the GPU has counted (COUNTERS_COPY), or what the CPU knows
+ * (counters_note); everything else follows from the rows.
+ */
+#ifndef FNL_RENDER_COUNTERS_H
+#define FNL_RENDER_COUNTERS_H
+
+#include "fanal/stats.h"
+#include "graph/graph.h"
+
+struct fnl_renderer;
+struct renderer_view;
+struct frame_counts;
+struct frame_state;
+
+/** A view of a frame that the device has finished. */
+struct counted {
+    const struct fnl_renderer *r;
+    const struct renderer_view *view;
+    const struct frame_counts *counts;
+};
+
+/**
+ * A row. Its number is what the GPU counted (COUNTED), or what `find` makes of that, or else what the CPU noted. A frame has it where that was copied
+ * or noted, and the frame has what the row needs.
+ */
+struct counter {
+    const char *key, *unit, *help;
+    const char *needs; /* as in fnl_counter; NULL: nothing */
+    fnl_counter_kind kind;
+    /* The 32-bit words in struct frame_counts whose sum it is. Size 0: see above. */
+    uint32_t offset, size;
+    /* Changes `value`, which is what was noted, or 0; false: the frame does not have the number. */
+    bool (*find)(const struct counted *counted, uint64_t *value);
+};
+#define COUNTED(member) COUNTED_SUM(member, sizeof(((struct frame_counts *)0)->member) / 4)
+/** The words from `member` on. */
+#define COUNTED_SUM(member, words) .offset = offsetof(struct frame_counts, member), .size = 4 * (words)
+/** By counters_note() alone. */
+#define NOTED .size = 0
+
+struct counter_table {
+    const struct counter *rows;
+    uint32_t count;
+};
+
+enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 16 };
+
+/** What was said about the numbers of one view while it was declared. */
+struct view_counters {
+    struct counters_copy {
+        graph_buffer from;
+        uint64_t from_offset, to_offset, size;
+    } copies[COUNTERS_COPIES];
+    struct counters_noted {
+        const struct counter *row;
+        uint64_t value;
+    } notes[COUNTERS_NOTES];
+    uint32_t copy_count, note_count;
+};
+
+/** A buffer, from this offset on, holds a member of the view's struct frame_counts when the frame is over. Without a buffer (id 0) nothing happens. */
+#define COUNTERS_COPY(f, buffer, from_offset, member)                                                                       \
+    counters_copy(f, buffer, from_offset, offsetof(struct frame_counts, member), sizeof(((struct frame_counts *)0)->member))
+void counters_copy(struct frame_state *f, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
+/** A number that the CPU knows; or the part of it that it knows, for counter.find. */
+void counters_note(struct frame_state *f, const char *key, uint64_t value);
+
+/** For counter.find: whether the frame copied what stands at this offset of struct frame_counts. */
+#define COUNTED_HAS(counted, member) counters_copied(counted, offsetof(struct frame_counts, member))
+bool counters_copied(const struct counted *counted, uint64_t offset);
+
+/** Rows of all techniques. */
+uint32_t counters_total(void);
+/** Writes those that the view has, counters_total() at most; returns how many. */
+uint32_t counters_query(const struct counted *counted, fnl_counter *out);
+
+#endif
