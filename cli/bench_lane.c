@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "bench_lane.h"
 
+#include "counters.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +77,7 @@ void lane_finish(struct lane *lane) {
         free(lane->passes[i].times);
     }
     free(lane->passes);
+    json_decref(lane->counters);
     *lane = (struct lane){0};
 }
 
@@ -126,6 +129,10 @@ bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
 void lane_note_counts(struct lane *lane, const fnl_frame_stats *stats) {
     lane->stats = *stats;
     lane->stats.passes = NULL;
+    lane->stats.counters = NULL;
+    lane->stats.counter_count = 0;
+    json_decref(lane->counters);
+    lane->counters = counters_json(stats);
     lane->counted++;
     lane->evaluations += (double)stats->evaluations;
     lane->useful += (double)stats->evaluations_useful;
@@ -190,6 +197,7 @@ static void add_counts(const struct lane *lane, json_t *result) {
     set_integer(result, "triangles_total", s->triangles_total);
     set_integer(result, "triangles_drawn", drawn);
     json_object_set_new(result, "triangles_culled", json_real(1 - (double)drawn / total));
+    json_object_set(result, "counters", lane->counters);
     set_integer(result, "image_bytes_read", lane->image_bytes_read);
     set_integer(result, "image_bytes_written", lane->image_bytes_written);
 }

@@ -35,7 +35,8 @@ struct lane {
     uint32_t counted, max_per_pixel;
     double evaluations, useful;
     uint64_t image_bytes_read, image_bytes_written; /* of the last timed frame */
-    fnl_frame_stats stats;                          /* of the last counted frame; its passes are not used */
+    fnl_frame_stats stats;                          /* of the last counted frame, without passes and counters */
+    json_t *counters;                               /* its numbers by their keys; NULL: none yet */
     /* The comparison with the reference. */
     uint32_t checked;
     uint64_t differing;

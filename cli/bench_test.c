@@ -199,7 +199,9 @@ static void test_scenes_go_by_short_names(void **state) {
 
 static void note_frame(struct lane *lane, double milliseconds) {
     fnl_pass_time passes[] = {{"cull items", 1}, {"deferred", milliseconds}};
-    fnl_frame_stats stats = {.passes = passes, .pass_count = 2, .triangles_total = 1000, .evaluations = 7};
+    const fnl_counter counter = {.key = "coarse.shared", .value = 5};
+    fnl_frame_stats stats = {
+        .passes = passes, .pass_count = 2, .triangles_total = 1000, .evaluations = 7, .counters = &counter, .counter_count = 1};
     if (lane->counted == 0 && !lane->kept) lane_note_counts(lane, &stats);
     lane->wall = milliseconds + 2;
     assert_true(lane_note_times(lane, &stats));
@@ -221,6 +223,7 @@ static void test_frames_are_taken_up_again(void **state) {
     lane_add_result(&whole, a, &info, false, 4);
     lane_add_result(&first, b, &info, false, 4);
     assert_true(json_is_true(json_object_get(a, "complete")) && !json_object_get(a, "samples"));
+    assert_int_equal(json_integer_value(json_object_get(json_object_get(a, "counters"), "coarse.shared")), 5);
     assert_true(json_is_false(json_object_get(b, "complete")));
     /* Fewer pictures than asked for were compared: that has to be done again, what was timed stands. */
     lane_restore(&second, b, 3);
@@ -260,14 +263,20 @@ static char *read_file(const char *name) {
 
 static void test_files_round_trip(void **state) {
     (void)state;
-    struct bench_data data = {
-        json_pack("{s:[o],s:s}", "results", make_result("tiled", 4, 0.25, "yes"), "note", "</script><!--"),
-        json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
+    json_t *one = make_result("tiled", 4, 0.25, "yes"), *other = make_result("clustered", 4, 0.25, "yes");
+    json_object_set_new(one, "counters", json_pack("{s:i,s:b}", "coarse.shared", 765, "mobile.merged", 1));
+    json_object_set_new(other, "counters", json_pack("{s:i}", "gbuffer.bytes", 225));
+    struct bench_data data = {json_pack("{s:[o,o],s:s}", "results", one, other, "note", "</script><!--"),
+                              json_pack("{s:s}", "key", "data:image/png;base64,AAAA")};
     assert_true(bench_save(folder, &data, true));
     char *csv = read_file("results.csv"), *page = read_file("report.html");
     assert_non_null(strstr(csv, "\r\n\"a,\"\"b\"\".gltf\",64,36,1,deferred,tiled,,9,"));
     assert_non_null(strstr(csv, ",4,"));
     assert_non_null(strstr(csv, ",0.25,"));
+    /* A column for each counter that some result has, in the order of the library. */
+    assert_non_null(strstr(csv, ",max_difference,gbuffer.bytes,coarse.shared,mobile.merged\r\n"));
+    assert_non_null(strstr(csv, ",,765,true\r\n"));
+    assert_non_null(strstr(csv, ",225,,\r\n"));
     assert_null(strstr(page, "</script><!--")); /* nothing of the data ends its element */
     assert_non_null(strstr(page, "\\u003c/script>\\u003c!--"));
     free(csv);

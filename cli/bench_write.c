@@ -228,6 +228,22 @@ static json_t *setting_columns(const json_t *root) {
     return keys;
 }
 
+/* The counters that some result has: a column each, in the order of the library. */
+static json_t *counter_columns(const json_t *root) {
+    json_t *keys = json_array();
+    const json_t *result;
+    fnl_counter c;
+    size_t k;
+    for (uint32_t i = 0; fnl_counter_query(i, &c); i++) {
+        bool has = false;
+        json_array_foreach(json_object_get(root, "results"), k, result) {
+            has = has || json_object_get(json_object_get(result, "counters"), c.key);
+        }
+        if (has) json_array_append_new(keys, json_string(c.key));
+    }
+    return keys;
+}
+
 /* What a result sets, or the default. */
 static void append_setting(struct text *t, const json_t *result, const char *key) {
     const fnl_frame usual = fnl_frame_default();
@@ -242,7 +258,7 @@ static void append_setting(struct text *t, const json_t *result, const char *key
 static bool save_csv(const char *folder, const json_t *root) {
     enum { COUNT = sizeof columns / sizeof *columns };
     struct text t = {0};
-    json_t *settings = setting_columns(root), *key;
+    json_t *settings = setting_columns(root), *counters = counter_columns(root), *key;
     const json_t *result;
     size_t i, k;
     for (int c = 0; c < COUNT; c++) {
@@ -251,6 +267,10 @@ static bool save_csv(const char *folder, const json_t *root) {
         for (char *dot = strchr(name, '.'); dot; dot = NULL) *dot = '_';
         if (c) append(&t, ",", 1);
         append(&t, name, strlen(name));
+    }
+    json_array_foreach(counters, k, key) {
+        append(&t, ",", 1);
+        append_field(&t, key);
     }
     json_array_foreach(settings, k, key) {
         append(&t, ",", 1);
@@ -270,11 +290,16 @@ static bool save_csv(const char *folder, const json_t *root) {
             else
                 append_field(&t, statistic ? json_object_get(value, statistic) : value);
         }
+        json_array_foreach(counters, k, key) {
+            append(&t, ",", 1);
+            append_field(&t, json_object_get(json_object_get(result, "counters"), json_string_value(key)));
+        }
         json_array_foreach(settings, k, key) append_setting(&t, result, json_string_value(key));
         append(&t, "\r\n", 2);
     }
     bool good = !t.failed && bench_save_file(folder, "results.csv", t.bytes, t.length);
     json_decref(settings);
+    json_decref(counters);
     free(t.bytes);
     return good;
 }
