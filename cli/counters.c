@@ -123,10 +123,10 @@ uint64_t counters_value(const fnl_frame_stats *stats, const char *key) {
     return c ? c->value : 0;
 }
 
-bool counters_overflow(const fnl_frame_stats *stats) {
-    bool does = false;
+uint64_t counters_overflow(const fnl_frame_stats *stats) {
+    uint64_t sum = 0;
     for (uint32_t i = 0; i < stats->counter_count; i++)
-        does = does || (stats->counters[i].kind == FNL_COUNTER_OVERFLOW && stats->counters[i].value > 0);
-    for (uint32_t i = 0; i < stats->view_count; i++) does = does || counters_overflow(&stats->views[i]);
-    return does;
+        if (stats->counters[i].kind == FNL_COUNTER_OVERFLOW) sum += stats->counters[i].value;
+    for (uint32_t i = 0; i < stats->view_count; i++) sum += counters_overflow(&stats->views[i]);
+    return sum;
 }

@@ -17,7 +17,7 @@ json_t *counters_json(const fnl_frame_stats *stats);
 
 /** The number with a key; 0 where the frame does not have it. */
 uint64_t counters_value(const fnl_frame_stats *stats, const char *key);
-/** Whether something found no room in the frame or in one of its views, so that the next one may be better. */
-bool counters_overflow(const fnl_frame_stats *stats);
+/** How much found no room in the frame and its views, so that the next one may be better. */
+uint64_t counters_overflow(const fnl_frame_stats *stats);
 
 #endif

@@ -289,11 +289,9 @@ static bool settle_choice(const struct render_options *o, fnl_renderer *renderer
     return true;
 }
 
-/* Some pools double from frame to frame: from the smallest to the largest in so many. */
-enum { GROWTH_MOST = 12 };
-
 bool render_settle_pools(fnl_renderer *renderer, const fnl_frame *frame, fnl_frame_stats *stats) {
-    for (int turn = 0; turn < GROWTH_MOST && counters_overflow(stats); turn++)
+    uint64_t before = UINT64_MAX;
+    for (uint64_t now; (now = counters_overflow(stats)) > 0 && now < before; before = now) /* until memory allows no more */
         if (fnl_renderer_render(renderer, frame) != FNL_OK || fnl_renderer_query_stats(renderer, stats) != FNL_OK)
             return false;
     return true;
