@@ -87,7 +87,7 @@ static void test_views_drawn_at_once_equal_frames(void **state) {
     fnl_camera cameras[VIEWS_MOST];
     views_place(&stage, cameras);
     check_paths(&stage, ALL_PATHS, cameras, 2, 1, "glass");
-    check_paths(&stage, ALL_PATHS, cameras, 3, 4, "glass");
+    check_paths(&stage, DEFERRED_PREPASS | VISIBILITY, cameras, 3, 4, "glass");
     check_paths(&stage, DEFERRED, cameras, 6, 1, "glass");
     stage.frame.count_lights = true; /* per view */
     fnl_frame frame = frame_of(&stage, &paths[1], 1);
@@ -119,7 +119,7 @@ static void test_holes_and_skins(void **state) {
     struct stage stage = open_stage("builtin:grass?lights=20", 0);
     views_place(&stage, cameras);
     check_paths(&stage, DEFERRED_PREPASS | VISIBILITY, cameras, 2, 1, "alpha-masked");
-    check_paths(&stage, FORWARD | VISIBILITY, cameras, 2, 4, "alpha-masked");
+    check_paths(&stage, FORWARD, cameras, 2, 4, "alpha-masked");
     stage_close(&stage);
     stage = open_stage("CesiumMan.glb", 30);
     views_place(&stage, cameras);
@@ -134,14 +134,13 @@ static void test_holes_and_skins(void **state) {
 static void test_views_that_share_nothing(void **state) {
     UNUSED(state);
     struct stage stage = open_stage("builtin:hall?lights=40", 0);
-    fnl_camera cameras[4];
-    for (int i = 0; i < 4; i++) cameras[i] = stage.frame.camera;
+    fnl_camera cameras[3];
+    for (int i = 0; i < 3; i++) cameras[i] = stage.frame.camera;
     vec3 forward = vec3_sub(cameras[0].target, cameras[0].position);
     cameras[1].target = vec3_sub(cameras[1].position, forward);
     cameras[2].target = vec3_add(cameras[2].position, (vec3){0.1f, 900, 0});
     cameras[2].position.y += 800; /* above everything, and it looks up */
-    cameras[3].vertical_fov = 0.2f;
-    check_paths(&stage, DEFERRED | VISIBILITY, cameras, 4, 1, "hall");
+    check_paths(&stage, DEFERRED | VISIBILITY, cameras, 3, 1, "hall");
     const fnl_camera empty_first[2] = {cameras[2], cameras[1]}; /* the first is not what counts */
     check_paths(&stage, DEFERRED_PREPASS | FORWARD, empty_first, 2, 1, "hall");
     fnl_frame_stats stats;
@@ -279,6 +278,7 @@ static void test_auto_takes_views_that_see_the_same(void **state) {
     stage_close(&stage);
 }
 
+/* Their pictures are those of views_test.c. */
 static void test_what_is_drawn_one_by_one(void **state) {
     UNUSED(state);
     struct stage stage = open_stage("builtin:hall?lights=20&decals=6", 0);
@@ -303,9 +303,6 @@ static void test_what_is_drawn_one_by_one(void **state) {
     frames[count] = stage.frame;
     frames[count++].multiview = FNL_MULTIVIEW_OFF;
     for (uint32_t i = 0; i < count; i++) {
-        char what[32];
-        snprintf(what, sizeof what, "frame %u", i);
-        views_check(&stage, &frames[i], eyes, 2, what);
         render_views(&stage, &frames[i], eyes, 2);
         assert_int_equal(count_together(&stage, 0, 1), 0);
     }
