@@ -34,7 +34,7 @@ void counters_print(enum options_form form) {
         puts("<!-- SPDX-License-Identifier: MIT -->\n"
              "# Counters\n"
              "\n"
-             "The numbers of single techniques, besides those that every frame has. `fanal render` prints those of its "
+             "Numbers that belong to one technique, besides those that every frame has. `fanal render` prints those of its "
              "frame below the times of the\n"
              "passes. `--stats` writes them as JSON, where `coarse.by-depth` is `by_depth` in the object `coarse`. `fanal "
              "bench` has a column for each.\n"

@@ -97,7 +97,7 @@ static void print_help(void) {
          "  --start-frame N            starts a sequence at picture N (0); it ends where --frames says\n"
          "  --choose-seconds S         with --frames 2 or more: how long auto may measure before the first one (20)\n"
          "  --stats FILE|-             writes the statistics as JSON; for a sequence, a line per picture. 'fanal render\n"
-         "                             --counters' prints what numbers of single techniques there are\n"
+         "                             --counters' lists the counters that can be among them\n"
          "  --plan                     prints the frame graph\n"
          "  --traffic                  prints what each pass moves between images and memory\n"
          "  --device INDEX|NAME        one of those that 'fanal devices' lists (the best)\n"

@@ -52,7 +52,7 @@
 #define VOLUME_FRONTS_ID 15u
 #define GAMMA_ID 12u
 
-/* Materials of what a number names (MATERIAL_GRADIENTS): visibility, texturing, dais */
+/* Materials that are found by a stored number (MATERIAL_GRADIENTS): visibility, texturing, dais */
 #define GRADIENT_TAPS_ID 8u
 #define FOUND_FEATURES_ID 9u
 #define HAS_TEXTURES_ID 10u

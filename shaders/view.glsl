@@ -11,7 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer fra
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer view_block { gpu_view view; };
 
 #ifdef SEVERAL_VIEWS
-// Of views that stand one after the other. Sums of references and integers would need 64-bit integers.
+// A view from an array of them. Adding an integer to a reference would need 64-bit integers.
 view_block view_at(view_block first, uint index) {
     uvec2 address = uvec2(first);
     uint carry;

@@ -53,7 +53,7 @@ typedef struct fnl_device_info {
     bool post_depth_coverage; /**< fragment shaders know which samples pass the depth test */
     bool quad_operations;     /**< fragment shaders can share values within 2x2 squares of pixels */
     uint32_t subgroup_size;
-    uint32_t max_views; /**< views that a draw goes to with multiview: 6 or more, or 1 without it */
+    uint32_t max_views; /**< how many views one draw call can go to: 6 or more with multiview, else 1 */
 } fnl_device_info;
 
 FNL_API fnl_result fnl_device_query_info(const fnl_device *device, fnl_device_info *out);

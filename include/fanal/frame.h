@@ -26,11 +26,11 @@ typedef enum fnl_geometry {
     FNL_GEOMETRY_COUNT
 } fnl_geometry;
 
-/** Whether a frame draws several of its views at once (multiview). The picture is the same. docs/techniques/views.md compares them. */
+/** Whether a frame draws several of its views at once (multiview). Pictures stay the same. docs/techniques/views.md compares the values. */
 typedef enum fnl_multiview {
-    FNL_MULTIVIEW_AUTO = 0, /**< views that follow one another and see almost the same, as two eyes do; not in forward-prepass */
+    FNL_MULTIVIEW_AUTO = 0, /**< neighbours of the array that see almost the same, as two eyes do; not in forward-prepass */
     FNL_MULTIVIEW_OFF,      /**< each view by itself */
-    FNL_MULTIVIEW_ON,       /**< up to 6 views that follow one another, whatever they see */
+    FNL_MULTIVIEW_ON,       /**< up to 6 neighbours of the array, whatever they see */
     FNL_MULTIVIEW_COUNT
 } fnl_multiview;
 
@@ -138,15 +138,16 @@ typedef struct fnl_frame {
      * Cameras of a frame with several views, `view_count` of them, 0 .. FNL_VIEWS_MAX. Each gives a picture of the frame's size, equal to the bit to that
      * of a frame with this camera alone; what does not depend on the camera is done once for all of them. `camera` is then ignored. The array belongs to
      * the caller and is read only during the call. Default NULL and 0: one view, of `camera`.
-     * For every path but virtual-texturing, with every list, and without light_lod; those fail with FNL_ERROR_UNSUPPORTED. Auto stands for deferred and
-     * clustered, and measures nothing. docs/techniques/views.md tells more.
+     * Every path and list takes several views, except virtual-texturing; it fails with FNL_ERROR_UNSUPPORTED, and so does light_lod. Auto stands for deferred
+     * and clustered, and measures nothing. docs/techniques/views.md tells more.
      */
     const fnl_camera *views;
     uint32_t view_count;
     /**
-     * Which views share draw calls: the depth prepass, the G-buffer pass and the ids of visibility are then drawn once into the layers of their targets, with
-     * what any of the views sees. Where that does not work views are drawn one by one, without an error: on devices without fnl_device_info.multiview, with
-     * culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or count_lights. Default auto.
+     * Which views share draw calls, in forward-prepass, deferred and visibility: the depth prepass, the G-buffer and the ids are then drawn once into
+     * several layers, with what any of the views sees. Where that does not work, views are drawn one by one, without an error: on devices without
+     * fnl_device_info.multiview, with culling by clusters or triangles, occlusion or decals, and in visibility with grid, barycentrics or
+     * count_lights. Default auto.
      */
     fnl_multiview multiview;
     /** Default FNL_SHADING_DEFERRED. */

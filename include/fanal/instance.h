@@ -18,7 +18,7 @@ FNL_API fnl_result fnl_scene_add_instance(fnl_scene *scene, fnl_mesh_id mesh, co
 /**
  * Moves `count` instances: instances[i] gets transforms[i]. All elements are checked before any instance moves: an error
  * names the element, and the scene stays as it was. If an id appears twice, its last transform counts. With a count of 0 the
- * pointers may be NULL. The cost is in proportion to what is below the instances. Each node is updated once, even if several
+ * pointers may be NULL. The cost is in proportion to the number of nodes below the instances; each is updated once, even if several
  * nodes above it move.
  *
  * In a file, every node is an instance: the transform is relative to the parent node, and everything below moves along, as
@@ -59,8 +59,8 @@ FNL_API fnl_result fnl_scene_set_pose(fnl_scene *scene, fnl_instance_id instance
  * Hides an instance with everything below it, including lights and decals, or shows it again if nothing above it is hidden.
  * Nodes of a file that are hidden (KHR_node_visibility) or in none of the scenes shown begin hidden. A skin is shown with
  * the node of its mesh, wherever its joints are. Renderers take what is hidden out of their sorted list of draws. They sort
- * the whole list again only if a skin or morph targets are among it, or more than 64 instances come and go between two
- * frames.
+ * the whole list again only if something among it has a skin or morph targets, or if more than 64 instances come or go
+ * between two frames.
  */
 FNL_API fnl_result fnl_scene_set_instance_visible(fnl_scene *scene, fnl_instance_id instance, bool visible);
 /**

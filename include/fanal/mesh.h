@@ -77,11 +77,11 @@ FNL_API fnl_result fnl_scene_add_mesh(fnl_scene *scene, const fnl_mesh_params *p
  * present contents in the same struct: change a part of it and hand it back to keep the rest.
  *
  * Arrays are copied. Renderers upload what differs: only the attributes if positions and indices stay the same, and no
- * geometry if only the material is another. New positions or indices also cost about a microsecond per triangle, because the
+ * geometry if only the material changes. New positions or indices also cost about a microsecond per triangle, because the
  * mesh is cut into clusters again.
  *
  * The counts may change, with one exception. If a file gave the mesh morph targets, joints or a second set of texture
- * coordinates, these stay, and they belong to vertices: vertex_count must be what it was, and indices, normals and, with
+ * coordinates, these stay, and they are stored per vertex: vertex_count must not change, and indices, normals and, with
  * texture coordinates, tangents must be given. Lines and points also keep their number of vertices.
  *
  * Baked decals on the mesh are painted again. The copy of the mesh that they are painted on cannot be changed itself

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /**
  * Scenes: loaded from glTF, made by built-in generators, or put together by calls. A scene lives in host memory and
- * needs no device; one scene may be rendered by several renderers. Calls on one scene are not thread-safe. This header includes
- * those of all that a scene is made of.
+ * needs no device; one scene may be rendered by several renderers. Calls on one scene are not thread-safe. This header
+ * includes those of everything that a scene is made of.
  *
  * Units are glTF's: metres, radians, candela (lights that spread), lux (directional and box). Right-handed, +Y up.
  */

@@ -80,7 +80,7 @@ FNL_API fnl_result fnl_scene_query_light(const fnl_scene *scene, uint32_t index,
 FNL_API fnl_result fnl_scene_query_decal(const fnl_scene *scene, uint32_t index, fnl_decal_params *out);
 FNL_API fnl_result fnl_scene_query_material(const fnl_scene *scene, uint32_t index, fnl_material_params *out);
 
-/** A mesh, and one of its primitives: files may give a mesh several, of a material each. */
+/** A mesh and one of its primitives: a mesh of a file may have several, each with its own material. */
 typedef struct fnl_mesh_info {
     uint32_t primitive_count;
     uint32_t corner_count;       /**< of the primitive: 3 for triangles, 2 for lines, 1 for points */

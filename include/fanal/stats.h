@@ -18,7 +18,7 @@ typedef struct fnl_pass_time {
 
 typedef enum fnl_counter_kind {
     FNL_COUNTER_COUNT = 0, /**< how many */
-    FNL_COUNTER_OVERFLOW,  /**< how many found no room in a pool, so that the frame was drawn in another way; the pool grows for the next frame */
+    FNL_COUNTER_OVERFLOW,  /**< how many found no room in a pool, so that the frame was drawn in another way; the pool grows for the next one if it can */
     FNL_COUNTER_SWITCH     /**< 1: yes, 0: no */
 } fnl_counter_kind;
 
@@ -31,9 +31,9 @@ typedef struct fnl_counter {
     fnl_counter_kind kind;
     /** Such as "bytes"; "": none. */
     const char *unit;
-    /** The shading paths that can have it: bit 1 << fnl_shading. All bits: it does not depend on the path alone. */
+    /** The shading paths that can have it: bit 1 << fnl_shading. All bits: several paths make it, but perhaps not each. */
     uint32_t shadings;
-    /** The option that a frame needs to have it: "count-lights" where that is not off or 0, "dais.mode=list" where it has this value; "": none. */
+    /** The option without which a frame does not have it: "count-lights" where that is not off or 0, "dais.mode=list" where it has this value; "": none. */
     const char *needs;
     /** What the frame counted; 0 in a row of fnl_counter_query(). */
     uint64_t value;
@@ -86,7 +86,7 @@ typedef struct fnl_frame_stats {
 
     /* ---- what the techniques of the frame did ---- */
 
-    /** The numbers that the frame has, in the order of fnl_counter_query(). What the frame's shading path, lists and options do not make is left out, not
+    /** The counters of the frame, in the order of fnl_counter_query(). Those that its shading path, lists and options do not make are missing, rather than
         0. fnl_counter_find() finds one by its key. Owned by the renderer, valid until the next call on it. */
     uint32_t counter_count;
     const fnl_counter *counters;
@@ -133,7 +133,7 @@ typedef struct fnl_frame_stats {
     const struct fnl_frame_stats *views;
 } fnl_frame_stats;
 
-/** The counter with a key in a frame, or in one of its views; NULL: it has none. */
+/** The counter with this key, of a frame or of one of its views; NULL if it has none. */
 static inline const fnl_counter *fnl_counter_find(const fnl_frame_stats *stats, const char *key) {
     for (uint32_t i = 0; i < stats->counter_count; i++)
         if (strcmp(stats->counters[i].key, key) == 0) return &stats->counters[i];

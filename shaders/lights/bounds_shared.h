@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * What lists are built over: a sphere, and a tighter shape where the sphere is too loose, around each thing that a pixel may find in a list.
- * Lights and decals fill bounds, and so may anything else that fills a part of space. Builders read bounds; only those that ask which way a
+ * What lists are built from: a sphere, and a tighter shape where the sphere is too loose, around each thing that a pixel may find in a list.
+ * Lights and decals have bounds, and so may anything else that fills a part of space. Builders read bounds; only those that ask which way a
  * light shines (backface, sparse with normal cones) look up the light itself. Shading reads the lights or decals and no bounds.
  */
 #ifndef FNL_SHADERS_BOUNDS_SHARED_H
@@ -16,7 +16,7 @@
 #define GPU_SHAPE_WEDGE 4u  /* a pyramid with a spherical end */
 #define GPU_SHAPE_BOX 5u
 
-/* A convex volume in world space. A light begins with its own, and lights exactly nothing outside of it. */
+/* A convex volume in world space. It is the first member of a light, which contributes exactly zero outside it. */
 struct gpu_shape {
     vec3 position;       /* centre, apex, or middle of a capsule or box */
     float range;         /* metres from the position; nothing of the shape is farther away */
@@ -37,7 +37,7 @@ struct gpu_shape {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer plane_array { vec4 at[]; };
 #endif
 
-/* Whose bounds they are; light_input.kinds says by bits what a list is for. Builders tell apart one kind more than there is today. */
+/* Whose bounds they are. light_input.kinds has a bit for each kind that is wanted. Builders handle one kind more than there is today. */
 #define GPU_ENTITY_LIGHT 0u
 #define GPU_ENTITY_DECAL 1u
 #define GPU_ENTITY_KINDS 3u
@@ -46,7 +46,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer pl
 
 /*
  * Bounds of one light, decal or other thing. Lists name places in an array of these. In an array of one kind, place and user index are the
- * same, and shading uses the place; who reads a list over several kinds looks `kind` and `user` up.
+ * same, and shading uses the place; a reader of a list over several kinds looks up `kind` and `user`.
  */
 struct gpu_entity_bounds {
     vec3 center;  /* world-space sphere that holds all of it */

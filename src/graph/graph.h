@@ -229,7 +229,7 @@ void graph_depth(struct graph_pass *pass, graph_image image, VkAttachmentLoadOp 
 /** Depth test without writes; the image may be sampled by the same pass. */
 void graph_depth_read_only(struct graph_pass *pass, graph_image image);
 /**
- * What the pass draws goes to each layer of its attachments whose bit is set (multiview): shaders know by gl_ViewIndex which one it is. Other
+ * What the pass draws goes to each layer of its attachments whose bit is set (multiview): gl_ViewIndex tells shaders which one it is. Other
  * layers keep what they hold or are left undefined, as the load operations say. Not in scopes; bits below fnl_device_info.max_views. 0: layer 0
  * alone, as without this call.
  */

@@ -278,7 +278,7 @@ static fnl_result realise_history(struct graph *graph, struct graph_resource *re
 /* The physical of one layer lives as long as that of its image. */
 static fnl_result realise_layer(struct graph *graph, struct graph_resource *resource) {
     const struct graph_resource *whole = graph_whole(graph, resource);
-    if (whole->pool == GRAPH_NONE) return FNL_OK; /* nobody needs it */
+    if (whole->pool == GRAPH_NONE) return FNL_OK; /* no pass needs it */
     const uint32_t layer = resource->layer;
     const uint64_t key = hash_bytes(&layer, sizeof layer, graph->physicals.data[whole->physical].key);
     uint32_t index = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * The numbers of techniques, a row each. Rows stand in the file of the order that makes them (struct order), or in that of the step which several
- * orders share (counters.c lists these). While a frame is declared the step says where the GPU has counted (COUNTERS_COPY), or what the CPU knows
+ * The numbers of techniques, one row each. A row stands in the file of the order that makes the number (struct order), or of the step that several
+ * orders share (counters.c lists these). While a frame is declared, the step says where the GPU counts (COUNTERS_COPY) or what the CPU knows
  * (counters_note); everything else follows from the rows.
  */
 #ifndef FNL_RENDER_COUNTERS_H
@@ -23,8 +23,8 @@ struct counted {
 };
 
 /**
- * A row. Its number is what the GPU counted (COUNTED), or what `find` makes of that, or else what the CPU noted. A frame has it where that was copied
- * or noted, and the frame has what the row needs.
+ * A row. Its number is what the GPU counted (COUNTED), or what `find` makes of that, or else what the CPU noted. A frame has it if that was
+ * copied or noted and the frame meets `needs`.
  */
 struct counter {
     const char *key, *unit, *help;
@@ -48,7 +48,7 @@ struct counter_table {
 
 enum { COUNTERS_COPIES = 24, COUNTERS_NOTES = 16 };
 
-/** What was said about the numbers of one view while it was declared. */
+/** Where the numbers of one view are, as noted while the view was declared. */
 struct view_counters {
     struct counters_copy {
         graph_buffer from;
@@ -61,7 +61,7 @@ struct view_counters {
     uint32_t copy_count, note_count;
 };
 
-/** A buffer, from this offset on, holds a member of the view's struct frame_counts when the frame is over. Without a buffer (id 0) nothing happens. */
+/** When the frame is over, `buffer` holds a member of the view's struct frame_counts at this offset. Does nothing without a buffer (id 0). */
 #define COUNTERS_COPY(f, buffer, from_offset, member)                                                                       \
     counters_copy(f, buffer, from_offset, offsetof(struct frame_counts, member), sizeof(((struct frame_counts *)0)->member))
 void counters_copy(struct frame_state *f, graph_buffer from, uint64_t from_offset, uint64_t to_offset, uint64_t size);
@@ -72,7 +72,7 @@ void counters_note(struct frame_state *f, const char *key, uint64_t value);
 #define COUNTED_HAS(counted, member) counters_copied(counted, offsetof(struct frame_counts, member))
 bool counters_copied(const struct counted *counted, uint64_t offset);
 
-/** Rows of all techniques. */
+/** The number of rows of all techniques. */
 uint32_t counters_total(void);
 /** Writes those that the view has, counters_total() at most; returns how many. */
 uint32_t counters_query(const struct counted *counted, fnl_counter *out);

@@ -156,7 +156,7 @@ void decals_redraw(struct frame_state *f, const struct shade_input *input) {
 
 /* ---- numbers ---- */
 
-/* Those in lists, and those in the G-buffer's way. */
+/* Decals in lists, or decals over the G-buffer. */
 static bool has_boxes(const struct counted *counted) {
     return COUNTED_HAS(counted, decals) || COUNTED_HAS(counted, gbuffer_decals);
 }

@@ -12,7 +12,7 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out);
 static fnl_result fade_lights(struct frame_state *f);
 static void add_counters(struct frame_state *f);
 
-/* What a view begins with, before anything is drawn for it; `out` is where its camera is sent to. */
+/* Prepares a view before anything is drawn for it; `out` receives its camera. */
 static fnl_result begin_view(struct frame_state *f, struct gpu_view *out) {
     TRY(add_view(f, out));
     TRY(decals_add_list(f));
@@ -39,7 +39,7 @@ static void finish_view(struct frame_state *f) {
     temporal_end(f);
 }
 
-/* Views `first` and on that are drawn at once as far as that goes; one alone as ever. */
+/* Declares `count` views from `first` on, and what needs no lists at once if there are several. */
 static fnl_result declare_views(const struct frame_state *shared, uint32_t first, uint32_t count, const struct gpu_slice *cameras,
                                 const struct device_scene_frame *scene) {
     const fnl_frame *frame = shared->frame;

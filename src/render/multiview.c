@@ -15,7 +15,7 @@ static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_
 
 /*
  * Whether two cameras see almost the same, so that hardly anything is drawn for a view that does not see it: they look the same way within 10
- * degrees, with the same opening, from places that are less than 1/32 of the scene's diagonal apart.
+ * degrees, with the same field of view, from places that are less than 1/32 of the scene's diagonal apart.
  */
 static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_camera *b) {
     const struct box *bounds = &r->device_scene.bounds;
@@ -29,7 +29,7 @@ static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_c
 
 uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first) {
     if (frame->view_count < 2 || frame->multiview == FNL_MULTIVIEW_OFF || !is_possible(r, frame)) return 1;
-    /* Of paths that draw after their lists the prepass alone is shared, which gains nothing (docs/techniques/views.md). */
+    /* Paths that draw after their lists share only the prepass, which gains nothing (docs/techniques/views.md). */
     if (frame->multiview == FNL_MULTIVIEW_AUTO && frame_is(frame, SHADING_LISTS_FIRST)) return 1;
     uint32_t most = MIN(frame->view_count - first, (uint32_t)MULTIVIEW_MOST), count = 1;
     while (count < most && (frame->multiview == FNL_MULTIVIEW_ON ||

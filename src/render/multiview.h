@@ -8,7 +8,7 @@
 /** Views that are drawn at once at most: as many as every device with multiview takes. */
 enum { MULTIVIEW_MOST = 6 };
 
-/** How many views of the frame, from `first` on, are drawn at once: 1 where that does not go or does not pay. */
+/** How many views of the frame, from `first` on, are drawn at once: 1 where that does not work or does not pay. */
 uint32_t multiview_count(const fnl_renderer *r, const fnl_frame *frame, uint32_t first);
 /** Draws what needs no lists for `together` views, of which the first `count`, which have begun, each take their layer. */
 void multiview_draw(struct frame_state *views, uint32_t count, uint32_t together);

@@ -226,7 +226,7 @@ uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws
 
 /* ---- numbers that do not depend on the order alone ---- */
 
-/* By the draws of this very frame, read back. */
+/* From the draws of this frame, read back. */
 static bool find_forward_items(const struct counted *counted, uint64_t *value) {
     const struct gpu_draw *draws = counted->view->draws.mapped;
     uint32_t layouts = counted->view->forward_layouts;
@@ -248,7 +248,7 @@ static const struct counter counters[] = {
     {"msaa.pixels", "pixels", "pixels that show a surface in some sample", COUNTED(edges[EDGES_PIXELS])},
     {"msaa.edge-pixels", "pixels", "pixels whose samples show more than one thing, sky being one",
      COUNTED(edges[EDGES_MIXED])},
-    {"msaa.surfaces", "surfaces", "surfaces of all pixels; for visibility each triangle is one",
+    {"msaa.surfaces", "surfaces", "surfaces, summed over all pixels; in visibility each triangle is one",
      COUNTED(edges[EDGES_SURFACES])},
     {"msaa.samples", "samples", "samples that show a surface", COUNTED(edges[EDGES_SAMPLES])},
     {"msaa.shaded", "surfaces", "surfaces shaded", COUNTED(edges[EDGES_SHADED]), .needs = "count-lights"},

@@ -102,7 +102,7 @@ static fnl_result check_light_id(const struct call *call, const fnl_scene *scene
     return check_id(call, "light", alive, id.index, id.generation, "a light");
 }
 
-/* Of what a light of the kind has of a pose. */
+/* Compares only the parts of a pose that a light of this kind has. */
 static bool poses_differ(const fnl_light_params *a, const fnl_light_params *b) {
     bool position = a->kind != FNL_LIGHT_DIRECTIONAL && memcmp(&a->position, &b->position, sizeof a->position) != 0;
     bool direction = a->kind != FNL_LIGHT_POINT && memcmp(&a->direction, &b->direction, sizeof a->direction) != 0;

@@ -88,10 +88,10 @@ void scene_structure_changed(fnl_scene *scene) {
     scene->edited.count = 0;
 }
 
-/* A longer list than this would cost a renderer more than reading all nodes once in a while. */
+/* Beyond this length it is cheaper for a renderer to read all nodes once. */
 static uint32_t longest_list(const fnl_scene *scene) { return 1024 + scene->nodes.count / 16; }
 
-/* At the present structure_version. */
+/* Records that a node changed at the present structure_version. */
 static void list_edited(fnl_scene *scene, uint32_t index) {
     struct scene_node *node = &scene->nodes.data[index];
     bool listed = node->edited_version > scene->edited_since;

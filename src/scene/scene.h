@@ -278,7 +278,7 @@ uint32_t scene_add_material(fnl_scene *scene, const struct scene_material *mater
 uint32_t scene_add_mesh(fnl_scene *scene, const char *name, const struct scene_primitive *primitives, uint32_t count);
 /** A child of `parent` (SCENE_NONE: a root) with a local matrix; active. */
 uint32_t scene_add_node(fnl_scene *scene, const char *name, uint32_t parent, const mat4 *local, uint32_t mesh);
-/** After a change of the structure that is more than a few nodes. */
+/** Call after a change of the structure that concerns more than a few nodes. */
 void scene_structure_changed(fnl_scene *scene);
 /** After a change of materials, samplers, or an image, whose `version` grows besides. */
 void scene_materials_changed(fnl_scene *scene);

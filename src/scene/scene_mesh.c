@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes that are added by calls, changed and asked for. */
+/* Adding, changing and querying meshes. */
 #include "base/check.h"
 #include "scene/scene.h"
 
@@ -41,7 +41,7 @@ static fnl_result check_mesh(const struct call *call, const fnl_scene *scene, co
                     p->material.index, p->material.generation, "a material");
 }
 
-/* What a file gives a mesh and fnl_mesh_params does not say goes by vertex: vertices then keep their number and order. */
+/* What a file gave a mesh and fnl_mesh_params cannot express is stored per vertex: then vertices keep their number and order. */
 static fnl_result check_kept(const struct call *call, const struct scene_primitive *old, const fnl_mesh_params *p) {
     if (!old->uv[1] && !old->joint_count && !old->morph_target_count && old->topology == SCENE_TOPOLOGY_TRIANGLES) return FNL_OK;
     const char *what = old->morph_target_count                      ? "morph targets"

@@ -104,7 +104,7 @@ void geometry_draw_with(const struct graph_context *context, const struct geomet
 /** Number of indirect draw calls that geometry_draw makes. */
 uint32_t geometry_draw_count(const struct geometry_scene *scene, enum geometry_set set);
 
-/** Depth of the opaque set, single- or multisampled; clears first. Knows several views. */
+/** Depth of the opaque set, single- or multisampled; clears first. Draws into several views at once if `draws` has them. */
 void prepass_add(struct graph *graph, const struct geometry_scene *scene, const struct geometry_draws *draws,
                  VkDeviceAddress view, graph_image depth);
 

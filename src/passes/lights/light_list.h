@@ -60,7 +60,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
 /** The reference: every light, every pixel. */
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input);
 
-/** What of the bounds is in view, shared by all builders of a view. */
+/** The bounds that are in view, shared by all builders of a view. */
 struct lights_in_view {
     graph_buffer sums;    /* local_count + 1; the last is the number in view */
     graph_buffer ids;     /* places of the bounds, ascending */

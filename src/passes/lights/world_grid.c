@@ -27,7 +27,7 @@ void world_grid_finish(struct world_grid *grid, gpu_device *device) {
 
 static double axis(vec3 v, int k) { return (double)(k == 0 ? v.x : k == 1 ? v.y : v.z); }
 
-/* Those whose place or reach is no number are in every cell. */
+/* Those whose position or range is not finite are in every cell. */
 static bool has_place(const struct gpu_entity_bounds *bounds) {
     return vec3_finite(bounds->center) && isfinite(bounds->radius);
 }

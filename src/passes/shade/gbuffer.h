@@ -38,7 +38,7 @@ struct gbuffer {
  */
 struct gbuffer gbuffer_add(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,
                            graph_image depth);
-/** That of one view, from one that was drawn for several: `view` is its address. */
+/** The G-buffer of one view, taken from one that was drawn for several; `view` is the address of the view. */
 struct gbuffer gbuffer_layer(struct graph *graph, const struct gbuffer *gbuffer, uint32_t layer, VkDeviceAddress view);
 /** The same with more targets, for layouts without a mask and for one view; `extras` may be NULL. */
 struct gbuffer gbuffer_add_with(struct graph *graph, const struct shade_input *input, bool prepass, graph_image radiance,

@@ -30,7 +30,7 @@ uint32_t visibility_bits(uint32_t item_count, uint32_t triangle_count, uint32_t 
  */
 struct visibility visibility_add(struct graph *graph, const struct shade_input *input, uint32_t bits, bool weights,
                                  graph_image depth);
-/** That of one view, from one that was drawn for several. */
+/** The buffer of one view, taken from one that was drawn for several. */
 struct visibility visibility_layer(struct graph *graph, const struct visibility *visibility, uint32_t layer);
 
 /** Whether the device can do visibility_grid_add. */

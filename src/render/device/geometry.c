@@ -27,7 +27,7 @@ static bool is_clustered(const struct device_scene *d, const struct scene_primit
            (p->material == SCENE_NONE || d->scene->materials.data[p->material].alpha_mode != FNL_ALPHA_BLEND);
 }
 
-/* Takes room of the present size for vertices and indices, and gives back what had another. */
+/* Allocates room of the present size for vertices and indices, and frees room of another size. */
 static fnl_result place_arrays(struct device_scene *d, const struct scene_primitive *p, struct device_primitive *place) {
     if (place->vertex_count != p->vertex_count) {
         if (place->vertex_count) ranges_give(&d->host, &d->vertices_taken, place->first_vertex, place->vertex_count);

@@ -42,7 +42,7 @@ static struct device_group group_of(const struct device_scene *d, uint32_t primi
         .mirrored = mirrored};
 }
 
-/* Sorts all items: by group, and within one as nodes and their instances follow. */
+/* Sorts all items: by group, and within a group in the order of nodes and their instances. */
 struct item_walk {
     struct device_scene *d;
     uint32_t key_count;  /* keys are primitive * 2 + mirrored */
@@ -85,7 +85,7 @@ static VkPrimitiveTopology vulkan_topology(uint32_t topology) {
                                                : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
-/* Appends a group to the buckets; those of one bucket follow one another. */
+/* Appends a group to the buckets; groups of one bucket are adjacent. */
 static fnl_result add_to_bucket(struct device_scene *d, uint32_t index) {
     const struct device_group *group = &d->group_list.data[index];
     const bool sorted = group->bucket == BUCKET_SORTED;

@@ -44,7 +44,7 @@ fnl_result device_too_many_vertices(const struct device_scene *d) {
     return FNL_ERROR_UNSUPPORTED;
 }
 
-/* Gives back the place of a node that went, was hidden, or shows something else. */
+/* Frees the place of a node that was removed or hidden, or that shows something else. */
 static void give_place(struct device_scene *d, uint32_t n) {
     const struct scene_node *node = &d->scene->nodes.data[n];
     struct device_node *place = &d->nodes.data[n];
@@ -156,7 +156,7 @@ static void grow_bounds(struct device_scene *d, const struct scene_node *node) {
 }
 
 fnl_result device_nodes_edit(struct device_scene *d, uint64_t since, bool *done) {
-    enum { MOST = 64 }; /* from where on sorting all items is cheaper than as many copies of the list */
+    enum { MOST = 64 }; /* beyond this, sorting all items is cheaper than moving parts of the list so many times */
     const fnl_scene *scene = d->scene;
     uint32_t edited[MOST] = {0}, count = 0;
     *done = false;

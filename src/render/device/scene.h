@@ -116,7 +116,7 @@ struct device_scene {
     uint64_t bytes_uploaded;                   /* outside of frames, so far; lights, moves and decals are not in it */
 
     struct box bounds;      /* of the scene when it was uploaded, grown by what moved or came since */
-    uint32_t bounds_edits;  /* nodes that came or went since */
+    uint32_t bounds_edits;  /* nodes added or removed since */
     struct device_decals decals;
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */

@@ -74,7 +74,7 @@ static const struct counter counters[] = {
      .needs = "dais.mode=list"},
     {"dais.shading-samples", "", "places where ambient light was computed", COUNTED(dais[DAIS_SAMPLES]),
      .needs = "dais.multirate"},
-    {"dais.shaded", "triangles", "triangles of pixels, each of which is shaded once", COUNTED(dais[DAIS_SHADED]),
+    {"dais.shaded", "triangles", "triangles shaded: each once in every pixel that shows it", COUNTED(dais[DAIS_SHADED]),
      .needs = "count-lights"},
 };
 

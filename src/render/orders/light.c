@@ -157,7 +157,8 @@ static void add_low_res(struct frame_state *f, struct shade_input *input, bool p
 
 static const struct counter counters[] = {
     {"light-buffer.bytes", "bytes",
-     "memory of light kept apart from materials, or of layers of lights; without depth and radiance", NOTED},
+     "memory of what replaces the G-buffer: surfaces and sums of light, or layers of lights; without depth and radiance",
+     NOTED},
 };
 #define COUNTERS .counters = counters, .counter_count = COUNT_OF(counters)
 

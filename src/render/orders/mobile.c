@@ -142,7 +142,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
 
 static const struct counter counters[] = {
     {"mobile.merged", "", "whether all passes shared one scope", .kind = FNL_COUNTER_SWITCH},
-    {"mobile.tonemapped-inside", "", "whether tone mapping was in it too", .kind = FNL_COUNTER_SWITCH},
+    {"mobile.tonemapped-inside", "", "whether tone mapping was in that scope too", .kind = FNL_COUNTER_SWITCH},
 };
 
 const struct order order_mobile = {.traits = SHADING_VIEWS | SHADING_FULL_RASTER | SHADING_MAY_PREPASS | SHADING_LISTS_FIRST |

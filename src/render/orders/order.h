@@ -21,14 +21,14 @@ struct order {
     /* Fills in its part of f->shared, before that is sent. */
     void (*begin)(struct frame_state *f);
     /* Draws what needs no lists, after the prepass if there is one: with SHADING_MULTIVIEW for several views at once, where f->draws says so. What it
-       makes stands in members of f that shading_take_layer() knows. */
+       makes goes into members of f that shading_take_layer() handles. */
     void (*draw)(struct frame_state *f, struct shade_input *input, bool prepass);
     /* Declares lists and opaque surfaces and fills f->radiance; f->depth is complete with `prepass`. `input` is a copy that it may change. */
     void (*add)(struct frame_state *f, struct shade_input *input, bool prepass);
     /* The debug views that only orders which have them offer. */
     const struct debug_view *views;
     uint32_t view_count;
-    /* Its numbers, but for those that shading.c has of all orders. */
+    /* Its own numbers; those that several orders have are in shading.c. */
     const struct counter *counters;
     uint32_t counter_count;
     /* After a frame was submitted: what it made can be relied on from now on. */

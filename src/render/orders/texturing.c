@@ -70,12 +70,12 @@ static const struct debug_view virtual_views[] = {
 };
 
 static const struct counter virtual_counters[] = {
-    {"atlas.pages", "pages", "pages of the scene", NOTED},
-    {"atlas.capacity", "pages", "pages that there is room for in the atlas", NOTED},
+    {"atlas.pages", "pages", "pages of all materials of the scene", NOTED},
+    {"atlas.capacity", "pages", "pages that fit into the atlas", NOTED},
     {"atlas.wanted", "pages", "pages that the last frame wanted", COUNTED(pages.wanted)},
     {"atlas.resident", "pages", "pages in the atlas", COUNTED(pages.resident)},
     {"atlas.filled", "pages", "pages filled for this frame", COUNTED(pages.filled)},
-    {"atlas.missing", "pages", "wanted pages that there was no room for", COUNTED(pages.missing)},
+    {"atlas.missing", "pages", "wanted pages that found no room in the atlas", COUNTED(pages.missing)},
     {"atlas.evicted", "pages", "pages replaced by others", COUNTED(pages.evicted)},
     {"atlas.bytes", "bytes", "memory of the atlas", NOTED},
 };

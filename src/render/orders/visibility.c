@@ -11,7 +11,7 @@ _Static_assert((int)FNL_VISIBILITY_SORT_CLASS == VISIBILITY_SORT_CLASS &&
 /* A grid of samples looks beside the centres of pixels; barycentrics are stored by a geometry shader, or by vertices of their own. */
 static uint32_t adjust(const fnl_frame *frame, uint32_t traits) {
     if (frame->visibility.grid) traits &= ~(uint32_t)SHADING_FULL_RASTER;
-    /* Fragments are counted for one view. */
+    /* The grid, barycentrics and the count of fragments work for one view. */
     if (frame->visibility.grid || frame->visibility.barycentrics || frame->count_lights)
         traits &= ~(uint32_t)SHADING_MULTIVIEW;
     return frame->visibility.barycentrics ? traits | SHADING_VERTICES : traits;
@@ -58,7 +58,8 @@ static bool find_classes(const struct counted *counted, uint64_t *value) {
 }
 
 static const struct counter counters[] = {
-    {"visibility.fragments", "fragments", "writes of the id pass", COUNTED(visible_fragments), .needs = "count-lights"},
+    {"visibility.fragments", "fragments", "how often the id pass wrote an id", COUNTED(visible_fragments),
+     .needs = "count-lights"},
     {"visibility.entries", "", "pixels, or triangles of pixels, to shade: with visibility.sort or MSAA",
      .find = find_entries},
     {"visibility.classes", "classes", "shader classes among those entries", .find = find_classes},
