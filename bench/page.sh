@@ -72,11 +72,11 @@ page() {
 <!-- Made by bench/page.sh from bench/results; do not edit. -->
 # Performance
 
-What Fanal measured of itself. `./build.sh bench --record` runs these experiments on your machine, keeps the numbers under `bench/results/`, in a folder named
-after the device, and writes this page anew, so a claim about speed is a difference between two commits.
+Recorded measurements. `./build.sh bench --record` runs these experiments on your machine, keeps the numbers under `bench/results/`, in a folder named
+after the device, and writes this page again, so you can check a claim about speed by comparing two commits.
 
-A time is the median over the frames of one candidate; all candidates of a table were measured frame by frame in turn. In brackets: how many times as
-long as the fastest of the column, which is bold. ± is the median distance from the median, where it is more than a tenth. On a CPU driver trust the ratios, not the
+A time is the median over the frames of one candidate; the candidates of a table took turns frame by frame. In brackets: the ratio to the fastest of the
+column, which is bold. ± is the median absolute deviation, shown where it exceeds a tenth of the time. On a CPU driver trust the ratios, not the
 milliseconds. [bench.md](bench.md) says how `fanal bench` measures; every picture was compared with brute force.
 END
     local folder file name title text arguments compiled=''
@@ -103,9 +103,9 @@ END
 
 ## What a GPU's compiler says
 
-Mesa's radv compiles for GPUs that are not there. `./build.sh shaders` makes it compile every pipeline and shows the result; a test fails when a shader gets fewer
-waves, spills registers or uses scratch memory that did not in `bench/results/radv-*/pipelines.csv`. These shaders have the fewest waves. A row is the worst of all
-programs that one shader was specialised to: *waves* that fit on a SIMD at once (16 or 32 with few enough registers; more of them hide more latency), vector
+Mesa's radv can compile for GPUs that are not in the machine. `./build.sh shaders` makes it compile every pipeline and shows the result; a test fails if a shader has
+fewer waves, more spilled registers or more scratch memory than in `bench/results/radv-*/pipelines.csv`. The tables show the shaders with the fewest waves. A row has the
+worst value of each number over all *programs* that one shader was specialised to: *waves* that fit on a SIMD at once (16 or 32 with few enough registers; more of them hide more latency), vector
 *registers*, *scratch* and *shared* memory in bytes, *instructions*, and *latency*, an estimate of cycles in which each loop runs a fixed number of times.
 END
         fi
@@ -118,7 +118,7 @@ case ${1:-} in
 update) page >docs/performance.md.new; mv docs/performance.md.new docs/performance.md ;;
 check)
     page | diff docs/performance.md - && exit
-    echo 'docs/performance.md is not made from bench/results as they are: bench/page.sh update' >&2
+    echo 'docs/performance.md does not match bench/results: run bench/page.sh update' >&2
     exit 1
     ;;
 *) echo 'usage: bench/page.sh update|check' >&2; exit 2 ;;

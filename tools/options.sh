@@ -9,7 +9,7 @@ for page in options counters; do
     update) "$2" render --$page --markdown >docs/$page.md ;;
     check)
         "$2" render --$page --markdown | diff docs/$page.md - && continue
-        echo "docs/$page.md is not what the program has: tools/options.sh update $2" >&2
+        echo "docs/$page.md does not match the program: run tools/options.sh update $2" >&2
         status=1
         ;;
     esac

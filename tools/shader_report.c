@@ -246,7 +246,7 @@ static void VKAPI_CALL memory_properties(VkPhysicalDevice physical, VkPhysicalDe
     out->memoryTypes[0].propertyFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                         VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 }
-/* For what returns nothing; callers clear away arguments themselves in the ABIs that there is null hardware for. */
+/* For calls that return nothing. Ignoring the arguments is safe where the caller cleans up the stack, as on all ABIs that radv runs on. */
 static void VKAPI_CALL do_nothing(void) {}
 static VkResult VKAPI_CALL succeed(void) { return VK_SUCCESS; }
 
@@ -292,7 +292,7 @@ static PFN_vkVoidFunction VKAPI_CALL get_instance_proc(VkInstance instance, cons
     return loader(instance, name);
 }
 
-/* What is refused is told by the number of rows. */
+/* Many combinations are refused, which is no error here. */
 static void log_nothing(void *user, fnl_log_level level, const char *line) { (void)user, (void)level, (void)line; }
 
 #define LOAD(instance, name) ((PFN_##name)loader(instance, #name))
@@ -366,7 +366,7 @@ static fnl_device *open_device(char *name, size_t capacity) {
 
 /* ---- everything that frames are made of ---- */
 
-/* What a path or a device does not have is refused. */
+/* Combinations that a path or the device does not support are refused: nothing to compile. */
 static void warm(fnl_renderer *renderer, const fnl_frame *frame) { fnl_renderer_warm(renderer, frame, NULL, false, NULL); }
 
 static const fnl_host quiet = {.log = log_nothing};

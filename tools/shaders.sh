@@ -3,8 +3,8 @@
 # What GPUs' compilers make of the shaders, without a GPU (tools/shader_report.c), against bench/results/radv-FAMILY/pipelines.csv.
 #   shaders.sh show SHADER_REPORT     compiles for both families; a table, the least occupied first, and what differs from the files
 #   shaders.sh record SHADER_REPORT   the same, and replaces the files
-#   shaders.sh check SHADER_REPORT    one family; fails where a shader lost occupancy, spills or uses scratch memory that did not in the file,
-#                                     or where shaders came or went. Exit status 77: this machine has no driver to compile with
+#   shaders.sh check SHADER_REPORT    one family; fails if a shader lost occupancy or got more spills or scratch memory than in the file,
+#                                     or if shaders were added or removed. Exit status 77: this machine has no driver to compile with
 set -euo pipefail
 verb=$1 report=$(realpath "$2")
 cd "$(dirname "$0")/.."
@@ -56,7 +56,7 @@ for family in $families; do
         { sed -n 2p "$work/$family.csv"; sed 1,2d "$work/$family.csv" | sort -t, -k3,3n -k4,4nr | head -n 40; } | cut -d, -f1-11 | column -s, -t
     fi
     if [ ! -e "$file" ]; then
-        echo "$file is not there yet"
+        echo "$file does not exist yet"
         [ "$verb" = record ] || status=1
     else
         echo "radv-$family, compared with $file (W: worse):"
