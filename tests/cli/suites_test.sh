@@ -29,14 +29,14 @@ holds() { # FILE MESSAGE FILTER: the filter is true of the file
 }
 
 # Of each row of a suite that RATIOS (an object of jq) names: [the least that `ours` must reach, or the most]. A row is wrong when it misses that by more
-# than its spread, and shown when it is on the right side by more than its spread. Times are taken next to whatever else the machine does, so a row
-# that is not shown gets a second, longer measurement before it counts.
+# than its spread, and shown when it is on the right side by more than its spread. Times are taken next to whatever else the machine does, so rows
+# that are not shown get a second and a third, longer measurement before they count.
 rows='def rows: .suite.rows[] | . as $row | $ratios[.quantity] | select(.) | $row + {bound: .};
     def shown: if .comparison == ">=" then .ours - .spread > .bound else .ours + .spread < .bound end;'
 point() { # SUITE RATIOS OPTIONS…
     local name=$1 ratios=$2
     shift 2
-    for frames in 3 12; do
+    for frames in 3 12 30; do
         suite "$name" "$@" --frames $frames
         jq -e --argjson ratios "$ratios" "$rows"' [rows] | length == ($ratios | length) and all(.ours != null and shown)' \
             "$work/$name/results.json" >/dev/null && return
