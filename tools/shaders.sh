@@ -13,15 +13,22 @@ driver=$(ls /usr/share/vulkan/icd.d/radeon_icd*.json 2>/dev/null | head -n 1)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+# What the shaders were compiled with before the driver got them: other versions give other code.
+tools="glslang $(glslangValidator --version | sed -n 's/^Glslang Version: //p'), spirv-opt $(spirv-opt --version 2>&1 | grep -oE 'v[0-9]+\.[0-9]+[^ ]*' | head -n 1)"
+
 compile() { # FAMILY: into $work/FAMILY.csv
     RADV_FORCE_FAMILY=$1 VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver MESA_SHADER_CACHE_DISABLE=true "$report" >"$work/$1.csv" 2>"$work/log" ||
         { cat "$work/log" >&2; exit 1; }
+    sed -i "1s|\$|; $tools|" "$work/$1.csv"
 }
 
-# compare OLD NEW: what differs; fails where something became worse. Another Mesa compiles differently: then only spills and scratch count.
+compilers() { sed -n -E '1s/.*(Mesa [0-9.]+)[^;]*;[^;]*;(.*)/\1\2/p' "$1"; } # of a file
+
+# compare OLD NEW: what differs; fails where something became worse. Other versions of the compilers
+# give other code: then only spills and scratch count.
 compare() {
     local strict=1
-    [ "$(grep -oE 'Mesa [0-9.]+' "$1" | head -n 1)" = "$(grep -oE 'Mesa [0-9.]+' "$2" | head -n 1)" ] || strict=0
+    [ "$(compilers "$1")" = "$(compilers "$2")" ] || strict=0
     awk -F, -v strict=$strict '
     /^#/ { next }
     $1 == "shader" { for (i = 1; i <= NF; i++) { at[$i] = i; name[i] = $i } count = at["code_bytes"]; next }
@@ -40,7 +47,7 @@ compare() {
     }
     END {
         for (s in known) if (!seen[s]) { print "  " s ": gone"; worse++ }
-        if (!strict) print "  (compiled by another Mesa than the file: only spills and scratch memory are compared)"
+        if (!strict) print "  (compiled by other versions of Mesa or glslang than the file: only spills and scratch memory are compared)"
         exit worse > 0
     }' "$1" "$2"
 }
