@@ -127,16 +127,24 @@ static fnl_light_params light_at(const fnl_scene *scene, uint32_t index) {
     return light;
 }
 
+/* A scene loaded from one file, and another file to load into it. Both are freed by the test. */
+static fnl_scene *open_first(const fnl_host *host, unsigned char **a, size_t *size_a, unsigned char **b, size_t *size_b) {
+    *a = make_file("a", size_a);
+    *b = make_file("b", size_b);
+    fnl_load_params params = from_memory(*a, *size_a);
+    fnl_scene *scene;
+    assert_int_equal(fnl_scene_load(host, "a.glb", &params, &scene), FNL_OK);
+    return scene;
+}
+
 static void test_a_file_becomes_part_of_a_scene(void **state) {
     UNUSED(state);
     size_t size_a, size_b;
-    unsigned char *a = make_file("a", &size_a), *b = make_file("b", &size_b);
+    unsigned char *a, *b;
     struct test_memory memory = {0};
     fnl_host host = counting_host(&memory);
     host.log = quiet_log;
-    fnl_load_params params = from_memory(a, size_a);
-    fnl_scene *scene;
-    assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_OK);
+    fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
     fnl_light_params sun = fnl_light_params_default();
     fnl_light_id holes[2];
     for (int i = 0; i < 2; i++) assert_int_equal(fnl_scene_add_light(scene, &sun, &holes[i]), FNL_OK);
@@ -229,17 +237,15 @@ static struct sight look_at(const fnl_scene *scene) {
 static void test_errors_leave_the_scene_as_it_was(void **state) {
     UNUSED(state);
     size_t size_a, size_b;
-    unsigned char *a = make_file("a", &size_a), *b = make_file("b", &size_b);
+    unsigned char *a, *b;
     struct test_memory memory = {0};
     fnl_host host = counting_host(&memory);
     host.log = quiet_log;
-    fnl_load_params params = from_memory(a, size_a);
+    fnl_scene *scene = open_first(&host, &a, &size_a, &b, &size_b);
     const fnl_instance_id nothing = {0, 0}, stale = {1, 12345};
-    fnl_scene *scene;
     fnl_loaded loaded;
-    assert_int_equal(fnl_scene_load(&host, "a.glb", &params, &scene), FNL_OK);
     const struct sight before = look_at(scene);
-    params = from_memory(b, size_b);
+    fnl_load_params params = from_memory(b, size_b);
     assert_int_equal(fnl_scene_load_into(scene, stale, "b.glb", &params, &loaded), FNL_ERROR_INVALID);
     assert_int_equal(fnl_scene_load_into(scene, nothing, "builtin:spheres", &params, &loaded), FNL_ERROR_UNSUPPORTED);
     assert_int_equal(fnl_scene_load_into(scene, nothing, "/no/such.glb", NULL, &loaded), FNL_ERROR_FILE);
