@@ -34,6 +34,8 @@ tables() {
         r = rows[k, name]; ms = f[at["frame_ms_median"]] + 0
         time[k, r, lights] = ms; spread[k, r, lights] = f[at["frame_ms_mad"]] + 0; equal[k, r, lights] = f[at["equal"]] != "false"
         if (!((k, lights) in best) || ms < best[k, lights]) best[k, lights] = ms
+        ideal = "ideal_ms" in at ? f[at["ideal_ms"]] + 0 : 0
+        if (ideal > 0 && (!((k, lights) in ideals) || ideal < ideals[k, lights])) { ideals[k, lights] = ideal; has_ideal[k] = 1 }
     }
     END {
         for (k = 1; k <= case_count; k++) {
@@ -60,6 +62,13 @@ tables() {
                 }
                 printf "\n"
             }
+            if (has_ideal[k]) {
+                printf "| *ideal* | |"
+                for (l = 1; l <= light_count[k]; l++)
+                    if ((k, lights_of[k, l]) in ideals) printf " *%s* (%.2fx) |", shown(ideals[k, lights_of[k, l]]), ideals[k, lights_of[k, l]] / best[k, lights_of[k, l]]
+                    else printf " |"
+                printf "\n"
+            }
             printf "\n"
         }
     }
@@ -77,7 +86,7 @@ after the device, and writes this page again, so you can check a claim about spe
 
 A time is the median over the frames of one candidate; the candidates of a table took turns frame by frame. In brackets: the ratio to the fastest of the
 column, which is bold. ± is the median absolute deviation, shown where it exceeds a tenth of the time. On a CPU driver trust the ratios, not the
-milliseconds. [bench.md](bench.md) says how `fanal bench` measures; every picture was compared with brute force.
+milliseconds. *ideal* is the fastest of these frames with perfect lists that cost nothing. [bench.md](bench.md) says how `fanal bench` measures; every picture was compared with brute force.
 END
     local folder file name title text arguments compiled=''
     for folder in bench/results/*/; do

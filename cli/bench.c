@@ -48,6 +48,8 @@ static void print_help(void) {
          "  --msaa N,...               samples per pixel: 1 2 4 8 (1)\n"
          "  --transparency, --decals, --gbuffer, --msaa-method, --aa, --cull, --geometry, --occlusion VALUES|all    options\n"
          "                             of the same names in 'fanal render'\n"
+         "  --ideal                    adds fine-pruned lists to each path where it can use them: their frame without the time to\n"
+         "                             build them is the ideal, and every time is printed as a multiple of it too\n"
          "  --vary KEY=VALUES|all      any option of a frame, such as tiles.size=8,16,32; can be given several times.\n"
          "                             'fanal render --options' prints them; a path or list that ignores it is measured once\n"
          "  --set KEY=VALUE            an option for all combinations; can be given several times\n"
@@ -174,6 +176,7 @@ enum {
     O_RESUME,
     O_OVERWRITE,
     O_ALL,
+    O_IDEAL,
     O_DEVICE,
     O_VALIDATE,
     O_NO_CACHE
@@ -200,6 +203,7 @@ static const struct option own_options[] = {{"output", required_argument, NULL, 
                                              {"resume", no_argument, NULL, O_RESUME},
                                              {"overwrite", no_argument, NULL, O_OVERWRITE},
                                              {"all", no_argument, NULL, O_ALL},
+                                             {"ideal", no_argument, NULL, O_IDEAL},
                                              {"device", required_argument, NULL, O_DEVICE},
                                              {"validate", no_argument, NULL, O_VALIDATE},
                                              {"no-cache", no_argument, NULL, O_NO_CACHE},};
@@ -261,6 +265,9 @@ static bool parse_option(struct bench_options *o, int option, const char *value)
     case O_ALL:
         o->all = true;
         return true;
+    case O_IDEAL:
+        o->matrix.ideal = true;
+        return true;
     case O_DEVICE:
         s->device = value;
         return true;
@@ -291,7 +298,7 @@ static bool check_options(const struct bench_options *o, int scene_count) {
     bool closed = o->suite && bench_suite_kind_of(o->suite) != BENCH_SUITE_MATRIX;
     if (closed && scene_count > 0) problem = "--suite brings its own scenes: give none";
     if (closed && (o->matrix.shading_count || o->matrix.lists_count || o->matrix.every_shading || o->matrix.every_lists || o->all || o->matrix.light_count ||
-                     o->matrix.msaa_count || *o->matrix.set || o->matrix.vary_count || o->matrix.camera || o->settings.camera_path))
+                     o->matrix.msaa_count || *o->matrix.set || o->matrix.vary_count || o->matrix.ideal || o->matrix.camera || o->settings.camera_path))
         problem = "--suite chooses shading, lists, lights, samples, options and cameras itself";
     if (closed && o->matrix.size_count > 1) problem = "--suite takes one size";
     if (o->settings.resume && o->settings.overwrite) problem = "--resume goes on with results, --overwrite drops them: give one of them";
@@ -350,6 +357,7 @@ static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t 
         fprintf(stderr, "fanal: %s before anything was measured: nothing was written\n", end == BENCH_INTERRUPTED ? "interrupted" : "ended");
         return end == BENCH_INTERRUPTED ? 130 : 2;
     }
+    bench_add_ideals(data);
     bench_conclude(data);
     if (o->suite) bench_suite_conclude(o->suite, width, height, data);
     if (!bench_save(s->output, data, true)) return 2;

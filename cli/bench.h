@@ -77,6 +77,7 @@ struct bench_matrix {
     const char *camera;
     char set[512]; /* options of every candidate: "key=value,key=value" */
     bool every_shading, every_lists;
+    bool ideal; /* each path is measured with perfect lists too */
     uint32_t vary_count;
     struct bench_vary varied[BENCH_VARY_MAX];
     uint32_t shading_count, lists_count, light_count, size_count, msaa_count;
@@ -101,6 +102,10 @@ void bench_ways_print(const fnl_frame *frame, bool exact, char *text, size_t cap
 bool bench_ways_apply(const char *option, const char *text, fnl_frame *frame);
 /** Of candidate options those that change the picture: what is equal here and in shading is compared with one reference picture. */
 void bench_ways_of(const char *options, char *text, size_t capacity);
+/** The options but for those that only change light lists. */
+void bench_ways_without_lists(const char *options, char *text, size_t capacity);
+/** Gives a frame the defaults of those. */
+void bench_ways_reset_lists(fnl_frame *frame);
 /** Adds "ways", as bench_ways_of gives them, and "settings", an object of all options that are not the defaults. */
 void bench_ways_describe(const struct bench_candidate *candidate, json_t *result);
 
@@ -234,6 +239,14 @@ bool bench_save_file(const char *folder, const char *name, const char *text, siz
 json_t *bench_pictures_renamed(const json_t *results, const json_t *pictures, bool back);
 /** The page as text of *size bytes; free() it. NULL when memory ran out. */
 char *bench_page_create(const struct bench_data *data, size_t *size);
+
+/* ---- the ideal frame (bench_ideal.c) ---- */
+
+/**
+ * Gives each result `ideal_ms`, milliseconds: the least median that any result with the same frame, but maybe other lists, has without building its
+ * lists; and `over_ideal`, the ratio of its own frame to that. Neither, unless one of those results has lists that name hardly a light too many.
+ */
+void bench_add_ideals(struct bench_data *data);
 
 /* ---- what follows from them (bench_conclude.c) ---- */
 

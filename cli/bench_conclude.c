@@ -84,7 +84,10 @@ static json_t *conclude_case(const json_t *results, const json_t *first) {
                                      bench_median(sorted[brute], "frame_ms") / time, other);
         }
     }
-    snprintf(text + used, sizeof text - used, ".");
+    used += (size_t)snprintf(text + used, sizeof text - used, ".");
+    if (json_object_get(sorted[0], "over_ideal"))
+        snprintf(text + used, sizeof text - used, " That is %.2f times the ideal: the same frame with perfect lists that cost nothing.",
+                 bench_number(sorted[0], "over_ideal", 1));
     free(sorted);
     return json_string(text);
 }
@@ -110,6 +113,23 @@ void bench_conclude(struct bench_data *data) {
 
 /* ---- for the terminal ---- */
 
+/* A row for each ideal of a case: the paths and options, whatever their lists. */
+static void print_ideals(const json_t **sorted, size_t count, int width) {
+    for (size_t i = 0; i < count; i++) {
+        const json_t *r = sorted[i];
+        char frame[1024], other[1024], name[1200];
+        bool shown = !json_object_get(r, "ideal_ms");
+        bench_ways_without_lists(json_string_value(json_object_get(r, "options")), frame, sizeof frame);
+        for (size_t k = 0; k < i && !shown; k++) {
+            bench_ways_without_lists(json_string_value(json_object_get(sorted[k], "options")), other, sizeof other);
+            shown = json_equal(json_object_get(sorted[k], "shading"), json_object_get(r, "shading")) && strcmp(frame, other) == 0;
+        }
+        if (shown) continue;
+        snprintf(name, sizeof name, "%s, ideal%s%s%s", json_string_value(json_object_get(r, "shading")), *frame ? " (" : "", frame, *frame ? ")" : "");
+        printf("  %-*s %10.3f\n", width, name, bench_number(r, "ideal_ms", NAN));
+    }
+}
+
 static void print_case(const json_t *results, const json_t *first) {
     char text[512];
     size_t count;
@@ -120,22 +140,24 @@ static void print_case(const json_t *results, const json_t *first) {
         if ((int)strlen(text) > width) width = (int)strlen(text);
     }
     bench_describe_case(results, first, text, sizeof text);
-    printf("\n%s\n  %-*s %10s %8s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "+-", "lists, ms",
-           "shade, ms", "lights/px", "of least", "picture");
+    printf("\n%s\n  %-*s %10s %8s %10s %10s %10s %10s %10s  %s\n", text, width, "medians", "frame, ms", "+-", "of ideal",
+           "lists, ms", "shade, ms", "lights/px", "of least", "picture");
     for (size_t i = 0; sorted && i < count; i++) {
         const json_t *r = sorted[i];
         double useful = bench_number(r, "useful_per_pixel", 0), per_pixel = bench_number(r, "per_pixel", 0);
         const json_t *equal = json_object_get(r, "equal");
-        char ratio[32] = "-";
+        char ratio[32] = "-", ideal[32] = "-";
         if (useful > 0) snprintf(ratio, sizeof ratio, "%.2fx", per_pixel / useful);
+        if (json_object_get(r, "over_ideal")) snprintf(ideal, sizeof ideal, "%.2fx", bench_number(r, "over_ideal", 0));
         bench_describe(r, text, sizeof text);
-        printf("  %-*s %10.3f %8.3f %10.3f %10.3f %10.2f %10s  %s\n", width, text, bench_median(r, "frame_ms"),
-               bench_number(json_object_get(r, "frame_ms"), "mad", 0), bench_median(r, "lists_ms"),
+        printf("  %-*s %10.3f %8.3f %10s %10.3f %10.3f %10.2f %10s  %s\n", width, text, bench_median(r, "frame_ms"),
+               bench_number(json_object_get(r, "frame_ms"), "mad", 0), ideal, bench_median(r, "lists_ms"),
                bench_median(r, "shading_ms"), per_pixel, ratio,
                json_is_true(equal)    ? "equal"
                : json_is_false(equal) ? "DIFFERS"
                                       : "not compared");
     }
+    if (sorted) print_ideals(sorted, count, width);
     free(sorted);
 }
 

@@ -10,7 +10,8 @@
 #include <time.h>
 
 static const char *const metric_names[LANE_METRIC_COUNT] = {"frame_ms", "gpu_ms",     "cpu_ms",      "wall_ms",
-                                                            "lists_ms", "shading_ms", "geometry_ms", "rest_ms"};
+                                                            "lists_ms", "shading_ms", "geometry_ms", "rest_ms",
+                                                            "without_lists_ms"};
 
 double lane_now(void) {
     struct timespec now;
@@ -120,7 +121,8 @@ bool lane_note_times(struct lane *lane, const fnl_frame_stats *stats) {
                                         [LANE_LISTS] = sums[ROLE_LISTS],
                                         [LANE_SHADING] = sums[ROLE_SHADING],
                                         [LANE_GEOMETRY] = sums[ROLE_GEOMETRY],
-                                        [LANE_REST] = sums[ROLE_REST]};
+                                        [LANE_REST] = sums[ROLE_REST],
+                                        [LANE_WITHOUT_LISTS] = gpu - sums[ROLE_LISTS]};
     for (int m = 0; m < LANE_METRIC_COUNT; m++) lane->times[m][lane->measured] = values[m];
     lane->measured++;
     return true;

@@ -15,6 +15,7 @@ enum lane_metric {
     LANE_SHADING,  /* passes that shade */
     LANE_GEOMETRY, /* culling, sorting, depth, G-buffer */
     LANE_REST,     /* exposure, tone mapping */
+    LANE_WITHOUT_LISTS, /* all passes but those that build light lists and those that hand over results */
     LANE_METRIC_COUNT
 };
 

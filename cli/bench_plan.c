@@ -162,6 +162,9 @@ static bool plan_case(const struct bench_matrix *m, struct bench_plan *plan, con
             one = true;
             if (!plan_ways(m, plan, to, shading, kind)) return false;
         }
+        if (m->ideal && one && lists_matter(shading) && fnl_shading_supports(shading, FNL_LISTS_FINE, wanted->msaa) &&
+            !plan_ways(m, plan, to, shading, FNL_LISTS_FINE))
+            return false;
     }
     return to != NULL;
 }

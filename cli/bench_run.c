@@ -224,11 +224,7 @@ static void make_reference(struct bench_run *run, struct lane *lane, uint32_t po
     fnl_frame frame = frame_at(run, lane, point);
     frame.lists = run->settings->reference;
     const fnl_frame usual = fnl_frame_default();
-    frame.list = usual.list;
-    frame.tiles = usual.tiles;
-    frame.clusters = usual.clusters;
-    frame.fine = usual.fine;
-    frame.raster = usual.raster;
+    bench_ways_reset_lists(&frame);
     /* Vertex and mesh shaders may differ in the last bits of places, so the latter are compared with their own. */
     frame.culling = frame.geometry == FNL_GEOMETRY_VERTEX ? usual.culling : FNL_CULLING_CLUSTERS;
     frame.occlusion = usual.occlusion;

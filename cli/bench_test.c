@@ -182,6 +182,44 @@ static void test_conclusions(void **state) {
     json_decref(data.pictures);
 }
 
+static json_t *make_counted(const char *lists, const char *options, double frame, double without_lists, int evaluations, int useful) {
+    json_t *result = make_result(lists, frame, 0.1, "yes");
+    json_object_set_new(result, "options", json_string(options));
+    json_object_set_new(result, "without_lists_ms", json_pack("{s:f}", "median", without_lists));
+    json_object_set_new(result, "evaluations", json_integer(evaluations));
+    json_object_set_new(result, "evaluations_useful", json_integer(useful));
+    return result;
+}
+
+/* Results that differ in lists alone share an ideal, the least frame without the time of lists, if one of them has perfect lists. */
+static void test_ideals_are_of_one_frame(void **state) {
+    (void)state;
+    struct bench_data data = {json_pack("{s:[]}", "results"), json_object()};
+    json_t *results = json_object_get(data.root, "results");
+    json_array_append_new(results, make_counted("tiled", "", 12, 10, 300, 100));
+    json_array_append_new(results, make_counted("tiled", "tiles.size=8", 15, 9, 200, 100));
+    json_array_append_new(results, make_counted("fine", "", 30, 8, 107, 100)); /* a little too many to be perfect */
+    json_array_append_new(results, make_counted("tiled", "gbuffer.layout=siege", 20, 5, 300, 100));
+    json_array_append_new(results, make_counted("fine", "gbuffer.layout=siege,fine.masks=2", 40, 6, 104, 100));
+    bench_add_ideals(&data);
+    for (size_t i = 0; i < 3; i++) assert_null(json_object_get(json_array_get(results, i), "ideal_ms"));
+    for (size_t i = 3; i < 5; i++) assert_true(bench_number(json_array_get(results, i), "ideal_ms", 0) == 5);
+    assert_true(bench_number(json_array_get(results, 4), "over_ideal", 0) == 8);
+    json_object_set_new(json_array_get(results, 2), "evaluations", json_integer(105));
+    bench_add_ideals(&data);
+    static const double over[] = {1.5, 15. / 8, 30. / 8, 4, 8};
+    for (size_t i = 0; i < 5; i++) assert_true(bench_number(json_array_get(results, i), "over_ideal", 0) == over[i]);
+    bench_conclude(&data);
+    assert_non_null(strstr(conclusion(&data, 0), " That is 1.50 times the ideal: the same frame with perfect lists that cost nothing."));
+    /* Another path, and another case, have nothing to do with it; what no longer holds goes. */
+    json_object_set_new(json_array_get(results, 2), "shading", json_string("forward"));
+    json_object_set_new(json_array_get(results, 4), "width", json_integer(65));
+    bench_add_ideals(&data);
+    for (size_t i = 0; i < 5; i++) assert_true(!json_object_get(json_array_get(results, i), "over_ideal") == !(i == 2 || i == 4));
+    json_decref(data.root);
+    json_decref(data.pictures);
+}
+
 static void test_scenes_go_by_short_names(void **state) {
     (void)state;
     json_t *results = json_pack("[{s:s},{s:s},{s:s},{s:s},{s:s}]", "scene", "/home/me/one/scene.gltf", "scene", "/srv/two/scene.gltf", "scene",
@@ -198,10 +236,10 @@ static void test_scenes_go_by_short_names(void **state) {
 /* ---- frames of an earlier run ---- */
 
 static void note_frame(struct lane *lane, double milliseconds) {
-    fnl_pass_time passes[] = {{"cull items", 1}, {"deferred", milliseconds}};
+    fnl_pass_time passes[] = {{"cull items", 1}, {"tiled fill", 3}, {"deferred", milliseconds}};
     const fnl_counter counter = {.key = "coarse.shared", .value = 5};
     fnl_frame_stats stats = {
-        .passes = passes, .pass_count = 2, .triangles_total = 1000, .evaluations = 7, .counters = &counter, .counter_count = 1};
+        .passes = passes, .pass_count = 3, .triangles_total = 1000, .evaluations = 7, .counters = &counter, .counter_count = 1};
     if (lane->counted == 0 && !lane->kept) lane_note_counts(lane, &stats);
     lane->wall = milliseconds + 2;
     assert_true(lane_note_times(lane, &stats));
@@ -235,7 +273,8 @@ static void test_frames_are_taken_up_again(void **state) {
     for (int i = 2; i < 4; i++) note_frame(&second, times[i]);
     lane_add_result(&second, b, &info, false, 4);
     assert_true(json_equal(a, b));
-    assert_true(fabs(bench_median(b, "gpu_ms") - 6.5) < 1e-9);
+    assert_true(fabs(bench_median(b, "gpu_ms") - 9.5) < 1e-9);
+    assert_true(fabs(bench_median(b, "without_lists_ms") - 6.5) < 1e-9);
     lane_finish(&second);
     /* Of a result that is complete, of none, or of more frames than are wanted nothing is taken. */
     assert_true(lane_init(&second, &where, &candidate, 2));
@@ -458,6 +497,22 @@ static void test_named_ways_are_planned(void **state) {
     assert_true(planned(plan.cases, FNL_SHADING_FORWARD, FNL_LISTS_MESH) && planned(plan.cases, FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_MESH));
     assert_int_equal(plan.cases->candidate_count, 2);
     bench_plan_free(&plan);
+    /* Perfect lists join once where they make a difference; with the options that they heed. */
+    m = likely;
+    m.ideal = true;
+    m.shading[m.shading_count++] = FNL_SHADING_VISIBILITY;
+    m.shading[m.shading_count++] = FNL_SHADING_DEFERRED;
+    m.shading[m.shading_count++] = FNL_SHADING_DEFERRED_VOLUMES;
+    m.lists[m.lists_count++] = FNL_LISTS_TILED;
+    for (int twice = 0; twice < 2; twice++) {
+        plan = (struct bench_plan){.skipped = json_array()};
+        assert_true(bench_plan_matrix(&m, scenes, lights, 1, &plan));
+        assert_true(planned(plan.cases, FNL_SHADING_VISIBILITY, FNL_LISTS_FINE) && planned(plan.cases, FNL_SHADING_DEFERRED, FNL_LISTS_FINE));
+        assert_int_equal(planned(plan.cases, FNL_SHADING_DEFERRED_VOLUMES, FNL_LISTS_FINE), twice);
+        assert_int_equal(plan.cases->candidate_count, 5 + twice);
+        bench_plan_free(&plan);
+        m.lists[m.lists_count++] = FNL_LISTS_FINE; /* named, it is planned already */
+    }
     m = likely;
     m.every_shading = m.every_lists = true;
     plan = (struct bench_plan){.skipped = json_array()};
@@ -706,6 +761,7 @@ int main(void) {
         cmocka_unit_test(test_paths),
                                        cmocka_unit_test(test_circles),
         cmocka_unit_test(test_conclusions),
+        cmocka_unit_test(test_ideals_are_of_one_frame),
         cmocka_unit_test(test_files_round_trip),
         cmocka_unit_test(test_candidate_options),
         cmocka_unit_test(test_varied_options),

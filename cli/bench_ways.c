@@ -73,6 +73,23 @@ void bench_ways_of(const char *options, char *text, size_t capacity) {
     if (bench_ways_apply("set", options, &frame)) bench_ways_print(&frame, false, text, capacity);
 }
 
+void bench_ways_reset_lists(fnl_frame *frame) {
+    const fnl_frame usual = fnl_frame_default();
+    frame->list = usual.list;
+    frame->tiles = usual.tiles;
+    frame->clusters = usual.clusters;
+    frame->fine = usual.fine;
+    frame->raster = usual.raster;
+}
+
+void bench_ways_without_lists(const char *options, char *text, size_t capacity) {
+    fnl_frame frame = fnl_frame_default();
+    *text = 0;
+    if (!bench_ways_apply("set", options, &frame)) return;
+    bench_ways_reset_lists(&frame);
+    bench_ways_print(&frame, true, text, capacity);
+}
+
 void bench_ways_describe(const struct bench_candidate *candidate, json_t *result) {
     char copy[1024], *rest = copy, ways[1024];
     json_t *settings = json_object();

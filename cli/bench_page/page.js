@@ -85,6 +85,8 @@ const shown = () => lines().filter((r) => !state.hidden.has(scheme(r)));
 const atLights = () => lines().filter((r) => lightsOf(r) === state.lights);
 const shownAt = () => shown().filter((r) => lightsOf(r) === state.lights);
 const countsOf = (rows) => unique(rows.map(lightsOf)).sort((a, b) => a - b);
+const ideals = (rows) => rows.filter((r) => r.ideal_ms > 0);
+const overIdeal = (r) => (r && r.over_ideal > 0 ? number(r.over_ideal) + '×' : '–');
 const byTime = (key) => (a, b) => median(a, key) - median(b, key);
 
 function settle() {
@@ -414,27 +416,33 @@ addPlot('orders', 'Shading paths', 'Each with the lists that it is fastest with 
       rows: lightCounts().map((n) => fastest(inCase().filter((r) => r.shading === name && lightsOf(r) === n))).filter(Boolean)
     })), key, 'ms');
   }
-  body.append(table('orders-fastest', [plural(state.lights, 'light'), '<fastest with', 'frame, ms', '± MAD', 'of the fastest', 'brute force takes'], ranked(rows, (r) =>
-    [r.shading, scheme(r), number(median(r, key)), number(r[key].mad), number(median(r, key) / median(rows[0], key)) + '×',
+  body.append(table('orders-fastest', [plural(state.lights, 'light'), '<fastest with', 'frame, ms', '± MAD', 'of the fastest', 'of its ideal', 'brute force takes'], ranked(rows, (r) =>
+    [r.shading, scheme(r), number(median(r, key)), number(r[key].mad), number(median(r, key) / median(rows[0], key)) + '×', overIdeal(r),
       brute(r) && brute(r) !== r ? number(median(brute(r), key) / median(r, key)) + '×' : '–'])));
 });
 
 addPlot('time', 'Light lists', 'Medians; whiskers span from the 5th to the 95th percentile. A whole frame is the longer of GPU and CPU, which work ' +
-  'side by side; handing results to the CPU is left out.', (body) => {
+  'side by side; handing results to the CPU is left out. Dashed, and in brackets as multiples of it: the ideal, this frame with perfect lists that cost nothing, ' +
+  'where such lists were measured.', (body) => {
   const key = state.metric, counts = countsOf(lines());
   body.append(
     element('div', {class: 'choice'}, select('Time of', Object.keys(metrics), key, (value) => { state.metric = value; redraw(); }, (k) => metrics[k])),
     legend());
-  if (many()) linePlot(body, 'Time over lights', key, 'ms');
+  /* Of the path as a whole: of several frames that differ by more than lists, the least. */
+  const least = (rows) => rows.reduce((a, b) => (b.ideal_ms < a.ideal_ms ? b : a));
+  const ideal = key === 'frame_ms' ? counts.map((n) => ideals(lines()).filter((r) => lightsOf(r) === n)).filter((rows) => rows.length).map(least) : [];
+  if (many()) linePlot(body, 'Time over lights', key, 'ms', ideal.length ? [{
+    label: 'ideal', rows: ideal, value: (r) => r.ideal_ms, look: {color: variable('--text'), dash: [5, 4], marker: 'line'}, dataset: {pointRadius: 0}
+  }] : []);
   else barPlot(body, 'Time', shownAt().sort(byTime(key)), 'ms', [{
     label: metrics[key] + ', ms', value: (r) => median(r, key), colors: (r) => style(scheme(r)).color, spread: (r) => [r[key].p5, r[key].p95]
-  }]);
+  }], {bound: ideal.length ? ideal[0].ideal_ms : NaN});
   const at = (name, n) => lines().find((r) => scheme(r) === name && lightsOf(r) === n);
   const last = (name) => {
     const time = median(at(name, counts[counts.length - 1]), key);
     return Number.isNaN(time) ? Infinity : time;
   };
-  const cell = (r) => (r ? number(r[key].median) + ' ± ' + number(r[key].mad) : '–');
+  const cell = (r) => (r ? number(r[key].median) + ' ± ' + number(r[key].mad) + (ideal.length && r.over_ideal ? ' (' + overIdeal(r) + ')' : '') : '–');
   const names = unique(lines().map(scheme)).sort((a, b) => last(a) - last(b));
   body.append(table('time', ['ms, median ± MAD'].concat(counts.map((n) => plural(n, 'light'))),
     ranked(names, (name) => [name].concat(counts.map((n) => cell(at(name, n)))))));
