@@ -74,7 +74,7 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
     if (ratio2 >= 1.0) return 0.0;
     uint kind = l.list.lights.at[light].shape.kind;
     precise float attenuation;
-    if (kind <= GPU_SHAPE_CONE) {
+    if (LIST_SIMPLE || kind <= GPU_SHAPE_CONE) {
         precise float inverse_distance = inversesqrt(distance2);
         to_light = ray * inverse_distance;
         attenuation = (1.0 - ratio2 * ratio2) / distance2;
@@ -86,7 +86,7 @@ float light_strength(light_list_block l, uint light, vec3 position, out vec3 to_
     } else {
         attenuation = light_shape_strength(l, light, kind, ray, to_light);
     }
-    uint hull_count = l.list.lights.at[light].shape.hull_count;
+    uint hull_count = LIST_SIMPLE ? 0u : l.list.lights.at[light].shape.hull_count;
     if (hull_count != 0u && !light_hull_holds(l, light, hull_count, ray)) return 0.0;
     return attenuation;
 }

@@ -28,8 +28,11 @@ struct gpu_light {
 #define GPU_LIST_WORLD 10u  /* a grid in world space */
 #define GPU_LIST_ITEMS 11u  /* a cell for each draw item */
 #define GPU_LIST_ONE 12u    /* one light, for a pass per light */
+#define GPU_LIST_KINDS 0xffu /* the bits of the kind */
 /* Beside the kind: points may be shaded off their pixel and off the surfaces that depth shows (MSAA); each is looked up where it is itself. */
 #define GPU_LIST_SCATTERED 0x100u
+/* Beside the kind: every light is a sphere or a cone without a hull. Shaders then have no code for other shapes, which costs registers. */
+#define GPU_LIST_SIMPLE 0x200u
 
 /* count of a cell whose list did not fit into the pool: the spare list is used instead. */
 #define GPU_CELL_ALL 0xffffffffu

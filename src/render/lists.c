@@ -302,14 +302,20 @@ static void add_backface(struct lists_context *c) {
     add_blend_tiles(c, &visible, &params.tiles);
 }
 
-static void mark_scattered(struct light_list *list) {
-    if (list->kind != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
+/* The bits beside the kind. */
+static void mark(struct light_list *list, const struct light_input *input) {
+    if (input->scattered && list->kind != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
+    if (input->simple) list->kind |= GPU_LIST_SIMPLE;
 }
 
 struct light_list lists_add_fallback(const struct lists_context *c) {
     enum { TREE_LIGHTS = 1024, TILE = 32 };
     struct light_input input = *c->input;
-    if (c->frame->lists == FNL_LISTS_ALL) return light_list_all_add(c->graph, c->device, &input);
+    if (c->frame->lists == FNL_LISTS_ALL) {
+        struct light_list all = light_list_all_add(c->graph, c->device, &input);
+        mark(&all, &input);
+        return all;
+    }
     input.queue = GRAPH_QUEUE_ASYNC;
     input.keep_unseen = !c->frame->list.frustum_cull;
     input.spheres_only = !c->frame->list.cone_tests;
@@ -321,7 +327,7 @@ struct light_list lists_add_fallback(const struct lists_context *c) {
     struct light_list list = input.local_count < TREE_LIGHTS ? clustered_add(c->graph, c->device, &input, &visible, &params)
                                                              : bvh_add(c->graph, c->device, &input, &visible, &params);
     graph_pop_names(c->graph);
-    if (input.scattered) mark_scattered(&list);
+    mark(&list, &input);
     return list;
 }
 
@@ -381,9 +387,7 @@ void lists_add(struct lists_context *c) {
     c->blend_lights = (struct light_list){0};
     c->estimates = c->estimates && estimates_room(c);
     builder->add(c);
-    if (c->input->scattered) {
-        mark_scattered(&c->lights);
-        mark_scattered(&c->blend_lights);
-    }
+    mark(&c->lights, c->input);
+    mark(&c->blend_lights, c->input);
     if (!c->blend_lights.header) c->blend_lights = c->lights;
 }

@@ -154,7 +154,7 @@ void debug_view_add(struct graph *graph, uint32_t mode, const struct aov_images 
         graph,
         &(struct graph_dispatch){
             .name = "debug view",
-            .pipeline = {&shader_debug_view_comp, 1, {lights->kind & ~GPU_LIST_SCATTERED}},
+            .pipeline = {&shader_debug_view_comp, 1, {lights->kind & GPU_LIST_KINDS}},
             .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
             GRAPH_PUSH(push),
             GRAPH_ROWS(graph_samples(&push.albedo, aov->albedo), graph_samples(&push.normal, aov->normal),

@@ -27,13 +27,14 @@ struct light_input {
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
+    bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
     enum graph_queue queue; /* that GPU builders run on: async pays where nothing of the frame is waited for */
 };
 
 struct light_list {
-    uint32_t kind;           /* GPU_LIST_…: specialisation constant 0 of shaders that iterate */
+    uint32_t kind;           /* GPU_LIST_…, with the bits beside the kind: specialisation constant 0 of shaders that iterate */
     VkDeviceAddress header;  /* struct gpu_light_list */
     graph_buffer lights;     /* light_input.buffer */
     graph_buffer cells, ids; /* id 0: none, or not made by the GPU */
@@ -53,6 +54,9 @@ struct light_list {
         uint32_t in_view, entries, overflow_cells;
     } known;
 };
+
+/** The kind without the bits beside it. */
+static inline uint32_t list_kind(const struct light_list *list) { return list->kind & GPU_LIST_KINDS; }
 
 /** Declares that a pass iterates over the list in fragment or compute shaders. */
 void light_list_use(struct graph_pass *pass, const struct light_list *list, enum graph_use use);

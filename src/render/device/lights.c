@@ -111,6 +111,11 @@ static const struct scene_light *light_at(const fnl_scene *scene, uint32_t slot)
 
 static bool is_place_lit(const struct gpu_light *place) { return place->shape.range > 0; }
 
+/* Shaders need code for such lights that others do without. */
+static bool is_place_shaped(const struct gpu_light *place) {
+    return is_place_lit(place) && (place->shape.kind > GPU_SHAPE_CONE || place->shape.hull_count > 0);
+}
+
 static bool must_gather(const struct device_scene *d) {
     return d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version;
 }
@@ -155,9 +160,13 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
     *bounds = (struct gpu_entity_bounds){.shape = GPU_NO_SHAPE, .kind = GPU_ENTITY_LIGHT, .user = slot};
     if (light) light_of(d->scene, light, slot, &g, bounds);
     d->lit_count += (uint32_t)is_place_lit(&g) - (uint32_t)is_place_lit(place);
+    d->shaped_count -= (uint32_t)is_place_shaped(place);
     ranges_give(&d->host, &d->planes_taken, place->shape.hull_first, place->shape.hull_count);
     *place = g;
-    if (!light || !light->hull) return true;
+    if (!light || !light->hull) {
+        d->shaped_count += (uint32_t)is_place_shaped(place);
+        return true;
+    }
     uint32_t first = ranges_take(&d->planes_taken, light->hull->plane_count);
     if (first == RANGES_NONE || d->planes_taken.end > d->plane_room) {
         ranges_give(&d->host, &d->planes_taken, first, first == RANGES_NONE ? 0 : light->hull->plane_count);
@@ -165,6 +174,7 @@ static bool refresh(struct device_scene *d, uint32_t slot) {
     }
     place->shape.hull_first = first;
     set_hull(&place->shape, bounds, light->hull, d->plane_data.data + first);
+    d->shaped_count += (uint32_t)is_place_shaped(place);
     return true;
 }
 
@@ -196,7 +206,7 @@ static fnl_result reserve_places(struct device_scene *d) {
 }
 
 fnl_result device_lights_gather(struct device_scene *d) {
-    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = 0;
+    d->light_data.count = d->light_bounds.count = d->bound_radii.count = d->lit_count = d->shaped_count = 0;
     d->planes_taken.gaps.count = d->planes_taken.end = 0;
     TRY(reserve_places(d));
     for (uint32_t slot = 0; slot < d->light_data.count; slot++) UNUSED(refresh(d, slot)); /* one after the other, all fit */
@@ -402,6 +412,7 @@ struct light_input device_lights_input(const struct device_scene *d, graph_buffe
                                 .planes = d->planes.address,
                                 .lights = first_place - d->sun_data.count * sizeof(struct gpu_light),
                                 .kinds = 1u << GPU_ENTITY_LIGHT,
+                                .simple = d->shaped_count == 0,
                                 .directional_count = d->sun_data.count,
                                 .local_count = local_count,
                                 .unlit_count = local_count - d->lit_count};

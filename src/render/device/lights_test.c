@@ -197,6 +197,55 @@ static void test_free_places_are_in_no_list(void **state) {
     stage_close(&s);
 }
 
+/* Renders a frame, which makes new programs or none, and compares it with a renderer of its own. */
+static void check_programs(struct stage *s, bool made, uint32_t shaped) {
+    struct stage fresh = *s;
+    struct shot shot = stage_shoot(s, &s->frame);
+    assert_int_equal(shot.stats.pipelines_made > 0, made);
+    assert_int_equal(s->renderer->device_scene.shaped_count, shaped);
+    assert_int_equal(fnl_renderer_create(harness_device(), s->scene, &fresh.renderer), FNL_OK);
+    struct shot other = stage_shoot(&fresh, &fresh.frame);
+    assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
+    fnl_renderer_destroy(&fresh.renderer);
+    shot_free(&shot);
+    shot_free(&other);
+}
+
+/* Shaders have no code for capsules, wedges, boxes and hulls until there are such lights, and none again when they are gone. First of all tests. */
+static void test_simple_lights_have_simple_shaders(void **state) {
+    UNUSED(state);
+    struct stage s = open_lights(12);
+    fnl_light_params light = some_light(5);
+    for (uint32_t i = 0; i < 12; i++) {
+        light = some_light(i);
+        light.kind = i % 2 ? FNL_LIGHT_SPOT : FNL_LIGHT_POINT;
+        light.outer_cone_angle = 0.5f;
+        assert_int_equal(fnl_scene_set_light(s.scene, ids[i], &light), FNL_OK);
+    }
+    s.frame.shading = FNL_SHADING_DEFERRED;
+    check_programs(&s, true, 0);
+    light.position.y += 0.4f;
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[3], &light), FNL_OK);
+    check_programs(&s, false, 0);
+    const fnl_light_params spot = light;
+    light.kind = FNL_LIGHT_CAPSULE;
+    light.length = 1;
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[3], &light), FNL_OK);
+    check_programs(&s, true, 1);
+    const fnl_vec3 corners[] = {{-9, -9, -9}, {9, -9, -9}, {0, 9, -9}, {0, 0, 9}};
+    assert_int_equal(fnl_scene_set_light_hull(s.scene, ids[4], corners, 4), FNL_OK);
+    check_programs(&s, false, 2);
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[3], &spot), FNL_OK);
+    check_programs(&s, false, 1);
+    assert_int_equal(fnl_scene_remove_light(s.scene, ids[4]), FNL_OK);
+    check_programs(&s, false, 0);
+    assert_int_equal(fnl_scene_set_light(s.scene, ids[3], &light), FNL_OK);
+    check_programs(&s, false, 1);
+    assert_int_equal(fnl_scene_remove_light(s.scene, ids[3]), FNL_OK);
+    check_programs(&s, false, 0);
+    stage_close(&s);
+}
+
 /* The planes of a hull are seen from the light: they are sent with it. */
 static void test_hulls_move_with_their_lights(void **state) {
     UNUSED(state);
@@ -300,6 +349,7 @@ static void test_nodes_and_faded_lights(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_simple_lights_have_simple_shaders, harness_check),
         cmocka_unit_test_teardown(test_few_lights_move, harness_check),
         cmocka_unit_test_teardown(test_lights_come_and_go, harness_check),
         cmocka_unit_test_teardown(test_places_last, harness_check),

@@ -129,7 +129,7 @@ struct device_scene {
     ARRAY(vec4) plane_data;
     struct ranges planes_taken;
     uint32_t plane_room;                /* in the buffer */
-    uint32_t lit_count;                 /* of light_data */
+    uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
     uint64_t light_bytes_sent;          /* with the last frame */
     struct gpu_buffer faded_lights, faded_bounds; /* copies for frames with light_lod; made when first asked for */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */

@@ -5,18 +5,18 @@
 
 /* Batches and passes per light draw in an order of their own; what they are not for is shaded as with lists of objects. */
 static bool draws_batches(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS;
+    return f->frame->lists == FNL_LISTS_BATCHES && f->frame->msaa == 1 && list_kind(&f->lights) == GPU_LIST_ITEMS;
 }
 
 static bool draws_per_light(const struct frame_state *f) {
-    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && f->lights.kind == GPU_LIST_ITEMS &&
+    return f->frame->lists == FNL_LISTS_MULTIPASS && f->frame->msaa == 1 && list_kind(&f->lights) == GPU_LIST_ITEMS &&
            multipass_fits(f->r->device, &f->scene->geometry, f->scene->lights.local_count);
 }
 
 /* The log is told once by each renderer that mesh lists stand in for others, the statistics with every frame. */
 static void tell_of_mesh_lists(struct frame_state *f) {
     bool own = f->frame->lists == FNL_LISTS_BATCHES || f->frame->lists == FNL_LISTS_MULTIPASS;
-    if (!own || (f->lights.kind & ~GPU_LIST_SCATTERED) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
+    if (!own || list_kind(&f->lights) != GPU_LIST_ITEMS || draws_batches(f) || draws_per_light(f)) return;
     f->drawn_lists = FNL_LISTS_MESH;
     if (f->r->told_of_mesh_lists) return;
     f->r->told_of_mesh_lists = true;
