@@ -96,9 +96,9 @@ typedef void graph_execute(const struct graph_context *context, const void *data
 
 /**
  * `name` is also the debug label and the timer's name; names must be unique in a frame and live as long as the graph.
- * `execute` may be NULL (a pass that only clears). `data` (may be NULL) is copied. Passes run in the order they are added
- * in; those that may be on different queues only as far as their uses demand. NULL when memory ran out: the calls below
- * accept that, and compiling then fails.
+ * `execute` may be NULL (a pass that only clears, or only hands something to the host). `data` (may be NULL) is copied. Passes run in the
+ * order they are added in; those that may be on different queues only as far as their uses demand. NULL when memory ran out: the calls
+ * below accept that, and compiling then fails.
  */
 struct graph_pass *graph_add_pass(struct graph *graph, const char *name, enum graph_queue queue, graph_execute *execute,
                                   const void *data, size_t data_size);
@@ -190,10 +190,14 @@ void graph_add_row(struct graph_pass *pass, struct graph_row row);
  *                                                    GRAPH_PUSH(push),
  *                                                    GRAPH_ROWS(graph_samples(&push.from, from), graph_stores(&push.to, to))});
  *
- * While `push` is in scope, more rows and uses may be added to the pass.
+ * While `push` is in scope, more rows and uses may be added to the pass. Where one pass is several dispatches, each has its own pipeline,
+ * groups, push constants and rows, and no barrier stands between them; rows that are added to the pass are of the last one:
+ *
+ *     for (uint32_t i = 0; i < count; i++) pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass, …});
  */
 struct graph_dispatch {
-    const char *name;
+    struct graph_pass *pass; /* NULL (default): a new pass. Else one that graph_dispatch added, for one more dispatch in it */
+    const char *name;        /* this and the queue: of a new pass */
     enum graph_queue queue; /* default GRAPH_QUEUE_GRAPHICS */
     struct gpu_compute_params pipeline;
     uint32_t groups[3];     /* work groups; with a height of 0 as many as gpu_dispatch_linear makes of the width, which may be 0 too */

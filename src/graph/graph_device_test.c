@@ -533,6 +533,43 @@ static void test_rows_write_addresses(void **state) {
     }
 }
 
+/* Each with its own constants, size, push constants and rows; the one without groups does nothing. */
+static void test_dispatches_of_one_pass(void **state) {
+    struct world *world = *state;
+    struct graph *graph = world->graph;
+    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    graph_begin(graph);
+    graph_buffer values = graph_create_buffer(graph, "values", BYTES), groups = graph_create_buffer(graph, "groups", 64);
+    graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+    graph_image image = float_image(graph, "image", 1);
+    add_dispatch(graph, "values", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = values, .value = 100});
+    add_dispatch(graph, "image", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = TO_IMAGE, .from = values, .to_image = image});
+    graph_add_clear(graph, "clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {groups, output}, .word = 1});
+    struct graph_pass *pass = NULL;
+    for (uint32_t i = 0; i < 4; i++) { /* the second one copies the image, the third is indirect, the last has no groups */
+        struct push push = {.width = WIDTH, .count = 64, .value = (float)i};
+        pass = graph_dispatch(graph, &(struct graph_dispatch){
+                                         .pass = pass,
+                                         .name = "several",
+                                         .pipeline = {&shader_graph_test_comp, 1, {i == 1 ? TO_BUFFER : FILL}},
+                                         .groups = {i < 2},
+                                         .indirect = i == 2 ? groups : (graph_buffer){0},
+                                         GRAPH_PUSH(push),
+                                         GRAPH_ROWS(graph_row_if(i == 1, graph_samples(&push.from_image, image)))});
+        graph_add_row(pass, graph_row_at(i * 64 * 4ull, graph_writes(&push.to, output)));
+    }
+    graph_use_buffer(pass, output, GRAPH_READ_HOST);
+    assert_int_equal(graph_compile(graph), FNL_OK);
+    assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
+    assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
+    const float *out = world->readback.mapped;
+    for (uint32_t i = 0; i < 192; i++) {
+        const float first[] = {0, 100, 2};
+        assert_true(out[i] == first[i / 64] + (float)(i % 64));
+    }
+    for (uint32_t i = 192; i < 256; i++) assert_int_equal(((const uint32_t *)world->readback.mapped)[i], 1);
+}
+
 static void test_pipelines_of_dispatches_can_be_asked_for(void **state) {
     struct world *world = *state;
     struct graph *graph = world->graph;
@@ -591,6 +628,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_memory_follows_the_plan, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_images_of_old_plans_are_released, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_rows_write_addresses, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_dispatches_of_one_pass, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_pipelines_of_dispatches_can_be_asked_for, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_frames_in_flight_have_buffers_of_their_own, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_errors_end_the_frame_and_the_next_one_works, set_up, tear_down),

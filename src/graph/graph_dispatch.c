@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Rows: a use of a resource together with the place of its address. And passes that are one dispatch. */
+/** Rows: a use of a resource together with the place of its address. And passes that are dispatches. */
 #include "graph/graph_internal.h"
 
 /* ---- rows ---- */
@@ -50,6 +50,7 @@ void graph_patch_data(const struct graph_context *context, const struct graph_pa
 /* ---- dispatches ---- */
 
 struct dispatch_data {
+    struct dispatch_data *next; /* of the same pass */
     struct gpu_compute_params pipeline;
     uint32_t groups[3];
     graph_buffer indirect;
@@ -58,21 +59,41 @@ struct dispatch_data {
     _Alignas(16) char push[GPU_PUSH_BYTES];
 };
 
-static void execute_dispatch(const struct graph_context *context, const void *data) {
-    const struct dispatch_data *d = data;
-    if (!d->indirect.id && d->groups[0] == 0) return;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &d->pipeline));
-    if (d->push_size) gpu_push(context->commands, d->push, d->push_size);
-    if (d->indirect.id)
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->indirect), d->indirect_offset);
-    else if (d->groups[1])
-        gpu_dispatch(context->commands, d->groups[0], d->groups[1], MAX(d->groups[2], 1u));
-    else
-        gpu_dispatch_linear(context->commands, d->groups[0]);
+static void execute_dispatches(const struct graph_context *context, const void *data) {
+    const struct gpu_pipeline *bound = NULL;
+    for (const struct dispatch_data *d = data; d; d = d->next) {
+        if (!d->indirect.id && d->groups[0] == 0) continue;
+        const struct gpu_pipeline *pipeline = gpu_compute_pipeline(context->device, &d->pipeline);
+        if (pipeline != bound || !pipeline) gpu_bind(context->commands, bound = pipeline);
+        if (d->push_size) gpu_push(context->commands, d->push, d->push_size);
+        if (d->indirect.id)
+            gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->indirect), d->indirect_offset);
+        else if (d->groups[1])
+            gpu_dispatch(context->commands, d->groups[0], d->groups[1], MAX(d->groups[2], 1u));
+        else
+            gpu_dispatch_linear(context->commands, d->groups[0]);
+    }
+}
+
+/* The data of one more dispatch in a pass, or NULL after an error. */
+static struct dispatch_data *append(struct graph_pass *pass, const struct dispatch_data *data) {
+    if (pass->execute != execute_dispatches) {
+        graph_misuse(pass->graph, "pass '%s' is given one more dispatch, but graph_dispatch did not add it", pass->name);
+        return NULL;
+    }
+    struct dispatch_data *copy = arena_allocate(&pass->graph->arena, sizeof *copy);
+    if (!copy) {
+        graph_fail(pass->graph, FNL_ERROR_MEMORY);
+        return NULL;
+    }
+    memcpy(copy, data, sizeof *copy);
+    struct dispatch_data *last = (struct dispatch_data *)((char *)pass->copy - offsetof(struct dispatch_data, push));
+    return last->next = copy;
 }
 
 struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispatch *dispatch) {
-    struct dispatch_data data;
+    struct graph_pass *pass = dispatch->pass;
+    struct dispatch_data data, *copy;
     memset(&data, 0, sizeof data); /* pipelines are hashed as bytes */
     data.pipeline.shader = dispatch->pipeline.shader;
     data.pipeline.constant_count = dispatch->pipeline.constant_count;
@@ -82,17 +103,23 @@ struct graph_pass *graph_dispatch(struct graph *graph, const struct graph_dispat
     data.push_size = (uint32_t)dispatch->push_size;
     memcpy(data.groups, dispatch->groups, sizeof data.groups);
     if (dispatch->push_size > sizeof data.push) {
-        graph_misuse(graph, "pass '%s' has %zu bytes of push constants, which is more than %zu", dispatch->name,
-                     dispatch->push_size, sizeof data.push);
-        return NULL;
+        graph_misuse(graph, "pass '%s' has %zu bytes of push constants, which is more than %zu",
+                     pass ? pass->name : dispatch->name, dispatch->push_size, sizeof data.push);
+        return pass;
     }
     if (dispatch->push_size) memcpy(data.push, dispatch->push, dispatch->push_size);
-    struct graph_pass *pass = graph_add_pass(graph, dispatch->name, dispatch->queue, execute_dispatch, &data, sizeof data);
-    if (!pass) return NULL;
+    if (pass) {
+        copy = append(pass, &data);
+        if (!copy) return pass;
+    } else {
+        pass = graph_add_pass(graph, dispatch->name, dispatch->queue, execute_dispatches, &data, sizeof data);
+        if (!pass) return NULL;
+        copy = pass->data;
+    }
     /* Rows point into the caller's push constants. */
     pass->original = dispatch->push;
     pass->original_size = dispatch->push_size;
-    pass->copy = (char *)pass->copy + offsetof(struct dispatch_data, push);
+    pass->copy = copy->push;
     for (uint32_t i = 0; i < dispatch->row_count; i++) graph_add_row(pass, dispatch->rows[i]);
     if (dispatch->indirect.id) graph_use_buffer(pass, dispatch->indirect, GRAPH_INDIRECT);
     return pass;

@@ -152,6 +152,52 @@ static void test_misuse_of_rows(void **state) {
     expect_misuse(graph, "an address is asked for of 0, which is no buffer handle");
 }
 
+static void test_one_more_dispatch_in_a_pass(void **state) {
+    UNUSED(state);
+    static char text[8192];
+    struct graph *graph = make_graph();
+    struct resources r = add_resources(graph);
+    struct push push = {.size = 3};
+    struct graph_dispatch dispatch = {
+        .name = "dispatch", .pipeline = {.shader = &shader}, .groups = {1}, GRAPH_PUSH(push), GRAPH_ROWS(graph_reads(&push.counts, r.counts))};
+    struct graph_pass *pass = graph_dispatch(graph, &dispatch);
+    struct push other = {.size = 4}; /* rows are of the dispatch that was added last */
+    assert_ptr_equal(graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
+                                                                    .pipeline = {.shader = &shader},
+                                                                    .indirect = r.commands,
+                                                                    GRAPH_PUSH(other),
+                                                                    GRAPH_ROWS(graph_writes(&other.cells, r.cells))}),
+                     pass);
+    graph_add_row(pass, graph_stores(&other.picture, r.picture));
+    add_reader(graph, &r);
+    if (graph_compile(graph) != FNL_OK) fail_msg("not compiled: %s", logged);
+    graph_print(graph, text, sizeof text);
+    const char *found = strstr(text, "pass 1 'dispatch'"), *end = strstr(text, "pass 2 'after'");
+    assert_true(found && end);
+    const char *uses[] = {"reads counts\n", "writes cells\n", "writes picture", "reads commands\n"};
+    for (uint32_t i = 0; i < COUNT_OF(uses); i++) {
+        const char *use = strstr(found, uses[i]);
+        if (!use || use > end) fail_msg("the pass has no use '%s': %s", uses[i], text);
+    }
+
+    graph_begin(graph);
+    r = add_resources(graph);
+    pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "dispatch", .pipeline = {.shader = &shader}, GRAPH_PUSH(push)});
+    graph_dispatch(graph, &(struct graph_dispatch){.pass = pass, .pipeline = {.shader = &shader}, GRAPH_PUSH(other)});
+    graph_add_row(pass, graph_reads(&push.counts, r.counts)); /* of the first one */
+    expect_misuse(graph, "pass 'dispatch' has a row for 'counts' whose member is outside of its");
+
+    graph = make_graph();
+    graph_dispatch(graph, &(struct graph_dispatch){.pass = pass_of(graph, "by hand"), .pipeline = {.shader = &shader}, .groups = {1}});
+    expect_misuse(graph, "pass 'by hand' is given one more dispatch, but graph_dispatch did not add it");
+
+    graph = make_graph();
+    const char large[GPU_PUSH_BYTES + 4] = {0};
+    pass = graph_dispatch(graph, &(struct graph_dispatch){.name = "dispatch", .pipeline = {.shader = &shader}, .groups = {1}});
+    graph_dispatch(graph, &(struct graph_dispatch){.pass = pass, .pipeline = {.shader = &shader}, GRAPH_PUSH(large)});
+    expect_misuse(graph, "pass 'dispatch' has 132 bytes of push constants, which is more than 128");
+}
+
 static void test_dispatches_allocate_nothing(void **state) {
     UNUSED(state);
     struct graph *graph = make_graph();
@@ -172,6 +218,7 @@ int main(void) {
         cmocka_unit_test(test_uses_follow_from_rows),
         cmocka_unit_test(test_a_row_without_a_member_is_a_use),
         cmocka_unit_test(test_misuse_of_rows),
+        cmocka_unit_test(test_one_more_dispatch_in_a_pass),
         cmocka_unit_test(test_dispatches_allocate_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,11 +19,6 @@ static void execute_read_image(const struct graph_context *context, const void *
                              d->offset);
 }
 
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
 /* Copies results into host-visible buffers; one last pass makes them visible to the CPU. */
 void frame_add_outputs(struct frame_state *f) {
     graph_image images[OUTPUT_COUNT] = {f->color,      f->radiance,     f->aov.albedo,
@@ -43,7 +38,7 @@ void frame_add_outputs(struct frame_state *f) {
         graph_use_buffer(pass, data.buffer, GRAPH_COPY_TO);
         buffers[i] = data.buffer;
     }
-    struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    struct graph_pass *host = graph_add_pass(f->graph, "to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
     graph_keep(host);
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         if (buffers[i].id) graph_use_buffer(host, buffers[i], GRAPH_READ_HOST);
@@ -99,7 +94,7 @@ void frame_add_counts(struct frame_state *f) {
     graph_use_buffer(pass, data.counts, GRAPH_COPY_TO);
     if (data.draws.id) graph_use_buffer(pass, data.all_draws, GRAPH_COPY_FROM);
     if (data.draws.id) graph_use_buffer(pass, data.draws, GRAPH_COPY_TO);
-    struct graph_pass *host = graph_add_pass(f->graph, "counts to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    struct graph_pass *host = graph_add_pass(f->graph, "counts to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
     graph_keep(host);
     graph_use_buffer(host, data.counts, GRAPH_READ_HOST);
     if (data.draws.id) graph_use_buffer(host, data.draws, GRAPH_READ_HOST);

@@ -193,30 +193,32 @@ static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t 
     memcpy(&constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
 }
 
-static struct gpu_dais_shade_push push_of(const struct graph_context *context, const struct shade_data *d) {
-    const struct dais *dais = &d->dais;
-    return (struct gpu_dais_shade_push){
-        .view = d->view,
-        .scene = d->scene->scene,
-        .lights = d->lights,
-        .counters = 0,
-        .pool = graph_address(context, dais->pool),
-        .heads = address_or_zero(context, dais->heads),
-        .nodes = address_or_zero(context, dais->nodes),
-        .results = address_or_zero(context, d->results),
-        .slots = address_or_zero(context, d->slots),
-        .references = dais->references.id ? graph_sampled(context, dais->references) : GPU_TEXTURE_NONE,
-        .shared_samples = dais->shared.id ? graph_sampled(context, dais->shared) : GPU_TEXTURE_NONE,
-        .background = {d->background[0], d->background[1], d->background[2]},
-        .sample_capacity = dais->sample_capacity};
+static struct gpu_dais_shade_push push_of(const struct shade_data *d) {
+    return (struct gpu_dais_shade_push){.view = d->view,
+                                        .scene = d->scene->scene,
+                                        .lights = d->lights,
+                                        .references = GPU_TEXTURE_NONE,
+                                        .shared_samples = GPU_TEXTURE_NONE,
+                                        .target = GPU_TEXTURE_NONE,
+                                        .background = {d->background[0], d->background[1], d->background[2]},
+                                        .sample_capacity = d->dais.sample_capacity};
 }
 
-static void use_references(struct graph_pass *pass, const struct dais *dais, enum graph_use image, enum graph_use buffer) {
-    graph_use_buffer(pass, dais->pool, buffer);
-    if (dais->references.id) graph_use_image(pass, dais->references, image);
-    if (dais->shared.id) graph_use_image(pass, dais->shared, image);
-    if (dais->heads.id) graph_use_buffer(pass, dais->heads, buffer);
-    if (dais->nodes.id) graph_use_buffer(pass, dais->nodes, buffer);
+/* A pass that looks at the triangle of each sample of each pixel. */
+static struct graph_pass *add_pixels(struct graph *graph, const char *name, const struct gpu_compute_params *pipeline,
+                                     const struct dais *dais, struct gpu_dais_shade_push *push) {
+    return graph_dispatch(
+        graph, &(struct graph_dispatch){
+                   .name = name,
+                   .pipeline = *pipeline,
+                   .groups = {DIVIDE_UP(dais->width, 8u), DIVIDE_UP(dais->height, 8u)},
+                   .push = push,
+                   .push_size = sizeof *push,
+                   GRAPH_ROWS(graph_reads(&push->pool, dais->pool),
+                              graph_row_if(dais->references.id, graph_samples(&push->references, dais->references)),
+                              graph_row_if(dais->shared.id, graph_samples(&push->shared_samples, dais->shared)),
+                              graph_row_if(dais->heads.id, graph_reads(&push->heads, dais->heads)),
+                              graph_row_if(dais->nodes.id, graph_reads(&push->nodes, dais->nodes)))});
 }
 
 static void add_spawned(struct graph *graph, const struct shade_data *d) {
@@ -235,37 +237,25 @@ static void add_spawned(struct graph *graph, const struct shade_data *d) {
                                   graph_reads(&push.counts, d->dais.counts), graph_reads(NULL, d->scene->vertices))});
 }
 
-static void execute_shade(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_dais_shade_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_dais_shade_push push = push_of(context, d);
-    push.samples = address_or_zero(context, d->dais.samples);
-    push.counts = graph_address(context, d->dais.counts);
-    if (d->counters.id) push.counters = graph_address(context, d->counters);
-    push.target = d->dais.sample_count == 1 ? graph_storage(context, d->radiance) : GPU_TEXTURE_NONE;
-    if (d->dais.params.probe == DAIS_SHOW_DEPTH) push.depth = graph_sampled(context, d->dais.depth);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->dais.width, 8u), DIVIDE_UP(d->dais.height, 8u), 1);
-}
-
-static void add_shade(struct graph *graph, const struct shade_input *input, const struct shade_data *data) {
-    struct graph_pass *pass = graph_add_pass(graph, "dais shade", GRAPH_QUEUE_GRAPHICS, execute_shade, data, sizeof *data);
-    use_references(pass, &data->dais, GRAPH_SAMPLE_COMPUTE, GRAPH_READ_COMPUTE);
-    if (data->dais.samples.id) graph_use_buffer(pass, data->dais.samples, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
-    geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
+static void add_shade(struct graph *graph, const struct shade_input *input, const struct shade_data *d) {
+    const struct dais *dais = &d->dais;
+    const bool counts = d->counters.id, stores = dais->sample_count == 1, probes = dais->params.probe == DAIS_SHOW_DEPTH;
+    struct gpu_compute_params pipeline = {.shader = &shader_dais_shade_comp};
+    set_constants(d, &pipeline.constant_count, pipeline.constants);
+    struct gpu_dais_shade_push push = push_of(d);
+    struct graph_pass *pass = add_pixels(graph, "dais shade", &pipeline, dais, &push);
+    const struct graph_row rows[] = {
+        graph_row_if(dais->samples.id, graph_reads(&push.samples, dais->samples)),
+        graph_reads(NULL, d->scene->vertices),
+        graph_row_if(probes, graph_samples(&push.depth, dais->depth)),
+        graph_row_if(!stores, graph_writes(&push.results, d->results)),
+        graph_row_if(!stores, graph_writes(&push.slots, d->slots)),
+        graph_row_if(stores, graph_stores(&push.target, d->radiance)),
+        graph_buffer_row(&push.counts, dais->counts, counts ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE),
+        graph_row_if(counts, graph_changes(&push.counters, d->counters))};
+    for (uint32_t i = 0; i < COUNT_OF(rows); i++) graph_add_row(pass, rows[i]);
+    geometry_use_features(pass, d->scene, GRAPH_READ_COMPUTE);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (data->dais.params.probe == DAIS_SHOW_DEPTH) graph_use_image(pass, data->dais.depth, GRAPH_SAMPLE_COMPUTE);
-    if (data->results.id) {
-        graph_use_buffer(pass, data->results, GRAPH_WRITE_COMPUTE);
-        graph_use_buffer(pass, data->slots, GRAPH_WRITE_COMPUTE);
-    } else {
-        graph_use_image(pass, data->radiance, GRAPH_WRITE_COMPUTE);
-    }
-    graph_use_buffer(pass, data->dais.counts, input->counters.id ? GRAPH_READ_WRITE_COMPUTE : GRAPH_READ_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
 }
 
 static void execute_spread(const struct graph_context *context, const void *data) {
@@ -294,65 +284,33 @@ static void add_spread(struct graph *graph, const struct shade_data *data) {
                 (float[4]){data->background[0], data->background[1], data->background[2], 1});
 }
 
-struct view_data {
-    struct shade_data shade;
-    uint32_t which;
-    bool swap;
-};
-
-static void execute_view(const struct graph_context *context, const void *data) {
-    const struct view_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_dais_view_comp};
-    set_constants(&d->shade, &params.constant_count, params.constants);
-    params.constants[DAIS_SHOW_ID] = d->which;
-    struct gpu_dais_shade_push push = push_of(context, &d->shade);
-    push.target = graph_storage(context, d->shade.radiance);
-    push.sample_capacity = d->swap;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->shade.dais.width, 8u), DIVIDE_UP(d->shade.dais.height, 8u), 1);
-}
-
 void dais_view_add(struct graph *graph, const struct shade_input *input, const struct dais *dais, uint32_t which,
                    graph_image color, bool swap) {
-    struct view_data data = {.shade = {.dais = *dais, .scene = input->scene, .radiance = color, .view = input->view},
-                             .which = which,
-                             .swap = swap};
-    struct graph_pass *pass = graph_add_pass(graph, "debug dais", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
-    use_references(pass, dais, GRAPH_SAMPLE_COMPUTE, GRAPH_READ_COMPUTE);
-    graph_use_image(pass, color, GRAPH_WRITE_COMPUTE);
+    const struct shade_data data = {.dais = *dais, .scene = input->scene, .view = input->view};
+    struct gpu_compute_params pipeline = {.shader = &shader_dais_view_comp};
+    set_constants(&data, &pipeline.constant_count, pipeline.constants);
+    pipeline.constants[DAIS_SHOW_ID] = which;
+    struct gpu_dais_shade_push push = push_of(&data);
+    push.sample_capacity = swap;
+    struct graph_pass *pass = add_pixels(graph, "debug dais", &pipeline, dais, &push);
+    graph_add_row(pass, graph_stores(&push.target, color));
 }
 
 /* ---- frames that had no room ---- */
 
-struct gate_data {
-    graph_buffer counts, from, to;
-    uint32_t words, stride, place;
-};
-
-static void execute_gate(const struct graph_context *context, const void *data) {
-    const struct gate_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_dais_gate_comp};
-    struct gpu_dais_gate_push push = {.counts = graph_address(context, d->counts),
-                                      .from = graph_address(context, d->from),
-                                      .to = graph_address(context, d->to),
-                                      .word_count = d->words,
-                                      .stride = d->stride,
-                                      .place = d->place};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(d->words, 64u));
-}
-
-/* A copy of draws, or of counts of draws, that is empty unless something had no room. */
-static graph_buffer add_gate(struct graph *graph, const char *name, struct gate_data gate) {
-    gate.words = (uint32_t)(graph_buffer_size(graph, gate.from) / 4);
-    gate.to = graph_create_buffer(graph, name, gate.words * 4ull);
-    struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_gate, &gate, sizeof gate);
-    graph_use_buffer(pass, gate.counts, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, gate.from, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, gate.to, GRAPH_WRITE_COMPUTE);
-    return gate.to;
+/* A copy of draws, or of counts of draws, that is empty unless something had no room: see gpu_dais_gate_push. */
+static graph_buffer add_gate(struct graph *graph, const char *name, const struct dais *dais, graph_buffer from, uint32_t stride,
+                             uint32_t place) {
+    struct gpu_dais_gate_push push = {
+        .word_count = (uint32_t)(graph_buffer_size(graph, from) / 4), .stride = stride, .place = place};
+    graph_buffer to = graph_create_buffer(graph, name, push.word_count * 4ull);
+    graph_dispatch(graph, &(struct graph_dispatch){.name = name,
+                                                   .pipeline = {.shader = &shader_dais_gate_comp},
+                                                   .groups = {DIVIDE_UP(push.word_count, 64u)},
+                                                   GRAPH_PUSH(push),
+                                                   GRAPH_ROWS(graph_reads(&push.counts, dais->counts),
+                                                              graph_reads(&push.from, from), graph_writes(&push.to, to))});
+    return to;
 }
 
 struct rest_data {
@@ -374,15 +332,14 @@ static void execute_rest(const struct graph_context *context, const void *data) 
 static void add_rest(struct graph *graph, const struct shade_input *input, const struct shade_data *shade) {
     struct rest_data data = {.shade = *shade, .draws = *input->draws};
     if (input->scene->group_count > 0) {
-        struct gate_data gate = {.counts = shade->dais.counts, .from = input->draws->draws, .stride = 5, .place = 1};
-        data.draws.draws = add_gate(graph, "dais gate", gate);
-        gate = (struct gate_data){.counts = shade->dais.counts, .from = input->draws->totals, .stride = 1};
-        if (input->draws->item_draws.id) data.draws.totals = add_gate(graph, "dais gate clusters", gate);
-        gate = (struct gate_data){.counts = shade->dais.counts,
-                                  .from = input->draws->mesh_draws,
-                                  .stride = sizeof(struct gpu_mesh_draw) / 4,
-                                  .place = offsetof(struct gpu_mesh_draw, groups) / 4};
-        if (input->draws->mesh_draws.id) data.draws.mesh_draws = add_gate(graph, "dais gate meshes", gate);
+        const struct geometry_draws *draws = input->draws;
+        const uint32_t groups = offsetof(struct gpu_mesh_draw, groups) / 4;
+        data.draws.draws = add_gate(graph, "dais gate", &shade->dais, draws->draws, 5, 1);
+        if (draws->item_draws.id)
+            data.draws.totals = add_gate(graph, "dais gate clusters", &shade->dais, draws->totals, 1, 0);
+        if (draws->mesh_draws.id)
+            data.draws.mesh_draws = add_gate(graph, "dais gate meshes", &shade->dais, draws->mesh_draws,
+                                             sizeof(struct gpu_mesh_draw) / 4, groups);
     }
     data.state = (struct gpu_graphics_params){.fragment = &shader_forward_early_frag,
                                               .constant_count = 2,

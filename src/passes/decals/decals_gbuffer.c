@@ -43,8 +43,6 @@ static graph_image add_receivers(struct graph *graph, const struct shade_input *
 
 /* ---- which tiles ---- */
 
-enum step { STEP_DEPTHS, STEP_COUNT, STEP_FILL, STEP_SORT };
-
 struct tiles_data {
     struct light_input boxes;
     struct lights_in_view in_view;
@@ -54,7 +52,7 @@ struct tiles_data {
     VkDeviceAddress set;
     uvec2 tiles;
     uint32_t tile_count, capacity;
-    enum step step;
+    bool fills; /* the second time that boxes are drawn */
 };
 
 /* The number of boxes in view goes where the draw expects it. */
@@ -75,30 +73,10 @@ static struct gpu_decals_box_push tiles_push(const struct tiles_data *d) {
     return (struct gpu_decals_box_push){.view = d->boxes.view, .set = d->set, .tiles = d->tiles, .capacity = d->capacity};
 }
 
-static void execute_compute(const struct graph_context *context, const void *data) {
-    const struct tiles_data *d = data;
-    bool sorts = d->step == STEP_SORT;
-    struct gpu_compute_params params = {.shader = sorts ? &shader_decals_sort_comp : &shader_decals_depths_comp};
-    struct gpu_decals_box_push push = tiles_push(d);
-    if (sorts) {
-        push.counts = graph_address(context, d->sums);
-        push.entries = graph_address(context, d->entries);
-    } else {
-        push.depth = graph_sampled(context, d->depth);
-        push.depths = graph_address(context, d->depths);
-    }
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    if (sorts)
-        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->tile_count, 64u));
-    else
-        gpu_dispatch(context->commands, DIVIDE_UP(d->tiles.x, 8u), DIVIDE_UP(d->tiles.y, 8u), 1);
-}
-
 static void execute_boxes(const struct graph_context *context, const void *data) {
     const struct tiles_data *d = data;
     if (!d->commands.data) return;
-    bool fills = d->step == STEP_FILL;
+    const bool fills = d->fills;
     /* Back faces, so that the viewer may be inside. */
     struct gpu_graphics_params state = {.vertex = &shader_decals_box_vert,
                                         .fragment = &shader_decals_box_frag,
@@ -139,7 +117,7 @@ static void add_boxes(struct graph *graph, const char *name, const char *image_n
     graph_image grid = graph_create_image(
         graph, &(struct graph_image_params){
                    .name = image_name, .format = VK_FORMAT_R8_UNORM, .width = data->tiles.x, .height = data->tiles.y});
-    bool fills = data->step == STEP_FILL;
+    const bool fills = data->fills;
     struct graph_pass *pass = graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, execute_boxes, data, sizeof *data);
     graph_use_buffer(pass, data->draw, GRAPH_INDIRECT);
     graph_use_buffer(pass, data->in_view.ids, GRAPH_READ_VERTEX);
@@ -170,10 +148,13 @@ static void add_tiles(struct graph *graph, gpu_device *device, struct tiles_data
     graph_use_buffer(pass, data->in_view.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data->draw, GRAPH_COPY_TO);
     graph_use_buffer(pass, data->sums, GRAPH_COPY_TO);
-    pass = graph_add_pass(graph, "decals depths", GRAPH_QUEUE_GRAPHICS, execute_compute, data, sizeof *data);
-    graph_use_image(pass, data->depth, GRAPH_SAMPLE_COMPUTE);
-    graph_use_buffer(pass, data->depths, GRAPH_WRITE_COMPUTE);
-    data->step = STEP_COUNT;
+    struct gpu_decals_box_push push = tiles_push(data);
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "decals depths",
+                              .pipeline = {.shader = &shader_decals_depths_comp},
+                              .groups = {DIVIDE_UP(data->tiles.x, 8u), DIVIDE_UP(data->tiles.y, 8u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_samples(&push.depth, data->depth), graph_writes(&push.depths, data->depths))});
     add_boxes(graph, "decals count", "decal grid", data);
     prefix_sum_add(graph, "decal tiles", GRAPH_QUEUE_GRAPHICS, data->sums, data->tile_count + 1);
     pass = graph_add_pass(graph, "decals cursors", GRAPH_QUEUE_GRAPHICS, execute_cursors, data, sizeof *data);
@@ -182,12 +163,15 @@ static void add_tiles(struct graph *graph, gpu_device *device, struct tiles_data
     graph_use_buffer(pass, data->cursors, GRAPH_COPY_TO);
     graph_use_buffer(pass, data->totals, GRAPH_COPY_TO);
     graph_use_buffer(pass, data->entries, GRAPH_COPY_TO);
-    data->step = STEP_FILL;
+    data->fills = true;
     add_boxes(graph, "decals fill", "decal grid 2", data);
-    data->step = STEP_SORT;
-    pass = graph_add_pass(graph, "decals sort", GRAPH_QUEUE_GRAPHICS, execute_compute, data, sizeof *data);
-    graph_use_buffer(pass, data->sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data->entries, GRAPH_READ_WRITE_COMPUTE);
+    push = tiles_push(data);
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "decals sort",
+                              .pipeline = {.shader = &shader_decals_sort_comp},
+                              .groups = {DIVIDE_UP(data->tile_count, 64u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_reads(&push.counts, data->sums), graph_changes(&push.entries, data->entries))});
 }
 
 /* ---- what becomes of them ---- */

@@ -3,26 +3,22 @@
 
 #include "shaders.h"
 
-static void execute_skin(const struct graph_context *context, const void *data) {
-    const struct skin_input *d = data;
-    struct gpu_compute_params params = {.shader = &shader_skin_comp};
-    struct gpu_skin_push push = {.positions = d->positions,
-                                 .attributes = d->attributes,
-                                 .deforms = d->deforms,
-                                 .influences = d->influences,
-                                 .morphs = d->morphs,
-                                 .weights = d->weights,
-                                 .matrices = d->matrices};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    for (uint32_t i = 0; i < d->deform_count; i++) {
-        push.deform = i;
-        gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch_linear(context->commands, DIVIDE_UP(d->vertex_counts[i], 64u));
-    }
-}
-
 void skin_add(struct graph *graph, const struct skin_input *input) {
-    if (input->deform_count == 0) return;
-    struct graph_pass *pass = graph_add_pass(graph, "skin", GRAPH_QUEUE_GRAPHICS, execute_skin, input, sizeof *input);
-    graph_use_buffer(pass, input->vertices, GRAPH_READ_WRITE_COMPUTE);
+    struct gpu_skin_push push = {.positions = input->positions,
+                                 .attributes = input->attributes,
+                                 .deforms = input->deforms,
+                                 .influences = input->influences,
+                                 .morphs = input->morphs,
+                                 .weights = input->weights,
+                                 .matrices = input->matrices};
+    struct graph_pass *pass = NULL;
+    for (uint32_t i = 0; i < input->deform_count; i++) {
+        push.deform = i;
+        pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
+                                                              .name = "skin",
+                                                              .pipeline = {.shader = &shader_skin_comp},
+                                                              .groups = {DIVIDE_UP(input->vertex_counts[i], 64u)},
+                                                              GRAPH_PUSH(push),
+                                                              GRAPH_ROWS(graph_changes(NULL, input->vertices))});
+    }
 }

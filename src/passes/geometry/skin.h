@@ -12,7 +12,7 @@
 struct skin_input {
     graph_buffer vertices; /* imported; positions and attributes share its hazards */
     VkDeviceAddress positions, attributes, deforms, influences, morphs, weights, matrices;
-    const uint32_t *vertex_counts; /* per deform; lives until the frame is executed */
+    const uint32_t *vertex_counts; /* per deform */
     uint32_t deform_count;
 };
 

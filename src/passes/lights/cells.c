@@ -7,27 +7,27 @@
 enum { MAX_SUMS = 1 << 24, MAX_CHUNKS = 65535 };
 enum { MAX_TESTS = 1 << 26 }; /* of lights against cells in a dispatch: a fraction of a second on a slow device */
 
-/* Count and fill: all lights against all cells. */
-struct tests_data {
-    struct gpu_cells_push push;
-    const struct gpu_shader *shader;
-};
-
-static void execute_tests(const struct graph_context *context, const void *data) {
-    const struct tests_data *d = data;
-    struct gpu_compute_params params = {.shader = d->shader};
-    struct gpu_cells_push push = d->push;
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
+/* Count and fill: a pass of all lights against all cells. Each row's member is in `push`. */
+static struct graph_pass *add_tests(struct graph *graph, const char *name, enum graph_queue queue, const struct gpu_shader *shader,
+                                    struct gpu_cells_push *push, const struct graph_row *rows, uint32_t row_count) {
     /* Systems reset a device that stays with one piece of work for seconds. */
-    uint32_t groups = DIVIDE_UP(push.cell_count + 1, 64u);
-    uint32_t cells = 64 * (uint32_t)CLAMP(MAX_TESTS / (64ull * push.chunk_size), 1u, (uint64_t)groups);
-    uint32_t chunks = (uint32_t)MAX(MAX_TESTS / ((uint64_t)cells * push.chunk_size), 1u);
-    for (push.first_cell = 0; push.first_cell <= push.cell_count; push.first_cell += cells)
-        for (push.first_chunk = 0; push.first_chunk < push.chunk_count; push.first_chunk += chunks) {
-            gpu_push(context->commands, &push, sizeof push);
-            gpu_dispatch(context->commands, MIN(cells / 64, groups - push.first_cell / 64),
-                         MIN(chunks, push.chunk_count - push.first_chunk), 1);
-        }
+    const uint32_t groups = DIVIDE_UP(push->cell_count + 1, 64u);
+    const uint32_t cells = 64 * (uint32_t)CLAMP(MAX_TESTS / (64ull * push->chunk_size), 1u, (uint64_t)groups);
+    const uint32_t chunks = (uint32_t)MAX(MAX_TESTS / ((uint64_t)cells * push->chunk_size), 1u);
+    struct graph_pass *pass = NULL;
+    for (push->first_cell = 0; push->first_cell <= push->cell_count; push->first_cell += cells)
+        for (push->first_chunk = 0; push->first_chunk < push->chunk_count; push->first_chunk += chunks)
+            pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
+                                                                  .name = name,
+                                                                  .queue = queue,
+                                                                  .pipeline = {.shader = shader},
+                                                                  .groups = {MIN(cells / 64, groups - push->first_cell / 64),
+                                                                             MIN(chunks, push->chunk_count - push->first_chunk)},
+                                                                  .push = push,
+                                                                  .push_size = sizeof *push,
+                                                                  .rows = rows,
+                                                                  .row_count = row_count});
+    return pass;
 }
 
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
@@ -76,17 +76,18 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                          graph_writes(&push.cells, bounds),
                                          graph_row_if(extra.id && !ranges, graph_writes(&push.extra, extra)))});
 
-    struct tests_data data = {.push = common, .shader = &shader_cells_count_comp};
-    if (refine->add) data.push.extra = refine->address;
-    struct graph_pass *pass =
-        graph_add_pass(graph, graph_name(graph, "%s count", what), input->queue, execute_tests, &data, sizeof data);
-    graph_add_row(pass, graph_reads(&data.push.cells, bounds));
-    graph_add_row(pass, graph_reads(&data.push.visible_sums, in_view->sums));
-    graph_add_row(pass, graph_reads(&data.push.bounds, in_view->bounds));
-    graph_add_row(pass, graph_row_if(reaches, graph_reads(&data.push.reaches, in_view->reaches)));
-    graph_add_row(pass, graph_writes(&data.push.sums, sums));
-    graph_add_row(pass, graph_writes(&data.push.overflow, overflow));
-    graph_add_row(pass, graph_row_if(extra.id && !ranges, graph_reads(refine->add ? NULL : &data.push.extra, extra)));
+    push = common;
+    if (refine->add) push.extra = refine->address;
+    const struct graph_row count_rows[] = {
+        graph_reads(&push.cells, bounds),
+        graph_reads(&push.visible_sums, in_view->sums),
+        graph_reads(&push.bounds, in_view->bounds),
+        graph_row_if(reaches, graph_reads(&push.reaches, in_view->reaches)),
+        graph_writes(&push.sums, sums),
+        graph_writes(&push.overflow, overflow),
+        graph_row_if(extra.id && !ranges, graph_reads(refine->add ? NULL : &push.extra, extra))};
+    add_tests(graph, graph_name(graph, "%s count", what), input->queue, &shader_cells_count_comp, &push, count_rows,
+              COUNT_OF(count_rows));
 
     if (refine->add)
         refine->add(graph, &(struct cells_counted){input, in_view, build, bounds, sums, cell_count, chunk_size, chunk_count},
@@ -94,24 +95,25 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
 
     prefix_sum_add(graph, what, input->queue, sums, sum_count);
 
-    data.shader = refine->add ? refine->fill_shader : &shader_cells_fill_comp;
-    pass = graph_add_pass(graph, graph_name(graph, "%s fill", what), input->queue, execute_tests, &data, sizeof data);
-    graph_add_row(pass, graph_reads(&data.push.cells, bounds));
-    graph_add_row(pass, graph_reads(&data.push.sums, sums));
-    graph_add_row(pass, graph_reads(&data.push.visible_sums, in_view->sums));
-    graph_add_row(pass, graph_reads(&data.push.visible_ids, in_view->ids));
-    graph_add_row(pass, graph_reads(&data.push.bounds, in_view->bounds));
-    graph_add_row(pass, graph_row_if(reaches, graph_reads(&data.push.reaches, in_view->reaches)));
-    if (refine->add) {
-        graph_use_buffer(pass, input->buffer, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, refine->cones, GRAPH_READ_COMPUTE);
-        if (refine->marks.id) graph_use_buffer(pass, refine->marks, GRAPH_READ_WRITE_COMPUTE);
-    }
-    graph_add_row(pass, graph_changes(&data.push.overflow, overflow));
-    graph_add_row(pass, graph_writes(NULL, cells));
-    graph_add_row(pass, graph_writes(&data.push.ids, ids));
-    graph_add_row(pass, graph_row_if(extra.id, graph_buffer_row(refine->add ? NULL : &data.push.extra, extra,
-                                                                ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE)));
+    push = common;
+    if (refine->add) push.extra = refine->address;
+    const struct graph_row fill_rows[] = {
+        graph_reads(&push.cells, bounds),
+        graph_reads(&push.sums, sums),
+        graph_reads(&push.visible_sums, in_view->sums),
+        graph_reads(&push.visible_ids, in_view->ids),
+        graph_reads(&push.bounds, in_view->bounds),
+        graph_row_if(reaches, graph_reads(&push.reaches, in_view->reaches)),
+        graph_row_if(refine->add, graph_reads(NULL, input->buffer)),
+        graph_row_if(refine->add, graph_reads(NULL, refine->cones)),
+        graph_row_if(refine->marks.id, graph_changes(NULL, refine->marks)),
+        graph_changes(&push.overflow, overflow),
+        graph_writes(NULL, cells),
+        graph_writes(&push.ids, ids),
+        graph_row_if(extra.id, graph_buffer_row(refine->add ? NULL : &push.extra, extra,
+                                                ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE))};
+    add_tests(graph, graph_name(graph, "%s fill", what), input->queue,
+              refine->add ? refine->fill_shader : &shader_cells_fill_comp, &push, fill_rows, COUNT_OF(fill_rows));
     if (build->header) {
         graph_put_address(graph, &build->header->cells, cells);
         graph_put_address(graph, &build->header->ids, ids);

@@ -245,11 +245,6 @@ static void execute_wanted(const struct graph_context *context, const void *data
                     0, 4);
 }
 
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
 struct light_list raster_add_kept(struct raster_state *state, struct graph *graph, gpu_device *device,
                                   const struct light_input *input, const struct lights_in_view *in_view,
                                   struct raster_params *params) {
@@ -283,7 +278,7 @@ struct light_list raster_add_kept(struct raster_state *state, struct graph *grap
         graph_add_pass(graph, "raster slots wanted", GRAPH_QUEUE_GRAPHICS, execute_wanted, &data, sizeof data);
     graph_use_buffer(pass, data.sums, GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.wanted, GRAPH_COPY_TO);
-    struct graph_pass *host = graph_add_pass(graph, "raster slots to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    struct graph_pass *host = graph_add_pass(graph, "raster slots to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
     graph_keep(host);
     graph_use_buffer(host, data.wanted, GRAPH_READ_HOST);
     return built.list;

@@ -69,14 +69,7 @@ struct coarse_data {
     VkDeviceAddress lights, settings;
     struct coarse_params params;
     uint32_t kind, groups_x, groups_y;
-    uint64_t pixels;
 };
-
-static void execute_clear(const struct graph_context *context, const void *data) {
-    const struct coarse_data *d = data;
-    gpu_fill_buffer(context->commands, graph_get_buffer(context, d->counts), 0, COARSE_COUNTS * 4, 0);
-    if (d->words.id) gpu_fill_buffer(context->commands, graph_get_buffer(context, d->words), 0, d->pixels * 4, 0);
-}
 
 static bool has_samplers(const struct coarse_params *p) {
     return p->options.criterion == FNL_COARSE_CRITERION_MINMAX && p->samplers && p->options.size > 1;
@@ -157,9 +150,7 @@ static VkDeviceAddress write_settings(gpu_device *device, const struct coarse_pa
 
 /* Decides what each block is. */
 static void find_blocks(struct graph *graph, struct coarse_data data) {
-    struct graph_pass *pass = graph_add_pass(graph, "coarse clear", GRAPH_QUEUE_GRAPHICS, execute_clear, &data, sizeof data);
-    graph_use_buffer(pass, data.counts, GRAPH_COPY_TO);
-    if (data.words.id) graph_use_buffer(pass, data.words, GRAPH_COPY_TO);
+    graph_add_clear(graph, "coarse clear", GRAPH_QUEUE_GRAPHICS, (struct graph_clear){.buffers = {data.counts, data.words}});
     add_pass(graph, &data, "coarse blocks", &shader_coarse_find_comp, GRAPH_WRITE_COMPUTE, GRAPH_READ_COMPUTE);
     struct gpu_coarse_tiles_push push = {.tile_count = data.groups_x * data.groups_y};
     graph_dispatch(graph, &(struct graph_dispatch){.name = "coarse tiles",
@@ -188,10 +179,9 @@ struct coarse coarse_add(struct graph *graph, gpu_device *device, const struct s
                                .params = *params,
                                .groups_x = DIVIDE_UP(input->width, side),
                                .groups_y = DIVIDE_UP(input->height, side),
-                               .pixels = (uint64_t)input->width * input->height,
                                .counts = graph_create_buffer(graph, "coarse counts", COARSE_COUNTS * 4)};
     data.blocks = graph_create_buffer(graph, "coarse blocks", (uint64_t)data.groups_x * data.groups_y * COARSE_GROUP * 4);
-    if (params->words) data.words = graph_create_buffer(graph, "coarse words", data.pixels * 4);
+    if (params->words) data.words = graph_create_buffer(graph, "coarse words", (uint64_t)input->width * input->height * 4);
     struct coarse coarse = {.counts = data.counts, .words = data.words};
     data.target = radiance;
     find_blocks(graph, data);

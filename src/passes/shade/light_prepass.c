@@ -131,56 +131,38 @@ const graph_image *light_sums_layer(const struct light_sums *sums, uint32_t laye
     return layer == 0 ? sums->targets : sums->more[layer - 1];
 }
 
-struct sums_data {
-    struct light_surfaces surfaces;
-    struct light_sums sums;
-    VkDeviceAddress view, lights;
-    graph_buffer counters;
-    uint32_t kind;
-};
-
-static void execute_sums(const struct graph_context *context, const void *data) {
-    const struct sums_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_light_prepass_lights_comp,
-                                        .constant_count = LIGHT_BUFFER_ID + 1,
-                                        .constants = {[LISTS_ID] = d->kind, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1,
-                                                      [HAS_METAL_ID] = 1, [SAMPLES_ID] = d->surfaces.samples,
-                                                      [LIGHT_BUFFER_ID] = d->sums.buffer}};
-    struct gpu_light_prepass_push push = {.view = d->view,
-                                          .lights = d->lights,
-                                          .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-                                          .words = d->sums.layers > 1 ? graph_address(context, d->surfaces.layers.surfaces) : 0,
-                                          .surfaces = light_surfaces_handles(context, &d->surfaces),
-                                          .scale = d->sums.scale,
-                                          .samples = d->sums.samples.id ? graph_storage(context, d->sums.samples) : 0,
-                                          .width = d->sums.width,
-                                          .height = d->sums.height};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    for (; push.layer < d->sums.layers; push.layer++) {
-        const graph_image *targets = light_sums_layer(&d->sums, push.layer);
-        for (uint32_t i = 0; i < d->sums.target_count; i++) push.targets[i] = graph_storage(context, targets[i]);
-        gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch(context->commands, DIVIDE_UP(d->sums.width, 8u), DIVIDE_UP(d->sums.height, 8u), 1);
-    }
-}
-
 void light_sums_add(struct graph *graph, const struct shade_input *input, const struct light_surfaces *surfaces,
                     const struct light_sums *sums) {
-    struct sums_data data = {.surfaces = *surfaces,
-                             .sums = *sums,
-                             .view = input->view,
-                             .lights = input->lights->header,
-                             .counters = input->counters,
-                             .kind = input->lights->kind};
-    struct graph_pass *pass = graph_add_pass(graph, "light sums", GRAPH_QUEUE_GRAPHICS, execute_sums, &data, sizeof data);
-    light_surfaces_use(pass, surfaces, GRAPH_SAMPLE_COMPUTE);
-    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (sums->layers > 1) graph_use_buffer(pass, surfaces->layers.surfaces, GRAPH_READ_COMPUTE);
-    for (uint32_t k = 0; k < sums->layers; k++)
+    const bool counts = input->counters.id;
+    struct gpu_light_prepass_push push = {.view = input->view,
+                                          .lights = input->lights->header,
+                                          .scale = sums->scale,
+                                          .width = sums->width,
+                                          .height = sums->height};
+    struct graph_pass *pass = NULL;
+    for (; push.layer < sums->layers; push.layer++) {
+        pass = graph_dispatch(
+            graph,
+            &(struct graph_dispatch){
+                .pass = pass,
+                .name = "light sums",
+                .pipeline = {&shader_light_prepass_lights_comp,
+                             LIGHT_BUFFER_ID + 1,
+                             {[LISTS_ID] = input->lights->kind, [COUNT_LIGHTS_ID] = counts, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+                              [SAMPLES_ID] = surfaces->samples, [LIGHT_BUFFER_ID] = sums->buffer}},
+                .groups = {DIVIDE_UP(sums->width, 8u), DIVIDE_UP(sums->height, 8u)},
+                GRAPH_PUSH(push),
+                GRAPH_ROWS(graph_samples(&push.surfaces.depth, surfaces->depth),
+                           graph_samples(&push.surfaces.normal, surfaces->normal),
+                           graph_row_if(surfaces->reflectance.id,
+                                        graph_samples(&push.surfaces.reflectance, surfaces->reflectance)),
+                           graph_row_if(sums->layers > 1, graph_reads(&push.words, surfaces->layers.surfaces)),
+                           graph_row_if(sums->samples.id, graph_stores(&push.samples, sums->samples)),
+                           graph_row_if(counts, graph_changes(&push.counters, input->counters)))});
         for (uint32_t i = 0; i < sums->target_count; i++)
-            graph_use_image(pass, light_sums_layer(sums, k)[i], GRAPH_WRITE_COMPUTE);
-    if (sums->samples.id) graph_use_image(pass, sums->samples, GRAPH_WRITE_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
+            graph_add_row(pass, graph_stores(&push.targets[i], light_sums_layer(sums, push.layer)[i]));
+    }
+    light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
 }
 
 /* ---- materials ---- */

@@ -128,164 +128,100 @@ struct texturing texturing_virtual_add(struct graph *graph, const struct shade_i
 
 /* ---- shading ---- */
 
-struct shade_data {
-    struct texturing texturing;
-    struct visible_list list; /* with several samples */
-    const struct geometry_scene *scene;
-    graph_image radiance;
-    VkDeviceAddress view, lights;
-    graph_buffer counters, results;
-    uint32_t kind, width, height;
-    VkFormat format;
-    float background[3];
-};
-
-static struct shade_data shade_data_of(struct graph *graph, const struct shade_input *input,
-                                       const struct texturing *texturing, graph_image radiance) {
-    return (struct shade_data){.texturing = *texturing,
-                               .scene = input->scene,
-                               .radiance = radiance,
-                               .view = input->view,
-                               .lights = input->lights->header,
-                               .counters = input->counters,
-                               .kind = input->lights->kind,
-                               .width = input->width,
-                               .height = input->height,
-                               .format = graph_image_info(graph, radiance).format,
-                               .background = {input->background[0], input->background[1], input->background[2]}};
-}
-
-static void set_constants(const struct shade_data *d, uint32_t *count, uint32_t *constants) {
-    const struct texturing *t = &d->texturing;
-    const uint32_t values[15] = {[LISTS_ID] = d->kind,
-                                 [COUNT_LIGHTS_ID] = d->counters.id != 0,
+/* The specialised pipeline; `list` or NULL: of several samples. */
+static struct gpu_compute_params pipeline_of(const struct gpu_shader *shader, const struct shade_input *input,
+                                             const struct texturing *t, const struct visible_list *list, VkFormat format) {
+    const uint32_t values[15] = {[LISTS_ID] = input->lights->kind,
+                                 [COUNT_LIGHTS_ID] = input->counters.id != 0,
                                  [HAS_LIGHTS_ID] = 1,
                                  [HAS_METAL_ID] = 1,
                                  [TEXTURING_FORM_ID] = t->form,
                                  [SHOWS_LEVELS_ID] = t->shows_levels,
-                                 [FOUND_FEATURES_ID] = d->scene->features,
+                                 [FOUND_FEATURES_ID] = input->scene->features,
                                  [HAS_TEXTURES_ID] = 1,
                                  [HAS_NORMAL_MAP_ID] = 1,
-                                 [VISIBLE_LISTED_ID] = d->list.listed,
+                                 [VISIBLE_LISTED_ID] = list ? list->listed : 0,
                                  [VISIBLE_SAMPLES_ID] = t->samples,
-                                 [VISIBLE_FLOATS_ID] = d->format == VK_FORMAT_R32G32B32A32_SFLOAT};
-    *count = COUNT_OF(values);
-    memcpy(constants, values, sizeof values);
-    memcpy(&constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
+                                 [VISIBLE_FLOATS_ID] = format == VK_FORMAT_R32G32B32A32_SFLOAT};
+    struct gpu_compute_params pipeline = {.shader = shader, .constant_count = COUNT_OF(values)};
+    memcpy(pipeline.constants, values, sizeof values);
+    memcpy(&pipeline.constants[GRADIENT_TAPS_ID], &input->scene->gradient_taps, sizeof(float));
+    return pipeline;
 }
 
-static void sample_targets(const struct graph_context *context, const struct texturing *t, uint32_t *targets,
-                           uint32_t *depth) {
-    for (uint32_t i = 0; i < t->target_count; i++) targets[i] = graph_sampled(context, t->targets[i]);
-    *depth = graph_sampled(context, t->depth);
-}
-
-static void use_targets(struct graph_pass *pass, const struct texturing *t) {
-    graph_use_image(pass, t->depth, GRAPH_SAMPLE_COMPUTE);
-    for (uint32_t i = 0; i < t->target_count; i++) graph_use_image(pass, t->targets[i], GRAPH_SAMPLE_COMPUTE);
+static void add_target_rows(struct graph_pass *pass, const struct texturing *t, const uint32_t *targets,
+                            const uint32_t *depth) {
+    graph_add_row(pass, graph_samples(depth, t->depth));
+    for (uint32_t i = 0; i < t->target_count; i++) graph_add_row(pass, graph_samples(&targets[i], t->targets[i]));
 }
 
 static void use_shading(struct graph_pass *pass, const struct shade_input *input, const struct texturing *t) {
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
     if (t->pages.address) virtual_use_sample(pass, &t->pages);
-    use_targets(pass, t);
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
-}
-
-static void execute_shade(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    const struct texturing *t = &d->texturing;
-    struct gpu_compute_params params = {.shader = t->form & TEXTURING_VIRTUAL ? &shader_virtual_shade_comp
-                                                                              : &shader_texturing_shade_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_texturing_push push = {.view = d->view,
-                                      .scene = d->scene->scene,
-                                      .lights = d->lights,
-                                      .counters = d->counters.id ? graph_address(context, d->counters) : 0,
-                                      .pages = t->pages.address,
-                                      .radiance = graph_storage(context, d->radiance),
-                                      .background = {d->background[0], d->background[1], d->background[2]}};
-    sample_targets(context, t, push.targets, &push.depth);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
 }
 
 /* ---- several samples ---- */
 
-static void execute_surfaces(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_texturing_surfaces_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_texturing_surfaces_push push = {.view = d->view,
-                                               .words = graph_address(context, d->list.words),
-                                               .sums = graph_address(context, d->list.sums),
-                                               .counts = graph_address(context, d->list.counts),
-                                               .target_count = d->texturing.target_count};
-    sample_targets(context, &d->texturing, push.targets, &push.depth);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
-static void execute_shade_samples(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    const struct texturing *t = &d->texturing;
-    struct gpu_compute_params params = {.shader = t->form & TEXTURING_VIRTUAL ? &shader_virtual_samples_shade_comp
-                                                                              : &shader_texturing_samples_shade_comp};
-    set_constants(d, &params.constant_count, params.constants);
-    struct gpu_texturing_samples_push push = {.view = d->view,
-                                              .scene = d->scene->scene,
-                                              .lights = d->lights,
-                                              .pages = t->pages.address,
-                                              .words = graph_address(context, d->list.words),
-                                              .sums = graph_address(context, d->list.sums),
-                                              .entries = graph_address(context, d->list.entries),
-                                              .results = graph_address(context, d->results)};
-    if (d->counters.id) {
-        push.counters = graph_address(context, d->counters);
-        push.counts = graph_address(context, d->list.counts);
-    }
-    sample_targets(context, t, push.targets, &push.depth);
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->list.dispatches), 0);
-}
-
-static struct visible_list shade_samples(struct graph *graph, const struct shade_input *input,
-                                         const struct texturing *texturing, graph_image radiance) {
-    struct shade_data data = shade_data_of(graph, input, texturing, radiance);
-    data.list = visible_surfaces_begin(graph, input, radiance);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "texturing surfaces", GRAPH_QUEUE_GRAPHICS, execute_surfaces, &data, sizeof data);
-    use_targets(pass, texturing);
-    graph_use_buffer(pass, data.list.sums, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.list.words, GRAPH_WRITE_COMPUTE);
-    graph_use_buffer(pass, data.list.counts, GRAPH_READ_WRITE_COMPUTE);
-    visible_surfaces_end(graph, input, radiance, &data.list);
-    uint64_t bytes = data.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12 : 8;
-    data.results = graph_create_buffer(graph, "texturing results", data.list.capacity * bytes);
-    pass = graph_add_pass(graph, "texturing shade", GRAPH_QUEUE_GRAPHICS, execute_shade_samples, &data, sizeof data);
-    use_shading(pass, input, texturing);
-    graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.entries, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.dispatches, GRAPH_INDIRECT);
-    graph_use_buffer(pass, data.results, GRAPH_WRITE_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, data.list.counts, GRAPH_READ_WRITE_COMPUTE);
-    visible_spread_add(graph, input, &data.list, data.results, radiance);
-    return data.list;
+static struct visible_list shade_samples(struct graph *graph, const struct shade_input *input, const struct texturing *t,
+                                         graph_image radiance) {
+    const VkFormat format = graph_image_info(graph, radiance).format;
+    const bool counts = input->counters.id;
+    struct visible_list list = visible_surfaces_begin(graph, input, radiance);
+    struct gpu_texturing_surfaces_push push = {.view = input->view, .target_count = t->target_count};
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "texturing surfaces",
+                                        .pipeline = pipeline_of(&shader_texturing_surfaces_comp, input, t, &list, format),
+                                        .groups = {DIVIDE_UP(input->width, 8u), DIVIDE_UP(input->height, 8u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_writes(&push.sums, list.sums), graph_writes(&push.words, list.words),
+                                                   graph_changes(&push.counts, list.counts))});
+    add_target_rows(pass, t, push.targets, &push.depth);
+    visible_surfaces_end(graph, input, radiance, &list);
+    uint64_t bytes = format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12 : 8;
+    graph_buffer results = graph_create_buffer(graph, "texturing results", list.capacity * bytes);
+    struct gpu_texturing_samples_push shade = {
+        .view = input->view, .scene = input->scene->scene, .lights = input->lights->header, .pages = t->pages.address};
+    const struct gpu_shader *shader = t->form & TEXTURING_VIRTUAL ? &shader_virtual_samples_shade_comp
+                                                                  : &shader_texturing_samples_shade_comp;
+    pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "texturing shade",
+                                        .pipeline = pipeline_of(shader, input, t, &list, format),
+                                        .indirect = list.dispatches,
+                                        GRAPH_PUSH(shade),
+                                        GRAPH_ROWS(graph_reads(&shade.words, list.words), graph_reads(&shade.sums, list.sums),
+                                                   graph_reads(&shade.entries, list.entries),
+                                                   graph_writes(&shade.results, results),
+                                                   graph_row_if(counts, graph_changes(&shade.counters, input->counters)),
+                                                   graph_row_if(counts, graph_changes(&shade.counts, list.counts)))});
+    add_target_rows(pass, t, shade.targets, &shade.depth);
+    use_shading(pass, input, t);
+    visible_spread_add(graph, input, &list, results, radiance);
+    return list;
 }
 
 struct visible_list texturing_shade_add(struct graph *graph, const struct shade_input *input,
                                         const struct texturing *texturing, graph_image radiance) {
-    if (texturing->samples > 1) return shade_samples(graph, input, texturing, radiance);
-    struct shade_data data = shade_data_of(graph, input, texturing, radiance);
-    struct graph_pass *pass =
-        graph_add_pass(graph, "texturing shade", GRAPH_QUEUE_GRAPHICS, execute_shade, &data, sizeof data);
-    use_shading(pass, input, texturing);
-    graph_use_image(pass, radiance, GRAPH_WRITE_COMPUTE);
+    const struct texturing *t = texturing;
+    if (t->samples > 1) return shade_samples(graph, input, t, radiance);
+    const struct gpu_shader *shader =
+        t->form & TEXTURING_VIRTUAL ? &shader_virtual_shade_comp : &shader_texturing_shade_comp;
+    struct gpu_texturing_push push = {.view = input->view,
+                                      .scene = input->scene->scene,
+                                      .lights = input->lights->header,
+                                      .pages = t->pages.address,
+                                      .background = {input->background[0], input->background[1], input->background[2]}};
+    struct graph_pass *pass = graph_dispatch(
+        graph,
+        &(struct graph_dispatch){
+            .name = "texturing shade",
+            .pipeline = pipeline_of(shader, input, t, NULL, graph_image_info(graph, radiance).format),
+            .groups = {DIVIDE_UP(input->width, 8u), DIVIDE_UP(input->height, 8u)},
+            GRAPH_PUSH(push),
+            GRAPH_ROWS(graph_stores(&push.radiance, radiance),
+                       graph_row_if(input->counters.id, graph_changes(&push.counters, input->counters)))});
+    add_target_rows(pass, t, push.targets, &push.depth);
+    use_shading(pass, input, t);
     return (struct visible_list){0};
 }
 

@@ -130,42 +130,30 @@ struct virtual_frame virtual_begin(struct graph *graph, gpu_device *device, cons
     return frame;
 }
 
-struct update_data {
-    struct gpu_virtual_push push;
-    graph_buffer commands;
-};
-
-static void execute_pages(const struct graph_context *context, const void *data) {
-    const struct update_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_virtual_pages_comp};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &d->push, sizeof d->push);
-    gpu_dispatch(context->commands, 1, 1, 1);
-}
-
-static void execute_fill(const struct graph_context *context, const void *data) {
-    const struct update_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_virtual_fill_comp};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &d->push, sizeof d->push);
-    gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->commands), 0);
-}
-
-void virtual_update_add(struct graph *graph, const struct virtual_frame *frame) {
-    struct update_data data = {{.pages = frame->address}, frame->commands};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "texturing pages", GRAPH_QUEUE_GRAPHICS, execute_pages, &data, sizeof data);
-    graph_use_buffer(pass, frame->table, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, frame->owners, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, frame->wanted, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, frame->places, GRAPH_READ_WRITE_COMPUTE);
-    graph_use_buffer(pass, frame->commands, GRAPH_WRITE_COMPUTE);
-    pass = graph_add_pass(graph, "texturing fill", GRAPH_QUEUE_GRAPHICS, execute_fill, &data, sizeof data);
-    graph_use_buffer(pass, frame->owners, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, frame->places, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, frame->commands, GRAPH_INDIRECT);
+static void add_layers(struct graph_pass *pass, const struct virtual_frame *frame, enum graph_use use) {
     for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++)
-        if (frame->layers[i].id) graph_use_image(pass, frame->layers[i], GRAPH_WRITE_COMPUTE);
+        if (frame->layers[i].id) graph_use_image(pass, frame->layers[i], use);
+}
+
+/* All resources are in the block: rows have no members. */
+void virtual_update_add(struct graph *graph, const struct virtual_frame *frame) {
+    struct gpu_virtual_push push = {.pages = frame->address};
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "texturing pages",
+                              .pipeline = {.shader = &shader_virtual_pages_comp},
+                              .groups = {1},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_changes(NULL, frame->table), graph_changes(NULL, frame->owners),
+                                         graph_changes(NULL, frame->wanted), graph_changes(NULL, frame->places),
+                                         graph_writes(NULL, frame->commands))});
+    struct graph_pass *pass =
+        graph_dispatch(graph, &(struct graph_dispatch){
+                                  .name = "texturing fill",
+                                  .pipeline = {.shader = &shader_virtual_fill_comp},
+                                  .indirect = frame->commands,
+                                  GRAPH_PUSH(push),
+                                  GRAPH_ROWS(graph_reads(NULL, frame->owners), graph_reads(NULL, frame->places))});
+    add_layers(pass, frame, GRAPH_WRITE_COMPUTE);
 }
 
 void virtual_use_locate(struct graph_pass *pass, const struct virtual_frame *frame) {
@@ -175,45 +163,28 @@ void virtual_use_locate(struct graph_pass *pass, const struct virtual_frame *fra
 
 void virtual_use_sample(struct graph_pass *pass, const struct virtual_frame *frame) {
     graph_use_buffer(pass, frame->owners, GRAPH_READ_COMPUTE);
-    for (uint32_t i = 0; i < VIRTUAL_LAYERS; i++)
-        if (frame->layers[i].id) graph_use_image(pass, frame->layers[i], GRAPH_SAMPLE_COMPUTE);
+    add_layers(pass, frame, GRAPH_SAMPLE_COMPUTE);
 }
 
 /* ---- debug views ---- */
 
-struct view_data {
-    struct virtual_frame frame;
-    graph_image uv, depth, target;
-    VkDeviceAddress view;
-    uint32_t mode, width, height;
-    bool swap;
-};
-
-static void execute_view(const struct graph_context *context, const void *data) {
-    const struct view_data *d = data;
-    bool pages = d->mode == VIRTUAL_VIEW_PAGES;
-    struct gpu_compute_params params = {.shader = &shader_virtual_view_comp};
-    struct gpu_virtual_view_push push = {.view = d->view,
-                                         .pages = d->frame.address,
-                                         .uv = pages ? graph_sampled(context, d->uv) : GPU_TEXTURE_NONE,
-                                         .depth = pages ? graph_sampled(context, d->depth) : GPU_TEXTURE_NONE,
-                                         .target = graph_storage(context, d->target),
-                                         .swap = d->swap,
-                                         .mode = d->mode};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-}
-
 void virtual_view_add(struct graph *graph, const struct virtual_frame *frame, uint32_t mode, graph_image uv,
                       graph_image depth, VkDeviceAddress view, graph_image target, bool swap) {
-    struct graph_image_params image = graph_image_info(graph, target);
-    struct view_data data = {*frame, uv, depth, target, view, mode, image.width, image.height, swap};
-    struct graph_pass *pass =
-        graph_add_pass(graph, "texturing view", GRAPH_QUEUE_GRAPHICS, execute_view, &data, sizeof data);
+    const struct graph_image_params image = graph_image_info(graph, target);
+    const bool pages = mode == VIRTUAL_VIEW_PAGES;
+    struct gpu_virtual_view_push push = {.view = view,
+                                         .pages = frame->address,
+                                         .uv = GPU_TEXTURE_NONE,
+                                         .depth = GPU_TEXTURE_NONE,
+                                         .swap = swap,
+                                         .mode = mode};
+    struct graph_pass *pass = graph_dispatch(
+        graph, &(struct graph_dispatch){.name = "texturing view",
+                                        .pipeline = {.shader = &shader_virtual_view_comp},
+                                        .groups = {DIVIDE_UP(image.width, 8u), DIVIDE_UP(image.height, 8u)},
+                                        GRAPH_PUSH(push),
+                                        GRAPH_ROWS(graph_stores(&push.target, target),
+                                                   graph_row_if(pages, graph_samples(&push.uv, uv)),
+                                                   graph_row_if(pages, graph_samples(&push.depth, depth)))});
     virtual_use_sample(pass, frame);
-    graph_use_image(pass, target, GRAPH_WRITE_COMPUTE);
-    if (mode != VIRTUAL_VIEW_PAGES) return;
-    graph_use_image(pass, uv, GRAPH_SAMPLE_COMPUTE);
-    graph_use_image(pass, depth, GRAPH_SAMPLE_COMPUTE);
 }

@@ -64,16 +64,6 @@ struct linked {
 
 static uint32_t pixel_count(const struct linked *l) { return l->width * l->height; }
 
-static void execute_totals(const struct graph_context *context, const void *data) {
-    const struct linked *l = data;
-    struct gpu_compute_params params = {.shader = &shader_linked_totals_comp};
-    struct gpu_linked_totals_push push = {graph_address(context, l->sums), graph_address(context, l->totals), pixel_count(l),
-                                          l->capacity};
-    gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-    gpu_push(context->commands, &push, sizeof push);
-    gpu_dispatch_linear(context->commands, DIVIDE_UP(pixel_count(l), 256u));
-}
-
 struct fill_data {
     struct linked lists;
     const struct geometry_scene *scene;
@@ -193,9 +183,13 @@ struct linked_lists linked_add(struct graph *graph, const struct shade_input *in
                     (struct graph_clear){.buffers = {l.sums, l.written, l.totals}});
     add_count(graph, "linked count", input->scene, input->draws, input->view, l.sums, depth);
     prefix_sum_add(graph, "linked", GRAPH_QUEUE_GRAPHICS, l.sums, pixel_count(&l) + 1);
-    struct graph_pass *pass = graph_add_pass(graph, "linked totals", GRAPH_QUEUE_GRAPHICS, execute_totals, &l, sizeof l);
-    graph_use_buffer(pass, l.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, l.totals, GRAPH_READ_WRITE_COMPUTE);
+    struct gpu_linked_totals_push push = {.pixel_count = pixel_count(&l), .capacity = l.capacity};
+    graph_dispatch(graph, &(struct graph_dispatch){
+                              .name = "linked totals",
+                              .pipeline = {.shader = &shader_linked_totals_comp},
+                              .groups = {DIVIDE_UP(pixel_count(&l), 256u)},
+                              GRAPH_PUSH(push),
+                              GRAPH_ROWS(graph_reads(&push.sums, l.sums), graph_changes(&push.totals, l.totals))});
     add_fill(graph, input, &l, radiance, depth);
     add_composite(graph, &l, radiance, depth);
     return (struct linked_lists){l.totals, capacity * linked_bytes(l.samples) + sums_bytes + pixel_count(&l) * 4ull};

@@ -146,53 +146,43 @@ static void set_constants(const struct shade_data *d, uint32_t class_bits, struc
     memcpy(&params->constants[GRADIENT_TAPS_ID], &d->scene->gradient_taps, sizeof(float));
 }
 
-static struct gpu_visibility_push shade_push(const struct graph_context *context, const struct shade_data *d) {
+/* A dispatch of the pass: all pixels, all of the list, or the surfaces of a class of materials. */
+static struct graph_pass *add_shade(struct graph *graph, struct graph_pass *pass, const struct shade_data *d, uint32_t class_bits) {
+    const struct visibility *v = &d->visibility;
+    const struct visible_list *list = &d->list;
+    const bool listed = list->listed != VISIBLE_GRID, several = d->samples > 1, counts = d->counters.id;
     struct gpu_visibility_push push = {.view = d->view,
                                        .scene = d->scene->scene,
                                        .lights = d->lights,
                                        .indices = d->scene->indices->address,
-                                       .ids = graph_sampled(context, d->visibility.ids),
                                        .ids_high = GPU_TEXTURE_NONE,
-                                       .triangle_bits = d->visibility.triangle_bits,
+                                       .triangle_bits = v->triangle_bits,
                                        .background = {d->background[0], d->background[1], d->background[2]}};
-    if (d->visibility.ids_high.id) push.ids_high = graph_sampled(context, d->visibility.ids_high);
-    if (d->visibility.weights.id) {
-        push.weights = graph_sampled(context, d->visibility.weights);
-        push.gradients = graph_sampled(context, d->visibility.gradients);
-        push.depth = graph_sampled(context, d->visibility.depth);
-    }
-    if (d->counters.id) push.counters = graph_address(context, d->counters);
-    if (d->list.listed != VISIBLE_GRID) push.entries = graph_address(context, d->list.entries);
-    if (d->samples == 1) {
-        push.radiance = graph_storage(context, d->radiance);
-        return push;
-    }
-    push.words = graph_address(context, d->list.words);
-    push.sums = graph_address(context, d->list.sums);
-    push.results = graph_address(context, d->results);
-    if (d->counters.id) push.counts = graph_address(context, d->list.counts);
-    return push;
-}
-
-static void execute_shade(const struct graph_context *context, const void *data) {
-    const struct shade_data *d = data;
-    struct gpu_compute_params params = {.shader = &shader_visibility_shade_comp};
-    struct gpu_visibility_push push = shade_push(context, d);
-    if (d->list.listed == VISIBLE_GRID) {
-        set_constants(d, 0, &params);
-        gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-        gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch(context->commands, DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u), 1);
-        return;
-    }
-    for (uint32_t c = 0; c < GPU_CLASSES; c++) {
-        if (!(d->list.classes >> c & 1)) continue;
-        set_constants(d, c, &params);
-        push.range = graph_address(context, d->list.ranges) + c * 8;
-        gpu_bind(context->commands, gpu_compute_pipeline(context->device, &params));
-        gpu_push(context->commands, &push, sizeof push);
-        gpu_dispatch_indirect(context->commands, graph_get_buffer(context, d->list.dispatches), c * 12);
-    }
+    struct gpu_compute_params pipeline = {.shader = &shader_visibility_shade_comp};
+    set_constants(d, class_bits, &pipeline);
+    return graph_dispatch(
+        graph,
+        &(struct graph_dispatch){
+            .pass = pass,
+            .name = "visibility shade",
+            .pipeline = pipeline,
+            .groups = {DIVIDE_UP(d->width, 8u), DIVIDE_UP(d->height, 8u)},
+            .indirect = list->dispatches, /* 0 without a list */
+            .indirect_offset = class_bits * 12ull,
+            GRAPH_PUSH(push),
+            GRAPH_ROWS(graph_samples(&push.ids, v->ids),
+                       graph_row_if(v->ids_high.id, graph_samples(&push.ids_high, v->ids_high)),
+                       graph_row_if(v->weights.id, graph_samples(&push.weights, v->weights)),
+                       graph_row_if(v->weights.id, graph_samples(&push.gradients, v->gradients)),
+                       graph_row_if(v->weights.id, graph_samples(&push.depth, v->depth)),
+                       graph_row_if(counts, graph_changes(&push.counters, d->counters)),
+                       graph_row_if(listed, graph_reads(&push.entries, list->entries)),
+                       graph_row_if(listed, graph_row_at(class_bits * 8ull, graph_reads(&push.range, list->ranges))),
+                       graph_row_if(!several, graph_stores(&push.radiance, d->radiance)),
+                       graph_row_if(several, graph_reads(&push.words, list->words)),
+                       graph_row_if(several, graph_reads(&push.sums, list->sums)),
+                       graph_row_if(several, graph_writes(&push.results, d->results)),
+                       graph_row_if(several && counts, graph_changes(&push.counts, list->counts)))});
 }
 
 struct visibility_shaded visibility_shade_add(struct graph *graph, const struct shade_input *input,
@@ -216,32 +206,13 @@ struct visibility_shaded visibility_shade_add(struct graph *graph, const struct 
     if (data.samples > 1)
         data.results = graph_create_buffer(
             graph, "visible results", data.list.capacity * (target.format == VK_FORMAT_R32G32B32A32_SFLOAT ? 12ull : 8ull));
-    struct graph_pass *pass =
-        graph_add_pass(graph, "visibility shade", GRAPH_QUEUE_GRAPHICS, execute_shade, &data, sizeof data);
+    struct graph_pass *pass = NULL;
+    for (uint32_t c = 0; c < (lists ? GPU_CLASSES : 1u); c++)
+        if (!lists || data.list.classes >> c & 1) pass = add_shade(graph, pass, &data, c);
     graph_use_buffer(pass, input->scene->vertices, GRAPH_READ_COMPUTE);
     geometry_use_features(pass, input->scene, GRAPH_READ_COMPUTE);
-    graph_use_image(pass, visibility->ids, GRAPH_SAMPLE_COMPUTE);
-    if (visibility->ids_high.id) graph_use_image(pass, visibility->ids_high, GRAPH_SAMPLE_COMPUTE);
-    if (visibility->weights.id) {
-        graph_use_image(pass, visibility->weights, GRAPH_SAMPLE_COMPUTE);
-        graph_use_image(pass, visibility->gradients, GRAPH_SAMPLE_COMPUTE);
-        graph_use_image(pass, visibility->depth, GRAPH_SAMPLE_COMPUTE);
-    }
     light_list_use(pass, input->lights, GRAPH_READ_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, input->counters, GRAPH_READ_WRITE_COMPUTE);
-    if (lists) {
-        graph_use_buffer(pass, data.list.entries, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, data.list.ranges, GRAPH_READ_COMPUTE);
-        graph_use_buffer(pass, data.list.dispatches, GRAPH_INDIRECT);
-    }
-    if (data.samples == 1) {
-        graph_use_image(pass, radiance, GRAPH_WRITE_COMPUTE);
-        return (struct visibility_shaded){.ranges = data.list.ranges};
-    }
-    graph_use_buffer(pass, data.list.words, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.list.sums, GRAPH_READ_COMPUTE);
-    graph_use_buffer(pass, data.results, GRAPH_WRITE_COMPUTE);
-    if (input->counters.id) graph_use_buffer(pass, data.list.counts, GRAPH_READ_WRITE_COMPUTE);
+    if (data.samples == 1) return (struct visibility_shaded){.ranges = data.list.ranges};
     visible_spread_add(graph, input, &data.list, data.results, radiance);
     return (struct visibility_shaded){data.list.ranges, data.list.words, data.list.counts};
 }

@@ -69,11 +69,6 @@ static void execute_tap(const struct graph_context *context, const void *data) {
                                  graph_get_buffer(context, d->buffer), i * d->bytes);
 }
 
-static void execute_nothing(const struct graph_context *context, const void *data) {
-    UNUSED(context);
-    UNUSED(data);
-}
-
 /* For tests: what the scope leaves at each pixel. */
 static void add_tap(struct frame_state *f, const struct mobile_result *result) {
     struct tap_data data = {.buffer = graph_import_buffer(f->graph, "mobile tap", renderer_tests(f->r).mobile_tap),
@@ -83,7 +78,7 @@ static void add_tap(struct frame_state *f, const struct mobile_result *result) {
     struct graph_pass *pass = graph_add_pass(f->graph, "mobile tap", GRAPH_QUEUE_GRAPHICS, execute_tap, &data, sizeof data);
     for (uint32_t i = 0; i < data.count; i++) graph_use_image(pass, data.targets[i], GRAPH_COPY_FROM);
     graph_use_buffer(pass, data.buffer, GRAPH_COPY_TO);
-    pass = graph_add_pass(f->graph, "mobile tap to host", GRAPH_QUEUE_GRAPHICS, execute_nothing, NULL, 0);
+    pass = graph_add_pass(f->graph, "mobile tap to host", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
     graph_keep(pass);
     graph_use_buffer(pass, data.buffer, GRAPH_READ_HOST);
 }
