@@ -82,7 +82,8 @@ FNL_API fnl_result fnl_scene_remove_decal(fnl_scene *scene, fnl_decal_id decal);
 
 /**
  * Adds `count` box decals (graffiti, cracks, footprints, made by the library) at pseudo-random places on the scene's
- * surfaces, or fewer if it finds too few surfaces. The same scene, count and seed give the same decals.
+ * surfaces, or fewer if it finds too few surfaces. The same scene, count and seed give the same decals. An
+ * error adds none.
  */
 FNL_API fnl_result fnl_scene_scatter_decals(fnl_scene *scene, uint32_t count, uint64_t seed);
 

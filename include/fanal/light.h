@@ -52,6 +52,7 @@ typedef struct fnl_light_params {
 } fnl_light_params;
 
 FNL_API fnl_light_params fnl_light_params_default(void);
+/** A scene has at most 50 million lights that are not directional: FNL_ERROR_UNSUPPORTED, also from other calls that add some. */
 FNL_API fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params, fnl_light_id *out);
 /**
  * Changes `count` lights: lights[i] gets params[i]. All elements are checked before any light changes: an error names the
@@ -108,7 +109,7 @@ static inline fnl_scatter_params fnl_scatter_params_default(void) {
 /**
  * Adds lights at pseudo-random places within the scene's bounds. Their radius follows from the extent of the scene, so that
  * a point of it lies in about 8 of them on average, whatever the count; their intensity follows from the radius. The same
- * scene and parameters give the same lights.
+ * scene and parameters give the same lights. An error adds none.
  */
 FNL_API fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_params *params);
 /** The same with `count` lights, three points to one spot. */

@@ -269,6 +269,8 @@ static mat4 decal_at(vec3 point, vec3 normal, float turn, vec3 size) {
 
 static fnl_result scatter(fnl_scene *scene, uint32_t count, uint64_t seed, const struct surfaces *s) {
     fnl_decal_params prototypes[SCATTER_DECAL_KINDS];
+    const uint64_t most = (uint64_t)scene->decals.count + count;
+    if (most >= SCENE_NONE || !array_reserve(&scene->host, &scene->decals, most)) return FNL_ERROR_MEMORY;
     TRY(decal_prototypes(scene, seed, prototypes));
     struct random_state random = {seed * 2 + 1};
     struct box bounds = scene_bounds(scene);
@@ -293,8 +295,7 @@ static fnl_result scatter(fnl_scene *scene, uint32_t count, uint64_t seed, const
                                            : 0.5f + size);
         fnl_decal_params decal = prototypes[kind];
         decal.transform = decal_at(point, normal, turn, vec3_make(metres, metres, fminf(0.5f * metres, 0.4f * scale)));
-        if (decal_check(CALL(&scene->host), &decal) == FNL_OK && scene_add_decal(scene, &decal, SCENE_NONE) == SCENE_NONE)
-            return FNL_ERROR_MEMORY;
+        if (decal_check(CALL(&scene->host), &decal) == FNL_OK) scene_add_decal(scene, &decal, SCENE_NONE); /* there is room */
     }
     return FNL_OK;
 }
@@ -303,8 +304,10 @@ fnl_result fnl_scene_scatter_decals(fnl_scene *scene, uint32_t count, uint64_t s
     TRY(check_handle(__func__, "scene", scene));
     if (count == 0) return FNL_OK;
     struct surfaces surfaces = {.area = 0};
+    const uint32_t images = scene->images.count;
     fnl_result result = find_surfaces(scene, &surfaces);
     if (result == FNL_OK && surfaces.patches.count && surfaces.area > 0) result = scatter(scene, count, seed, &surfaces);
     array_free(&scene->host, &surfaces.patches);
+    if (result != FNL_OK) scene->images.count = images; /* some of the decals' pictures may be there */
     return result;
 }

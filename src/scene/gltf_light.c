@@ -178,11 +178,9 @@ void gltf_place(struct gltf *g) {
             node->camera = SCENE_NONE;
         uint32_t light = g->node_lights[i];
         if (light == SCENE_NONE || !g->in_scene[i] || !g->lights[light].valid) continue;
+        g->result = scene_reserve_lights(g->scene, 1);
+        if (g->result != FNL_OK) return;
         uint32_t index = scene_add_light(g->scene, &g->lights[light].params, i);
-        if (index == SCENE_NONE) {
-            gltf_fail_memory(g);
-            return;
-        }
         struct scene_light *placed = &g->scene->lights.data[index];
         placed->name = *g->lights[light].name ? g->lights[light].name : node->name;
         placed->extras = g->lights[light].extras;

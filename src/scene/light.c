@@ -90,8 +90,8 @@ fnl_result fnl_scene_add_light(fnl_scene *scene, const fnl_light_params *params,
     TRY(check_pointer(CALL(&scene->host), "params", params));
     TRY(check_light(CALL(&scene->host), params));
     const fnl_light_params light = aligned(params);
+    TRY(scene_reserve_lights(scene, 1));
     uint32_t index = scene_add_light(scene, &light, SCENE_NONE);
-    if (index == SCENE_NONE) return FNL_ERROR_MEMORY;
     *out = (fnl_light_id){index, scene->lights.data[index].generation};
     return FNL_OK;
 }
@@ -123,7 +123,7 @@ fnl_result fnl_scene_set_lights(fnl_scene *scene, const fnl_light_id *lights, co
         fnl_light_kind before = scene->lights.data[lights[i].index].params.kind;
         moved += (before == FNL_LIGHT_DIRECTIONAL) != (params[i].kind == FNL_LIGHT_DIRECTIONAL);
     }
-    if (!scene_reserve_lights(scene, moved)) return FNL_ERROR_MEMORY;
+    TRY(scene_reserve_lights(scene, moved));
     for (uint32_t i = 0; i < count; i++) {
         struct scene_light *light = &scene->lights.data[lights[i].index];
         if (light->node != SCENE_NONE && poses_differ(&params[i], &light->params)) light->node = SCENE_NONE;

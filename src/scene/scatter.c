@@ -118,7 +118,7 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
         bounds.high = vec3_add(bounds.high, vec3_make(0.5f, 0.5f, 0.5f));
     }
     float radius = scatter_radius(&bounds, count) * params->radius_scale;
-    if (!array_reserve(&scene->host, &scene->lights, (uint64_t)scene->lights.count + count)) return FNL_ERROR_MEMORY;
+    TRY(scene_reserve_lights(scene, count)); /* from here on nothing fails */
     struct random_state random = {params->seed};
     for (uint32_t i = 0; i < count; i++) {
         fnl_light_params light = fnl_light_params_default();
@@ -140,7 +140,7 @@ fnl_result fnl_scene_scatter_light_shapes(fnl_scene *scene, const fnl_scatter_pa
             shape_light(&random, &light, direction);
             light.up = light_up(light.direction, light.up);
         }
-        if (scene_add_light(scene, &light, SCENE_NONE) == SCENE_NONE) return FNL_ERROR_MEMORY;
+        scene_add_light(scene, &light, SCENE_NONE);
     }
     return FNL_OK;
 }

@@ -481,6 +481,76 @@ static void test_without_memory_nothing_changes(void **state) {
     }
 }
 
+/* Some allocations of a scattering fail in turn: there are no new lights, decals or pictures, and in the end there are all. */
+static void test_scattering_is_all_or_nothing(void **state) {
+    UNUSED(state);
+    enum { COUNT = 300 };
+    for (int what = 0; what < 2; what++) {
+        uint32_t node, joints[2], failures = 0;
+        fnl_scene *scene = bendable(&node, joints);
+        scene->nodes.data[node].skin = SCENE_NONE; /* decals that are scattered avoid what a skin deforms */
+        fnl_result result = FNL_ERROR_MEMORY;
+        for (uint32_t allocation = 1; result == FNL_ERROR_MEMORY; allocation += allocation < 3 ? 1 : 8) {
+            host_state.memory.allocations = 0;
+            host_state.memory.fail_at = allocation;
+            result = what == 0 ? fnl_scene_scatter_lights(scene, COUNT, 1) : fnl_scene_scatter_decals(scene, COUNT, 1);
+            host_state.memory.fail_at = 0;
+            if (result == FNL_OK) break;
+            assert_int_equal(result, FNL_ERROR_MEMORY);
+            failures++;
+            assert_true(scene->lights.count + scene->light_slots.count + scene->decals.count + scene->images.count == 0);
+        }
+        assert_true(failures >= 2);
+        if (what == 0) assert_true(scene->lights.count == COUNT && scene->light_slots.count == COUNT);
+        if (what == 1) assert_true(scene->decals.count > COUNT / 2 && scene->images.count == 12);
+        fnl_scene_destroy(&scene);
+    }
+}
+
+/* ---- limits ---- */
+
+static void expect_too_many(fnl_result result, const char *words) {
+    assert_int_equal(result, FNL_ERROR_UNSUPPORTED);
+    if (!strstr(lines.text, words)) fail_msg("no '%s' in:\n%s", words, lines.text);
+    lines.length = 0;
+    lines.text[0] = 0;
+}
+
+/* Of more local lights the device could not find the shapes. No call goes beyond, and what is there stays as it was. */
+static void test_too_many_lights(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = make_scene();
+    fnl_light_id ids[3];
+    fnl_light_params local = lamp(1), sun = fnl_light_params_default();
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    for (uint32_t i = 0; i < 3; i++) assert_int_equal(fnl_scene_add_light(scene, i ? &local : &sun, &ids[i]), FNL_OK);
+    const long long held = host_state.memory.live_bytes;
+    expect_too_many(fnl_scene_scatter_lights(scene, SCENE_LOCAL_LIGHTS_MAX - 1, 1),
+                    "too many lights: 49999999 to add to 2 that are not directional, of which there can be at most 50000000");
+    const uint32_t slots = scene->light_slots.count;
+    scene->light_slots.count = SCENE_LOCAL_LIGHTS_MAX; /* as if there were so many; nothing looks at them */
+    fnl_light_id id;
+    expect_too_many(fnl_scene_add_light(scene, &local, &id), "too many lights: 1 to add to 50000000 that");
+    assert_true(id.generation == 0 && scene->lights.count == 3);
+    expect_too_many(fnl_scene_set_light(scene, ids[0], &local), "too many lights: 1 to add");
+    assert_int_equal(scene->lights.data[ids[0].index].params.kind, FNL_LIGHT_DIRECTIONAL);
+    assert_int_equal(fnl_scene_set_light(scene, ids[1], &local), FNL_OK);
+    assert_int_equal(host_state.memory.live_bytes, held);
+    scene->light_slots.count = slots;
+    assert_int_equal(fnl_scene_remove_light(scene, ids[1]), FNL_OK);
+    scene->light_slots.count = SCENE_LOCAL_LIGHTS_MAX; /* and one place is free */
+    assert_int_equal(scene->free_light_slots.count, 1);
+    host_state.memory.allocations = 0;
+    host_state.memory.fail_at = 1; /* one more would be allowed, if there were memory for so many */
+    assert_int_equal(scene_reserve_lights(scene, 1), FNL_ERROR_MEMORY);
+    host_state.memory.fail_at = 0;
+    lines.length = 0;
+    expect_too_many(scene_reserve_lights(scene, 2), "too many lights: 2 to add to 49999999 that");
+    scene->light_slots.count = slots;
+    fnl_scene_destroy(&scene);
+    assert_int_equal(host_state.memory.live_bytes, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_many_lights_change_at_once),
@@ -491,6 +561,8 @@ int main(void) {
         cmocka_unit_test(test_meshes_change),
         cmocka_unit_test(test_a_pose_lasts_until_it_is_animated),
         cmocka_unit_test(test_without_memory_nothing_changes),
+        cmocka_unit_test(test_scattering_is_all_or_nothing),
+        cmocka_unit_test(test_too_many_lights),
     };
     return cmocka_run_group_tests_name("scene: changes", tests, NULL, NULL);
 }

@@ -13,11 +13,21 @@ static void pose_light(const fnl_scene *scene, struct scene_light *light) {
 
 /* ---- places: free ones form a heap with the lowest on top, so that those in use stay dense ---- */
 
-bool scene_reserve_lights(fnl_scene *scene, uint32_t count) {
+fnl_result scene_reserve_lights(fnl_scene *scene, uint32_t count) {
     const fnl_host *host = &scene->host;
-    uint64_t slots = (uint64_t)scene->light_slots.count + count;
-    return array_reserve(host, &scene->light_slots, slots) && array_reserve(host, &scene->free_light_slots, slots) &&
-           array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
+    if (count == 0) return FNL_OK;
+    const uint32_t local = scene->light_slots.count - scene->free_light_slots.count;
+    const uint64_t fresh = count > scene->free_light_slots.count ? count - scene->free_light_slots.count : 0;
+    const uint64_t slots = scene->light_slots.count + fresh, lights = (uint64_t)scene->lights.count + count;
+    if (slots > SCENE_LOCAL_LIGHTS_MAX) {
+        log_error(host, "%s: too many lights: %u to add to %u that are not directional, of which there can be at most %d",
+                  scene->source, count, local, SCENE_LOCAL_LIGHTS_MAX);
+        return FNL_ERROR_UNSUPPORTED;
+    }
+    bool room = lights < SCENE_NONE && array_reserve(host, &scene->lights, lights) &&
+                array_reserve(host, &scene->light_slots, slots) && array_reserve(host, &scene->free_light_slots, slots) &&
+                array_reserve(host, &scene->suns, (uint64_t)scene->suns.count + count);
+    return room ? FNL_OK : FNL_ERROR_MEMORY;
 }
 
 static void put_free_slot(fnl_scene *scene, uint32_t slot) {
@@ -122,13 +132,13 @@ uint32_t scene_add_light(fnl_scene *scene, const fnl_light_params *params, uint3
         .params = *params, .node = node, .slot = SCENE_NONE, .generation = scene_take_generation(scene)};
     if (node != SCENE_NONE) pose_light(scene, &light);
     uint32_t index;
-    if (!scene_reserve_lights(scene, 1)) return SCENE_NONE;
+    if (scene_reserve_lights(scene, 1) != FNL_OK) return SCENE_NONE;
     if (scene->free_lights.count > 0) {
         index = scene->free_lights.data[--scene->free_lights.count];
         scene->lights.data[index] = light;
     } else {
         index = scene->lights.count;
-        if (index == SCENE_NONE || !array_push(&scene->host, &scene->lights, light)) return SCENE_NONE;
+        scene->lights.data[scene->lights.count++] = light;
     }
     scene_light_changed(scene, index);
     return index;

@@ -14,13 +14,13 @@ static uint32_t moved(uint32_t index, uint32_t offset) { return index == SCENE_N
      array_reserve(&into->host, &into->name, (uint64_t)into->name.count + from->name.count))
 
 /* All that can fail. */
-static bool make_room(fnl_scene *into, const fnl_scene *from) {
+static fnl_result make_room(fnl_scene *into, const fnl_scene *from) {
     uint64_t nodes = (uint64_t)into->nodes.count + from->nodes.count + 1; /* the root is one more */
     bool room = ROOM(files) && ROOM(resources) && ROOM(images) && ROOM(samplers) && ROOM(materials) && ROOM(primitives) &&
                 ROOM(meshes) && ROOM(skins) && ROOM(animations) && ROOM(decals) && ROOM(painted) && ROOM(cameras) &&
-                ROOM(extensions) && ROOM(messages) && ROOM(lights) && nodes < SCENE_NONE &&
+                ROOM(extensions) && ROOM(messages) && nodes < SCENE_NONE &&
                 array_reserve(&into->host, &into->nodes, nodes);
-    return room && scene_reserve_lights(into, from->lights.count);
+    return room ? scene_reserve_lights(into, from->lights.count) : FNL_ERROR_MEMORY;
 }
 
 #define APPEND(name)                                                                                                        \
@@ -148,7 +148,7 @@ static void append_words(fnl_scene *into, const fnl_scene *from) {
 fnl_result scene_merge(fnl_scene *into, uint32_t parent, fnl_scene *from, fnl_loaded *out) {
     fnl_loaded loaded = {.root = {0}};
     for (int kind = 0; kind < FNL_ENTITY_COUNT; kind++) loaded.first[kind] = scene_entity_count(into, (fnl_entity)kind);
-    if (!make_room(into, from)) return FNL_ERROR_MEMORY;
+    TRY(make_room(into, from));
 
     const uint32_t holes = into->free_nodes.count;
     const mat4 identity = mat4_identity();

@@ -45,6 +45,7 @@ static void set_cone(struct gpu_shape *s, const fnl_light_params *light, struct 
 /* Where the shape of a slot's light lies: at its beginning. */
 static uint32_t shape_offset(uint32_t slot) { return slot * (uint32_t)sizeof(struct gpu_light); }
 _Static_assert(offsetof(struct gpu_light, shape) == 0, "the shape begins the light");
+_Static_assert((uint64_t)SCENE_LOCAL_LIGHTS_MAX * sizeof(struct gpu_light) <= GPU_NO_SHAPE, "offsets of shapes have 32 bits");
 
 void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light *out, struct gpu_entity_bounds *out_bounds) {
     struct gpu_light g = {.shape = {.position = light->position, .kind = (uint32_t)light->kind, .direction = light->direction},
