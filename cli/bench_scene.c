@@ -2,6 +2,7 @@
 /* The scene of a case, lit as asked, and the cameras that look at it. */
 #include "bench.h"
 #include "loading.h"
+#include "views.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,20 +39,14 @@ bool bench_scene_load(const fnl_host *host, const fnl_load_params *loading, cons
 bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *settings, const char *name, float aspect,
                       struct bench_path *out) {
     fnl_camera camera = fnl_camera_default();
-    uint32_t index = 0, count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
-    fnl_result result = FNL_OK;
-    if (name) {
-        char *end;
-        unsigned long number = strtoul(name, &end, 10);
-        if (*name && !*end && number < count)
-            index = (uint32_t)number;
-        else
-            result = fnl_scene_find(scene, FNL_ENTITY_CAMERA, name, &index);
-        if (result == FNL_OK) result = fnl_scene_query_camera(scene, index, &camera);
-    } else {
-        result = count ? fnl_scene_query_camera(scene, 0, &camera) : fnl_scene_query_framing_camera(scene, aspect, &camera);
-    }
-    return result == FNL_OK && bench_path_create(out, settings->camera_path, scene, &camera, settings->frames, aspect);
+    bool found;
+    if (name)
+        found = views_find_camera(scene, "--camera", name, &camera);
+    else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA))
+        found = fnl_scene_query_camera(scene, 0, &camera) == FNL_OK;
+    else
+        found = fnl_scene_query_framing_camera(scene, aspect, &camera) == FNL_OK;
+    return found && bench_path_create(out, settings->camera_path, scene, &camera, settings->frames, aspect);
 }
 
 bool bench_scene_check(const struct bench_settings *settings, const char *name, const char *camera, uint32_t *lights) {

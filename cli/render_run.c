@@ -48,7 +48,7 @@ static bool choose_camera(const struct render_options *o, const fnl_scene *scene
         out->position = o->eye;
         out->target = o->look_at;
     } else if (o->camera) {
-        if (!views_find_camera(scene, o->camera, out)) return false;
+        if (!views_find_camera(scene, "--camera", o->camera, out)) return false;
     } else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0) {
         if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
     } else if (fnl_scene_query_framing_camera(scene, (float)o->frame.width / (float)o->frame.height, out) != FNL_OK) {

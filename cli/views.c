@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-/* The cameras of --views. */
 #include "views.h"
 
 #include <stdio.h>
@@ -28,15 +27,32 @@ static void add_cube(const fnl_camera *from, fnl_camera *out) {
 
 bool views_are_cube(const char *text) { return strcmp(text, "cube") == 0; }
 
-bool views_find_camera(const fnl_scene *scene, const char *name, fnl_camera *out) {
-    uint32_t index, count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
+static bool query_name(const fnl_scene *scene, uint32_t camera, const char **name) {
+    fnl_entity_info info;
+    if (fnl_scene_query_entity(scene, FNL_ENTITY_CAMERA, camera, &info) != FNL_OK) return false;
+    *name = info.name;
+    return true;
+}
+
+static void say_there_is_none(const fnl_scene *scene, const char *option, const char *wanted, uint32_t count) {
+    enum { LISTED = 20 };
+    fprintf(stderr, "fanal: error: %s: the scene has no camera '%s'; it has %s", option, wanted, count ? "" : "no cameras");
+    const char *name;
+    for (uint32_t i = 0; i < count && i < LISTED && query_name(scene, i, &name); i++)
+        fprintf(stderr, *name ? "%s%u ('%s')" : "%s%u", i ? ", " : "", i, name);
+    fputs(count > LISTED ? ", …\n" : "\n", stderr);
+}
+
+bool views_find_camera(const fnl_scene *scene, const char *option, const char *name, fnl_camera *out) {
+    const uint32_t count = fnl_scene_count(scene, FNL_ENTITY_CAMERA);
     char *end;
     unsigned long number = strtoul(name, &end, 10);
-    if (*name && !*end && number < count)
-        index = (uint32_t)number;
-    else if (fnl_scene_find(scene, FNL_ENTITY_CAMERA, name, &index) != FNL_OK)
-        return false;
-    return fnl_scene_query_camera(scene, index, out) == FNL_OK;
+    if (*name && !*end && number < count) return fnl_scene_query_camera(scene, (uint32_t)number, out) == FNL_OK;
+    const char *known;
+    for (uint32_t i = 0; i < count && query_name(scene, i, &known); i++)
+        if (strcmp(known, name) == 0) return fnl_scene_query_camera(scene, i, out) == FNL_OK;
+    say_there_is_none(scene, option, name, count);
+    return false;
 }
 
 static bool too_many(unsigned long count) {
@@ -65,7 +81,7 @@ bool views_choose(const char *text, const fnl_scene *scene, const fnl_camera *fr
     if (too_many(count)) return false;
     char *copy = strdup(text), *rest = copy;
     bool good = copy;
-    for (char *name; good && (name = strsep(&rest, ",")); ++*out_count) good = views_find_camera(scene, name, &out[*out_count]);
+    for (char *name; good && (name = strsep(&rest, ",")); ++*out_count) good = views_find_camera(scene, "--views", name, &out[*out_count]);
     free(copy);
     return good;
 }
