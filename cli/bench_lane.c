@@ -24,8 +24,8 @@ double lane_now(void) {
 enum role { ROLE_LISTS, ROLE_SHADING, ROLE_GEOMETRY, ROLE_REST, ROLE_READ, ROLE_COUNT };
 static const char *const role_names[ROLE_COUNT] = {"lists", "shading", "geometry", "rest", "read"};
 
-/* By the start of its name, the first that fits. A frame consists of these and of the passes that build light lists. */
-static enum role role_of(const char *name) {
+/* By the start of a name, the first that fits. A frame consists of these and of the passes that build light lists. */
+static enum role role_of_part(const char *name) {
     static const char *const shading[] = {
         "forward",     "deferred",    "multipass",     "class",    "volume",      "edges",           "clear edge",
         "light sums",  "light layer", "light volumes", "light id", "clear light", "light materials", "light sprites",
@@ -50,6 +50,15 @@ static enum role role_of(const char *name) {
             if (strncmp(name, *start, strlen(*start)) == 0) return roles[i].role;
     return ROLE_LISTS;
 }
+
+/* A pass may stand in scopes: in "view 1/decals/clustered count" the second part says what it is for. */
+static enum role role_of(const char *name) {
+    enum role role = role_of_part(name);
+    for (const char *scope = name; role == ROLE_LISTS && (scope = strchr(scope, '/'));) role = role_of_part(++scope);
+    return role;
+}
+
+const char *lane_pass_role(const char *name) { return role_names[role_of(name)]; }
 
 /* ---- life ---- */
 
@@ -282,7 +291,7 @@ void lane_add_result(const struct lane *lane, json_t *result, const fnl_scene_in
     for (uint32_t i = 0; i < lane->pass_count; i++) {
         json_t *pass = summarise(lane->passes[i].times, lane->measured);
         json_object_set_new(pass, "name", json_string(lane->passes[i].name));
-        json_object_set_new(pass, "role", json_string(role_names[role_of(lane->passes[i].name)]));
+        json_object_set_new(pass, "role", json_string(lane_pass_role(lane->passes[i].name)));
         json_array_append_new(passes, pass);
     }
     json_object_set_new(result, "passes", passes);

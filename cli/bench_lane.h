@@ -50,6 +50,8 @@ struct lane {
 };
 
 double lane_now(void); /* seconds */
+/** What a pass, which may stand in scopes ("view 1/gbuffer"), is for: "lists", "shading", "geometry", "rest" or "read". */
+const char *lane_pass_role(const char *name);
 bool lane_init(struct lane *lane, const struct bench_case *where, const struct bench_candidate *candidate, uint32_t frames);
 void lane_finish(struct lane *lane);
 /** Keeps a timed frame; false when memory ran out. */

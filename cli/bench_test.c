@@ -755,6 +755,18 @@ static void test_orders_are_told_where_they_win(void **state) {
     json_decref(data.root);
 }
 
+/* The first part of a name that says something: scopes of views do not, that of decals does. */
+static void test_roles_of_passes(void **state) {
+    (void)state;
+    static const char *const roles[][2] = {
+        {"tiled count", "lists"},   {"view 1/tiled count", "lists"},      {"fallback/clustered fill", "lists"},
+        {"deferred", "shading"},    {"view 12/deferred", "shading"},      {"view 1/dais shade", "shading"},
+        {"gbuffer", "geometry"},    {"views 0-1/gbuffer", "geometry"},    {"view 0/dais visibility", "geometry"},
+        {"tonemap", "rest"},        {"view 1/tonemap", "rest"},           {"view 1/read counts", "read"},
+        {"decals/bvh keys", "shading"}, {"view 1/decals/bvh keys", "shading"}, {"view 1/unheard of/tiled count", "lists"}};
+    for (size_t i = 0; i < sizeof roles / sizeof *roles; i++) assert_string_equal(lane_pass_role(roles[i][0]), roles[i][1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pictures_are_compared_bit_by_bit),
@@ -776,6 +788,7 @@ int main(void) {
         cmocka_unit_test(test_suites_scale_their_clusters),
         cmocka_unit_test(test_geometry_is_set_against_triangles),
         cmocka_unit_test(test_orders_are_told_where_they_win),
+        cmocka_unit_test(test_roles_of_passes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

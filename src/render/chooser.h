@@ -113,6 +113,8 @@ void chooser_asked(struct chooser *chooser, uint64_t ticket);
 void chooser_note(struct chooser *chooser, uint64_t frame);
 /** Oldest frame whose time is still wanted; 0: none. */
 uint64_t chooser_wants(const struct chooser *chooser);
+/** Whether the time of a pass, which may stand in a scope ("view 1/gbuffer"), is part of what is compared. */
+bool chooser_counts(const struct choice *asked, const char *pass);
 /** Time of that frame; negative: it is not known and never will be. */
 void chooser_feed(struct chooser *chooser, double milliseconds);
 

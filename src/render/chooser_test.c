@@ -300,6 +300,18 @@ static void test_memory(void **state) {
     free(text);
 }
 
+/* What draws the surfaces costs the same with all lists; in the scope of a view too. */
+static void test_which_passes_are_compared(void **state) {
+    UNUSED(state);
+    static const char *const draws[] = {"gbuffer", "depth prepass", "view 1/gbuffer", "views 0-1/depth prepass", "view 1/decals/gbuffer"};
+    static const char *const others[] = {"gbuffer view", "deferred", "view 1/tiled count", "gbuffer/deferred", "depth"};
+    const struct choice lists = {FNL_SHADING_DEFERRED, FNL_LISTS_AUTO}, both = {FNL_SHADING_AUTO, FNL_LISTS_AUTO};
+    for (uint32_t i = 0; i < COUNT_OF(draws); i++) {
+        if (chooser_counts(&lists, draws[i])) fail_msg("'%s' counts", draws[i]);
+        assert_true(chooser_counts(&lists, others[i]) && chooser_counts(&both, draws[i]));
+    }
+}
+
 static void test_candidates_wait_for_their_pipelines(void **state) {
     UNUSED(state);
     static struct chooser c;
@@ -761,6 +773,7 @@ static void test_asking_changes_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_which_passes_are_compared),
         cmocka_unit_test_teardown(test_the_fastest_wins_whatever_it_is, harness_check),
         cmocka_unit_test_teardown(test_brute_force_is_tried_with_few_lights_only, harness_check),
         cmocka_unit_test_teardown(test_likely_pairs_are_those_that_are_tried, harness_check),

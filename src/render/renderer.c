@@ -72,11 +72,6 @@ static bool wants_time(const fnl_renderer *r, const fnl_frame *frame) {
            (r->chooser.last < CHOOSER_CANDIDATES || (frame->timers && r->chooser.state == CHOOSER_DECIDED));
 }
 
-/* Where only lists are chosen, drawing the surfaces costs the same with all of them: its jitter would only blur the comparison. */
-static bool chosen_apart(const fnl_renderer *r, const char *pass) {
-    return r->asked.shading != FNL_SHADING_AUTO && (strcmp(pass, "gbuffer") == 0 || strcmp(pass, "depth prepass") == 0);
-}
-
 /* Hands the chooser the times that have come in. */
 static void feed_chooser(fnl_renderer *r) {
     for (uint64_t wanted; (wanted = chooser_wants(&r->chooser)) && wanted + GPU_FRAMES_IN_FLIGHT <= r->frame_number;) {
@@ -86,7 +81,7 @@ static void feed_chooser(fnl_renderer *r) {
         if (graph_query_timers(r->graph, wanted, &timers, &count) && count > 0) {
             sum = 0;
             for (uint32_t i = 0; i < count; i++)
-                if (!chosen_apart(r, timers[i].name)) sum += timers[i].milliseconds;
+                if (chooser_counts(&r->asked, timers[i].name)) sum += timers[i].milliseconds;
         }
         chooser_feed(&r->chooser, sum);
     }
