@@ -178,6 +178,6 @@ static const struct counter counters[] = {
     {"decals.in-view", "decals", "boxes and volumes whose bounds touch the view", .find = find_in_view},
     {"decals.entries", "", "entries of the decal list, or of the tiles of decals over the G-buffer", .find = find_entries},
     {"decals.overflow", "", "cells, or pixels, that tested all decals because the pool was too small",
-     .find = find_overflow},
+     .find = find_overflow, .kind = FNL_COUNTER_OVERFLOW},
 };
 const struct counter_table decals_counters = {counters, COUNT_OF(counters)};
