@@ -8,24 +8,8 @@
 
 /* ---- the table ---- */
 
-static const struct order *const orders[FNL_SHADING_AUTO] = {
-    [FNL_SHADING_FORWARD] = &order_forward,
-    [FNL_SHADING_FORWARD_PREPASS] = &order_forward_prepass,
-    [FNL_SHADING_DEFERRED] = &order_deferred,
-    [FNL_SHADING_DEFERRED_VOLUMES] = &order_deferred_volumes,
-    [FNL_SHADING_LIGHT_PREPASS] = &order_light_prepass,
-    [FNL_SHADING_PRE_LIGHTING] = &order_pre_lighting,
-    [FNL_SHADING_LOW_RES] = &order_low_res,
-    [FNL_SHADING_INFERRED] = &order_inferred,
-    [FNL_SHADING_LIGHT_INDEXED] = &order_light_indexed,
-    [FNL_SHADING_ZIOMA] = &order_zioma,
-    [FNL_SHADING_VISIBILITY] = &order_visibility,
-    [FNL_SHADING_TEXTURING] = &order_texturing,
-    [FNL_SHADING_VIRTUAL_TEXTURING] = &order_virtual_texturing,
-    [FNL_SHADING_COARSE] = &order_coarse,
-    [FNL_SHADING_DAIS] = &order_dais,
-    [FNL_SHADING_MOBILE] = &order_mobile,
-};
+#define ORDER_ROW(value, name) [FNL_SHADING_##value] = &order_##name,
+static const struct order *const orders[FNL_SHADING_AUTO] = {ORDERS(ORDER_ROW)};
 
 const struct order *shading_order(fnl_shading shading) { return orders[shading]; }
 

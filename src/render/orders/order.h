@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * A shading order: a file in this folder that ends in its row, or in several rows if the orders share most of their code. shading.c lists the
- * rows and calls each only for frames of its own order.
+ * A shading order: a file in this folder that ends in its row, or in several rows if the orders share most of their code. ORDERS lists the
+ * rows; shading.c calls each only for frames of its own order.
  */
 #ifndef FNL_RENDER_ORDER_H
 #define FNL_RENDER_ORDER_H
@@ -35,9 +35,15 @@ struct order {
     void (*submitted)(fnl_renderer *r);
 };
 
-extern const struct order order_forward, order_forward_prepass, order_deferred, order_deferred_volumes, order_light_prepass,
-    order_pre_lighting, order_low_res, order_inferred, order_light_indexed, order_zioma, order_visibility, order_texturing,
-    order_virtual_texturing, order_coarse, order_dais, order_mobile;
+/** All orders: FNL_SHADING_… and the row order_…. */
+#define ORDERS(ROW)                                                                                                         \
+    ROW(FORWARD, forward) ROW(FORWARD_PREPASS, forward_prepass) ROW(DEFERRED, deferred)                                     \
+    ROW(DEFERRED_VOLUMES, deferred_volumes) ROW(LIGHT_PREPASS, light_prepass) ROW(PRE_LIGHTING, pre_lighting)               \
+    ROW(LOW_RES, low_res) ROW(INFERRED, inferred) ROW(LIGHT_INDEXED, light_indexed) ROW(ZIOMA, zioma)                       \
+    ROW(VISIBILITY, visibility) ROW(TEXTURING, texturing) ROW(VIRTUAL_TEXTURING, virtual_texturing)                         \
+    ROW(COARSE, coarse) ROW(DAIS, dais) ROW(MOBILE, mobile)
+#define DECLARE_ORDER(value, name) extern const struct order order_##name;
+ORDERS(DECLARE_ORDER)
 
 /** The row of an order; not of auto. */
 const struct order *shading_order(fnl_shading shading);
