@@ -46,6 +46,32 @@ static inline graph_image color_image(struct graph *graph, const char *name, uin
         graph, &(struct graph_image_params){.name = name, .format = VK_FORMAT_R8G8B8A8_UNORM, .width = width, .height = 64});
 }
 
+static inline graph_image depth_image(struct graph *graph, const char *name, uint32_t samples) {
+    return graph_create_image(
+        graph, &(struct graph_image_params){
+                   .name = name, .format = VK_FORMAT_D32_SFLOAT, .width = 64, .height = 64, .samples = samples});
+}
+
+/** What a frame is drawn into, from outside. */
+static inline struct gpu_image *output_image(void) {
+    static struct gpu_image image = {.params = {.name = "output",
+                                                .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                                .width = 64,
+                                                .height = 64,
+                                                .layers = 1,
+                                                .mips = 1,
+                                                .samples = 1}};
+    return &image;
+}
+
+static inline graph_image import_output(struct graph *graph) {
+    return graph_import_image(graph, output_image(), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+}
+
+static inline struct graph_pass *async_pass_of(struct graph *graph, const char *name) {
+    return graph_add_pass(graph, name, GRAPH_QUEUE_ASYNC, NULL, NULL, 0);
+}
+
 static inline struct graph_pass *pass_of(struct graph *graph, const char *name) {
     return graph_add_pass(graph, name, GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
 }

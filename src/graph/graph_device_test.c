@@ -3,12 +3,10 @@
 #include "base/jobs.h"
 #include "graph/graph_internal.h"
 #include "shaders.h"
+#include "tests/graph_world.h"
 
 #include <sched.h>
-#include <setjmp.h>
 #include <stdatomic.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 37, HEIGHT = 21, PIXELS = WIDTH * HEIGHT, STEPS = 6, BYTES = PIXELS * 4 };
 enum mode { FILL, TO_IMAGE, STEP, TO_BUFFER, ADD };
@@ -38,9 +36,7 @@ static void keep_log(void *user, fnl_log_level level, const char *line) {
 /* ---- one device and graph for each test ---- */
 
 struct world {
-    gpu_device *device;
-    struct graph *graph;
-    struct gpu_buffer readback;
+    struct graph_world base;
     graph_buffer output; /* of this frame */
     graph_image images[STEPS + 1];
 };
@@ -49,27 +45,18 @@ static int set_up(void **state) {
     static struct world world;
     memset(&world, 0, sizeof world);
     logged[0] = 0;
-    fnl_device_params params = fnl_device_params_default();
-    params.host.reallocate = count_allocations;
-    params.host.log = keep_log;
-    params.host.thread_count = 4;
-    params.validate = true;
-    params.cache_folder = "";
-    assert_int_equal(fnl_device_create(&params, &world.device), FNL_OK);
-    assert_int_equal(graph_create(NULL, world.device, &world.graph), FNL_OK);
-    assert_int_equal(gpu_buffer_create(world.device, "readback", 2 * BYTES, GPU_MEMORY_READBACK, &world.readback), FNL_OK);
+    fnl_host host = fnl_host_default();
+    host.reallocate = count_allocations;
+    host.log = keep_log;
+    host.thread_count = 4;
+    graph_world_open(&world.base, &host, 2 * BYTES);
     *state = &world;
     return 0;
 }
 
 static int tear_down(void **state) {
     struct world *world = *state;
-    assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
-    graph_destroy(&world->graph);
-    gpu_buffer_destroy(world->device, &world->readback);
-    uint64_t messages = fnl_device_validation_count(world->device);
-    fnl_device_destroy(&world->device);
-    assert_int_equal(messages, 0);
+    graph_world_close(&world->base);
     return 0;
 }
 
@@ -156,8 +143,8 @@ static graph_image float_image(struct graph *graph, const char *name, uint32_t s
 }
 
 static void add_copy(struct world *world, graph_buffer output, graph_image lit) {
-    struct copy copy = {output, graph_import_buffer(world->graph, "readback", &world->readback), lit};
-    struct graph_pass *pass = graph_add_pass(world->graph, "copy", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
+    struct copy copy = {output, graph_import_buffer(world->base.graph, "readback", &world->base.readback), lit};
+    struct graph_pass *pass = graph_add_pass(world->base.graph, "copy", GRAPH_QUEUE_GRAPHICS, execute_copy, &copy, sizeof copy);
     graph_use_buffer(pass, output, GRAPH_COPY_FROM);
     if (lit.id) graph_use_image(pass, lit, GRAPH_COPY_FROM);
     graph_use_buffer(pass, copy.readback, GRAPH_COPY_TO);
@@ -169,7 +156,7 @@ static const char *const pass_names[] = {"fill",   "to image", "step 1", "step 2
                                          "step 6", "prepass",  "draw",   "light",  "gather", "copy"};
 
 static void declare_all(struct world *world, float seed) {
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     static const char *const image_names[STEPS + 1] = {"image 0", "image 1", "image 2", "image 3",
                                                        "image 4", "image 5", "image 6"};
     graph_begin(graph);
@@ -207,14 +194,14 @@ static void declare_all(struct world *world, float seed) {
 }
 
 static void run(struct world *world, const struct graph_execute_params *params) {
-    assert_int_equal(graph_compile(world->graph), FNL_OK);
-    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
-    assert_int_equal(graph_execute_frame(world->graph, params), FNL_OK);
+    assert_int_equal(graph_compile(world->base.graph), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
+    assert_int_equal(graph_execute_frame(world->base.graph, params), FNL_OK);
 }
 
 static void check_all(struct world *world, float seed) {
-    assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
-    const float *found = world->readback.mapped;
+    assert_int_equal(gpu_frame_wait(world->base.device, gpu_frame_number(world->base.device)), FNL_OK);
+    const float *found = world->base.readback.mapped;
     for (uint32_t i = 0; i < PIXELS; i++) {
         float expected = (float)i + seed;
         for (uint32_t step = 1; step <= STEPS; step++) expected = expected * 2 + (float)step;
@@ -222,7 +209,7 @@ static void check_all(struct world *world, float seed) {
         if (found[i] != expected || found[PIXELS + i] != expected)
             fail_msg("pixel %u is %g and %g, not %g", i, (double)found[i], (double)found[PIXELS + i], (double)expected);
     }
-    memset(world->readback.mapped, 0xff, 2 * BYTES);
+    memset(world->base.readback.mapped, 0xff, 2 * BYTES);
 }
 
 /* ---- tests ---- */
@@ -234,7 +221,7 @@ static void test_results_are_right_with_aliasing(void **state) {
         run(world, NULL);
         check_all(world, (float)frame);
     }
-    struct graph_stats stats = graph_query_stats(world->graph);
+    struct graph_stats stats = graph_query_stats(world->base.graph);
     assert_int_equal(stats.pass_count, COUNT_OF(pass_names));
     assert_true(4 * stats.transient_bytes < 3 * stats.transient_bytes_unaliased);
 }
@@ -245,7 +232,7 @@ static void test_batches_of_the_compute_queue(void **state) {
         declare_all(world, (float)frame);
         run(world,
             &(struct graph_execute_params){.force_async_on_graphics = true, .timers = true, .record_threads = 1 + frame});
-        assert_true(graph_query_stats(world->graph).batch_count >= 8);
+        assert_true(graph_query_stats(world->base.graph).batch_count >= 8);
         check_all(world, (float)frame);
     }
 }
@@ -265,16 +252,16 @@ static void test_threads_do_not_change_the_bytes(void **state) {
     for (uint32_t threads = 1; threads <= 20; threads += threads < 4 ? 1 : 8) {
         declare_all(world, 3);
         run(world, &(struct graph_execute_params){.record_threads = threads});
-        assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
-        if (threads == 1) memcpy(first, world->readback.mapped, sizeof first);
-        assert_memory_equal(first, world->readback.mapped, sizeof first);
+        assert_int_equal(gpu_frame_wait(world->base.device, gpu_frame_number(world->base.device)), FNL_OK);
+        if (threads == 1) memcpy(first, world->base.readback.mapped, sizeof first);
+        assert_memory_equal(first, world->base.readback.mapped, sizeof first);
         check_all(world, 3);
     }
 }
 
 static void test_history_goes_back_and_forth(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     struct graph_image_params params = {.name = "history", .format = VK_FORMAT_R32_SFLOAT, .width = WIDTH, .height = HEIGHT};
     float expected = 0;
     for (uint32_t frame = 0; frame < 9; frame++) {
@@ -298,8 +285,8 @@ static void test_history_goes_back_and_forth(void **state) {
                      &(struct dispatch){.mode = TO_BUFFER, .from_image = history.current, .to = buffer});
         add_copy(world, buffer, (graph_image){0});
         run(world, NULL);
-        assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
-        assert_true(((const float *)world->readback.mapped)[0] == expected);
+        assert_int_equal(gpu_frame_wait(world->base.device, gpu_frame_number(world->base.device)), FNL_OK);
+        assert_true(((const float *)world->base.readback.mapped)[0] == expected);
         if (frame == 5) {
             /* A frame without it loses the contents. */
             declare_all(world, 1);
@@ -311,7 +298,7 @@ static void test_history_goes_back_and_forth(void **state) {
 
 static void test_imported_images_keep_their_contents(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     struct gpu_image image;
     struct gpu_image_params params = {.name = "imported",
                                       .format = VK_FORMAT_R32_SFLOAT,
@@ -321,7 +308,7 @@ static void test_imported_images_keep_their_contents(void **state) {
                                       .mips = 1,
                                       .samples = 1,
                                       .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT};
-    assert_int_equal(gpu_image_create(world->device, &params, &image), FNL_OK);
+    assert_int_equal(gpu_image_create(world->base.device, &params, &image), FNL_OK);
     for (uint32_t frame = 0; frame < 4; frame++) {
         graph_begin(graph);
         graph_buffer buffer = graph_create_buffer(graph, "buffer", BYTES);
@@ -340,21 +327,21 @@ static void test_imported_images_keep_their_contents(void **state) {
         add_copy(world, buffer, (graph_image){0});
         run(world, NULL);
     }
-    assert_int_equal(gpu_frame_wait(world->device, gpu_frame_number(world->device)), FNL_OK);
-    for (uint32_t i = 0; i < PIXELS; i++) assert_true(((const float *)world->readback.mapped)[i] == (float)i + 30);
-    gpu_image_destroy(world->device, &image);
+    assert_int_equal(gpu_frame_wait(world->base.device, gpu_frame_number(world->base.device)), FNL_OK);
+    for (uint32_t i = 0; i < PIXELS; i++) assert_true(((const float *)world->base.readback.mapped)[i] == (float)i + 30);
+    gpu_image_destroy(world->base.device, &image);
 }
 
 static void test_timers(void **state) {
     struct world *world = *state;
     const struct graph_timer *timers;
     uint32_t count;
-    assert_false(graph_query_timers(world->graph, 0, &timers, &count));
+    assert_false(graph_query_timers(world->base.graph, 0, &timers, &count));
     for (uint32_t frame = 0; frame < 3; frame++) {
         declare_all(world, 0);
         run(world, &(struct graph_execute_params){.timers = true});
-        assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device) + 1, &timers, &count));
-        assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device), &timers, &count));
+        assert_false(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device) + 1, &timers, &count));
+        assert_true(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device), &timers, &count));
         assert_int_equal(count, COUNT_OF(pass_names));
         double sum = 0;
         for (uint32_t i = 0; i < count; i++) {
@@ -367,11 +354,11 @@ static void test_timers(void **state) {
     /* The two frames before are remembered, too; one without timers has none. */
     declare_all(world, 0);
     run(world, NULL);
-    assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 1, &timers, &count));
-    assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 2, &timers, &count));
+    assert_true(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device) - 1, &timers, &count));
+    assert_true(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device) - 2, &timers, &count));
     assert_int_equal(count, COUNT_OF(pass_names));
-    assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device) - 3, &timers, &count));
-    assert_false(graph_query_timers(world->graph, gpu_frame_number(world->device), &timers, &count));
+    assert_false(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device) - 3, &timers, &count));
+    assert_false(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device), &timers, &count));
 }
 
 static void test_steady_state_allocates_nothing(void **state) {
@@ -380,16 +367,16 @@ static void test_steady_state_allocates_nothing(void **state) {
     for (uint32_t frame = 0; frame < 16; frame++) {
         if (frame == 6) {
             atomic_store(&allocation_count, 0);
-            before = gpu_memory_stats(world->device);
+            before = gpu_memory_stats(world->base.device);
         }
         declare_all(world, 0);
         run(world, &(struct graph_execute_params){.timers = true});
         const struct graph_timer *timers;
         uint32_t count;
-        if (frame > 2) assert_true(graph_query_timers(world->graph, gpu_frame_number(world->device) - 2, &timers, &count));
+        if (frame > 2) assert_true(graph_query_timers(world->base.graph, gpu_frame_number(world->base.device) - 2, &timers, &count));
     }
     assert_int_equal(atomic_load(&allocation_count), 0);
-    struct gpu_memory_stats after = gpu_memory_stats(world->device);
+    struct gpu_memory_stats after = gpu_memory_stats(world->base.device);
     assert_int_equal(after.used_bytes, before.used_bytes);
     assert_int_equal(after.reserved_bytes, before.reserved_bytes);
 }
@@ -400,33 +387,33 @@ static void test_memory_follows_the_plan(void **state) {
     uint64_t small = 0, big = 0;
     for (uint32_t frame = 0; frame < 24; frame++) {
         uint32_t size = frame >= 8 && frame < 12 ? 2048 : 256;
-        graph_begin(world->graph);
+        graph_begin(world->base.graph);
         struct graph_image_params params = {.name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = size, .height = size};
-        graph_image image = graph_create_image(world->graph, &params);
-        struct graph_pass *pass = graph_add_pass(world->graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+        graph_image image = graph_create_image(world->base.graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->base.graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
         graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
         graph_keep(pass);
         run(world, NULL);
-        if (frame == 7) small = gpu_memory_stats(world->device).used_bytes;
-        if (frame == 11) big = gpu_memory_stats(world->device).used_bytes;
+        if (frame == 7) small = gpu_memory_stats(world->base.device).used_bytes;
+        if (frame == 11) big = gpu_memory_stats(world->base.device).used_bytes;
     }
     assert_true(big > small + (8 << 20));
-    assert_int_equal(gpu_memory_stats(world->device).used_bytes, small);
+    assert_int_equal(gpu_memory_stats(world->base.device).used_bytes, small);
 }
 
 /* A window that is resized all the time: images of the sizes before are let go. */
 static void test_images_of_old_plans_are_released(void **state) {
     struct world *world = *state;
     for (uint32_t frame = 0; frame < 20; frame++) {
-        graph_begin(world->graph);
+        graph_begin(world->base.graph);
         struct graph_image_params params = {
             .name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = 200 - frame, .height = 100};
-        graph_image image = graph_create_image(world->graph, &params);
-        struct graph_pass *pass = graph_add_pass(world->graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
+        graph_image image = graph_create_image(world->base.graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->base.graph, "clear", GRAPH_QUEUE_GRAPHICS, NULL, NULL, 0);
         graph_color(pass, image, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
         graph_keep(pass);
         run(world, NULL);
-        assert_int_equal(world->graph->physicals.count, MIN(frame, (uint32_t)GRAPH_KEEP_FRAMES) + 1);
+        assert_int_equal(world->base.graph->physicals.count, MIN(frame, (uint32_t)GRAPH_KEEP_FRAMES) + 1);
     }
 }
 
@@ -446,23 +433,23 @@ static void test_frames_in_flight_have_buffers_of_their_own(void **state) {
     VkImage images[6];
     uint64_t used = 0;
     for (uint32_t frame = 0; frame < COUNT_OF(addresses); frame++) {
-        graph_begin(world->graph);
-        struct dispatch look = {.to = graph_create_buffer(world->graph, "buffer", 1 << 20)};
+        graph_begin(world->base.graph);
+        struct dispatch look = {.to = graph_create_buffer(world->base.graph, "buffer", 1 << 20)};
         struct graph_image_params params = {.name = "image", .format = VK_FORMAT_R32_SFLOAT, .width = 64, .height = 64};
-        look.to_image = graph_create_image(world->graph, &params);
-        struct graph_pass *pass = graph_add_pass(world->graph, "look", GRAPH_QUEUE_GRAPHICS, execute_look, &look, sizeof look);
+        look.to_image = graph_create_image(world->base.graph, &params);
+        struct graph_pass *pass = graph_add_pass(world->base.graph, "look", GRAPH_QUEUE_GRAPHICS, execute_look, &look, sizeof look);
         graph_use_buffer(pass, look.to, GRAPH_WRITE_COMPUTE);
         graph_use_image(pass, look.to_image, GRAPH_WRITE_COMPUTE);
         graph_keep(pass);
         run(world, NULL);
         addresses[frame] = seen_address;
         images[frame] = seen_image;
-        if (frame == 1) used = gpu_memory_stats(world->device).used_bytes;
+        if (frame == 1) used = gpu_memory_stats(world->base.device).used_bytes;
         if (frame >= 1) assert_int_not_equal(addresses[frame], addresses[frame - 1]);
         if (frame >= 1) assert_ptr_equal(images[frame], images[frame - 1]);
         if (frame >= GPU_FRAMES_IN_FLIGHT) assert_int_equal(addresses[frame], addresses[frame - GPU_FRAMES_IN_FLIGHT]);
     }
-    assert_int_equal(gpu_memory_stats(world->device).used_bytes, used);
+    assert_int_equal(gpu_memory_stats(world->base.device).used_bytes, used);
 }
 
 static void execute_undeclared(const struct graph_context *context, const void *data) {
@@ -486,12 +473,12 @@ static void execute_see(const struct graph_context *context, const void *data) {
 
 static void test_rows_write_addresses(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     for (uint32_t frame = 0; frame < 3; frame++) {
-        assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+        assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
         graph_begin(graph);
         graph_buffer values = graph_create_buffer(graph, "values", BYTES), groups = graph_create_buffer(graph, "groups", 64);
-        graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+        graph_buffer output = graph_import_buffer(graph, "output", &world->base.readback);
         graph_image image = float_image(graph, "image", 1);
         add_dispatch(graph, "values", GRAPH_QUEUE_ASYNC, &(struct dispatch){.mode = FILL, .to = values, .value = 7});
         add_dispatch(graph, "image", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = TO_IMAGE, .from = values, .to_image = image});
@@ -515,18 +502,18 @@ static void test_rows_write_addresses(void **state) {
         graph_put_address(graph, &put, values);
         graph_put_address(graph, &unused, graph_create_buffer(graph, "unused", 64));
         assert_int_equal(graph_compile(graph), FNL_OK);
-        memset(world->readback.mapped, 0, world->readback.size);
+        memset(world->base.readback.mapped, 0, world->base.readback.size);
         if (frame == 1) {
             uint64_t ticket;
             assert_int_equal(graph_ask_pipelines(graph, &ticket), FNL_OK);
             assert_int_equal(ticket, 0); /* the frame before had them made */
             assert_true(put == 1 && seen.from == 16); /* no buffer has a place */
-            assert_int_equal(gpu_frame_end(world->device, NULL, 0, NULL), FNL_OK);
+            assert_int_equal(gpu_frame_end(world->base.device, NULL, 0, NULL), FNL_OK);
             continue;
         }
         assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-        assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
-        const float *out = world->readback.mapped;
+        assert_int_equal(gpu_wait_idle(world->base.device), FNL_OK);
+        const float *out = world->base.readback.mapped;
         for (uint32_t i = 0; i < 80; i++) assert_true(out[i] == (i >= 8 && i < 72 ? (float)(i - 8) + 7 : 0));
         assert_true(put != 0 && put != 1 && seen.from == put + 16 && unused == 0);
         assert_true(seen.to_image != GPU_NO_INDEX && seen.width == 0 && seen.to == 0);
@@ -572,26 +559,26 @@ static void test_dispatches_of_one_pass(void **state) {
 
 static void test_pipelines_of_dispatches_can_be_asked_for(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     uint64_t ticket;
     for (uint32_t again = 0; again < 2; again++) {
-        assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+        assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
         graph_begin(graph);
-        graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+        graph_buffer output = graph_import_buffer(graph, "output", &world->base.readback);
         add_dispatch(graph, "fill", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = output});
         assert_int_equal(graph_compile(graph), FNL_OK);
         assert_int_equal(graph_ask_pipelines(graph, &ticket), FNL_OK);
-        assert_int_equal(gpu_frame_end(world->device, NULL, 0, NULL), FNL_OK);
+        assert_int_equal(gpu_frame_end(world->base.device, NULL, 0, NULL), FNL_OK);
         assert_true(again ? ticket == 0 : ticket != 0);
-        while (gpu_pipeline_stats(world->device).done < ticket) sched_yield();
+        while (gpu_pipeline_stats(world->base.device).done < ticket) sched_yield();
     }
 }
 
 static void test_errors_end_the_frame_and_the_next_one_works(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
+    struct graph *graph = world->base.graph;
     graph_begin(graph);
-    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
     assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
     assert_non_null(strstr(logged, "not compiled"));
 
@@ -599,14 +586,14 @@ static void test_errors_end_the_frame_and_the_next_one_works(void **state) {
     add_dispatch(graph, "bad", GRAPH_QUEUE_GRAPHICS,
                  &(struct dispatch){.mode = TO_BUFFER, .from_image = float_image(graph, "nothing", 1)});
     assert_int_equal(graph_compile(graph), FNL_ERROR_INVALID);
-    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
     assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
 
     graph_begin(graph);
     graph_image image = float_image(graph, "image", 1);
     graph_keep(graph_add_pass(graph, "undeclared", GRAPH_QUEUE_GRAPHICS, execute_undeclared, &image, sizeof image));
     assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
     assert_int_equal(graph_execute_frame(graph, NULL), FNL_ERROR_INVALID);
     assert_non_null(strstr(logged, "graph: pass 'undeclared' asks for 'image' without a declared use of it"));
 

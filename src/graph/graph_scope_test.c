@@ -2,10 +2,7 @@
 /** Merged scopes: their plans, their misuse, what they move, and on a device the same pixels as without. */
 #include "graph/graph_internal.h"
 #include "shaders.h"
-
-#include <setjmp.h>
-
-#include <cmocka.h>
+#include "tests/graph_world.h"
 
 enum { WIDTH = 13, HEIGHT = 7, BYTES = WIDTH * HEIGHT * 16 };
 
@@ -18,10 +15,10 @@ static void keep_log(void *user, fnl_log_level level, const char *line) {
     snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", line);
 }
 
-static struct graph *make_graph(gpu_device *device) {
+static struct graph *make_graph(void) {
     fnl_host host = {.log = keep_log};
     struct graph *graph;
-    assert_int_equal(graph_create(&host, device, &graph), FNL_OK);
+    assert_int_equal(graph_create(&host, NULL, &graph), FNL_OK);
     logged[0] = 0;
     graph_begin(graph);
     return graph;
@@ -112,7 +109,7 @@ static const char *table_of(struct graph *graph) {
 
 static void test_a_merged_scope_stores_only_what_is_used_after_it_MB_2(void **state) {
     UNUSED(state);
-    struct graph *graph = make_graph(NULL);
+    struct graph *graph = make_graph();
     assert_true(declare(graph, false, &fake_readback));
     assert_int_equal(graph_compile(graph), FNL_OK);
     char plan[4096];
@@ -149,7 +146,7 @@ static void test_a_merged_scope_stores_only_what_is_used_after_it_MB_2(void **st
 /* What nobody needs is dropped from a scope as from a frame; a scope of one pass is still a scope. */
 static void test_culling_inside_a_scope(void **state) {
     UNUSED(state);
-    struct graph *graph = make_graph(NULL);
+    struct graph *graph = make_graph();
     graph_image target = image(graph, "target", VK_FORMAT_R8G8B8A8_UNORM),
                 unused = image(graph, "unused", VK_FORMAT_R8_UNORM);
     graph_begin_scope(graph, &(struct graph_scope_params){"scope", 1, 1, false});
@@ -187,7 +184,7 @@ static void expect_misuse(struct graph *graph, const char *message) {
 static void test_misuse_of_scopes(void **state) {
     UNUSED(state);
     const VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
-    struct graph *graph = make_graph(NULL);
+    struct graph *graph = make_graph();
     graph_image a = image(graph, "a", format);
     struct graph_pass *pass = begin(graph, a);
     graph_color(pass, a, VK_ATTACHMENT_LOAD_OP_CLEAR, NULL);
@@ -248,46 +245,29 @@ static void test_misuse_of_scopes(void **state) {
 
 /* ---- on a device ---- */
 
-static void run(gpu_device *device, struct graph *graph, const struct gpu_buffer *readback) {
-    assert_int_equal(graph_compile(graph), FNL_OK);
-    assert_int_equal(gpu_frame_begin(device), FNL_OK);
-    memset(readback->mapped, 0, BYTES);
-    assert_int_equal(graph_execute_frame(graph, &(struct graph_execute_params){.timers = true}), FNL_OK);
-    assert_int_equal(gpu_wait_idle(device), FNL_OK);
-    const float *pixels = readback->mapped;
-    for (uint32_t i = 0; i < BYTES / 4; i++) assert_true(pixels[i] == 1.25f);
-}
-
 static void test_merged_and_separate_passes_leave_the_same_pixels(void **state) {
     UNUSED(state);
-    fnl_device_params params = fnl_device_params_default();
-    params.host.log = keep_log;
-    params.validate = true;
-    params.cache_folder = "";
-    gpu_device *device;
-    assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
-    struct gpu_buffer readback;
-    assert_int_equal(gpu_buffer_create(device, "readback", BYTES, GPU_MEMORY_READBACK, &readback), FNL_OK);
-    struct graph *graph = make_graph(device);
+    fnl_host host = fnl_host_default();
+    host.log = keep_log;
+    struct graph_world world;
+    graph_world_open(&world, &host, BYTES);
     for (uint32_t frame = 0; frame < 5; frame++) {
-        if (frame) graph_begin(graph);
+        graph_begin(world.graph);
         bool separate = frame & 1;
-        assert_int_equal(declare(graph, separate, &readback), !separate);
-        run(device, graph, &readback);
+        assert_int_equal(declare(world.graph, separate, &world.readback), !separate);
+        graph_world_run(&world, &(struct graph_execute_params){.timers = true});
+        const float *pixels = world.readback.mapped;
+        for (uint32_t i = 0; i < BYTES / 4; i++) assert_true(pixels[i] == 1.25f);
         const struct graph_timer *timers;
         uint32_t count;
-        if (graph_query_timers(graph, gpu_frame_number(device), &timers, &count)) {
+        if (graph_query_timers(world.graph, gpu_frame_number(world.device), &timers, &count)) {
             assert_int_equal(count, separate ? 4 : 2);
             assert_string_equal(timers[0].name, separate ? "clear" : "scope");
         }
-        struct graph_lazy_memory lazy = graph_query_lazy_memory(graph);
+        struct graph_lazy_memory lazy = graph_query_lazy_memory(world.graph);
         assert_true(lazy.committed_bytes <= lazy.reserved_bytes);
     }
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &readback);
-    uint64_t messages = fnl_device_validation_count(device);
-    fnl_device_destroy(&device);
-    assert_int_equal(messages, 0);
+    graph_world_close(&world);
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 /** Layers of images, and passes that draw into several at once: plans, misuse, and on a device the pixels of each layer. */
 #include "shaders.h"
 #include "tests/graph_cases.h"
+#include "tests/graph_world.h"
 
 enum { WIDTH = 13, HEIGHT = 7, MOST = 6, LAYER_FLOATS = WIDTH * HEIGHT * 4, BYTES = MOST * LAYER_FLOATS * 4 };
 
@@ -191,37 +192,22 @@ static void print_log(void *user, fnl_log_level level, const char *line) {
     if (level >= FNL_LOG_WARNING) print_error("%s\n", line);
 }
 
-static gpu_device *open_device(void) {
-    fnl_device_params params = fnl_device_params_default();
-    params.host.log = print_log;
-    params.validate = true;
-    params.cache_folder = "";
-    gpu_device *device;
-    assert_int_equal(fnl_device_create(&params, &device), FNL_OK);
-    return device;
-}
-
 static void test_each_view_has_pixels_of_its_own(void **state) {
     UNUSED(state);
     static const struct {
         uint32_t layers, mask;
     } cases[] = {{2, 3}, {6, 0x3f}, {3, 5}, {1, 1}, {2, 2}, {6, 0x3f}, {4, 0xf}};
-    gpu_device *device = open_device();
-    assert_true(gpu_info(device)->multiview && gpu_info(device)->max_views >= MOST);
-    struct gpu_buffer readback;
-    assert_int_equal(gpu_buffer_create(device, "readback", BYTES, GPU_MEMORY_READBACK, &readback), FNL_OK);
-    struct graph *graph;
-    assert_int_equal(graph_create(gpu_host(device), device, &graph), FNL_OK);
+    fnl_host host = fnl_host_default();
+    host.log = print_log;
+    struct graph_world world;
+    graph_world_open(&world, &host, BYTES);
+    assert_true(gpu_info(world.device)->multiview && gpu_info(world.device)->max_views >= MOST);
     for (uint32_t n = 0; n < 2 * COUNT_OF(cases); n++) { /* images come back, and some are let go */
         const uint32_t layers = cases[n % COUNT_OF(cases)].layers, mask = cases[n % COUNT_OF(cases)].mask;
-        graph_begin(graph);
-        declare(graph, layers, mask, &readback);
-        assert_int_equal(graph_compile(graph), FNL_OK);
-        assert_int_equal(gpu_frame_begin(device), FNL_OK);
-        memset(readback.mapped, 0, BYTES);
-        assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-        assert_int_equal(gpu_wait_idle(device), FNL_OK);
-        const float *pixels = readback.mapped;
+        graph_begin(world.graph);
+        declare(world.graph, layers, mask, &world.readback);
+        graph_world_run(&world, NULL);
+        const float *pixels = world.readback.mapped;
         for (uint32_t i = 0; i < MOST * LAYER_FLOATS; i++) {
             uint32_t view = i / LAYER_FLOATS;
             float expected = mask >> view & 1 ? (float)view + 1.5f : 0;
@@ -229,11 +215,7 @@ static void test_each_view_has_pixels_of_its_own(void **state) {
                 fail_msg("case %u: view %u holds %g, not %g", n, view, (double)pixels[i], (double)expected);
         }
     }
-    graph_destroy(&graph);
-    gpu_buffer_destroy(device, &readback);
-    uint64_t messages = fnl_device_validation_count(device);
-    fnl_device_destroy(&device);
-    assert_int_equal(messages, 0);
+    graph_world_close(&world);
 }
 
 int main(void) {
