@@ -5,6 +5,7 @@ set -u
 fanal=$1
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}} # what the driver has compiled stays
 export XDG_CACHE_HOME="$work/cache" # what auto remembers starts empty
 failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }

@@ -6,6 +6,7 @@ fanal=$1 check_schema=$2
 source=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}} # what the driver has compiled stays
 export XDG_CACHE_HOME="$work/cache" TMPDIR="$work"
 failures=0
 fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
