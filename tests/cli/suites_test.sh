@@ -125,6 +125,8 @@ suite dais --sizes 96x54 --frames 1 --warm-up 1
 results=$work/dais/results.json
 holds "$results" 'dais: times of passes' '.dais | length == 10 and all([.prepass_ms, .visibility_ms, .derivatives_ms, .shade_ms] | all(. > 0)) and
     ([.[] | select(.scene | startswith("builtin:hall")) | .shared_ms > 0] == [true, true])'
+# All ways on the hall alone, what the crossings need on the others.
+holds "$results" 'dais: ratios' '[.. | objects] | [map(select(has("of_deferred_prepass"))), map(select(has("list_of_target")))] | map(length) == [10, 2]'
 holds "$results" 'dais: bytes of smaller and smaller triangles' '[.dais[] | select(.series == "spheres" and .msaa == 1)] |
     [.[].samples_per_triangle] == ([.[].samples_per_triangle] | sort | reverse) and .[0].bytes_of_deferred < 1 and .[-1].bytes_of_deferred > 1'
 grep -q 'spheres, 96x54, 4 samples; time.*bytes even at [0-9.]* samples a triangle' "$work/out" || fail "dais: where the orders cross: $(tail -c 600 "$work/out")"
