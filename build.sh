@@ -78,11 +78,11 @@ build() {
     cmake --build "$folder" --target "$target" | follow
 }
 
-# The command alone: without cmocka, unless the folder has tests already.
+# What does not need cmocka, the command unless another target is named: without tests, unless the folder has them already.
 build_command() {
     local options=()
     [ -e build/CMakeCache.txt ] || options=(-DFANAL_TESTS=OFF)
-    build build fanal_cli "${options[@]}"
+    build build "${1:-fanal_cli}" "${options[@]}"
 }
 
 case $verb in
@@ -112,8 +112,13 @@ test)
     ctest --test-dir $folder --output-on-failure --no-tests=error -j 2 ${regex:+-R "$regex"} ${quick:+-E "$quick"}
     ;;
 shaders) setup --tests; build build shader_report -DFANAL_TESTS=ON; if [ -n "$record" ]; then what=record; else what=show; fi; tools/shaders.sh $what build/tests/shader_report ;;
-fuzz) setup --clang; build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON \
-    -DFANAL_SANITIZE=address,undefined; tools/fuzz.sh build/fuzz "$seconds" ;;
+fuzz)
+    setup --clang
+    build_command fanal_shader_files
+    build build/fuzz fuzzers -DCMAKE_C_COMPILER=clang -DFANAL_TESTS=OFF -DFANAL_FUZZ=ON -DFANAL_SANITIZE=address,undefined \
+        "-DFANAL_SHADERS=$PWD/build/generated"
+    tools/fuzz.sh build/fuzz "$seconds"
+    ;;
 bench)
     setup
     build_command

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
 # GLSL to SPIR-V that is embedded in the library, and the check of the structs that C and GLSL share.
 
-# Where shaders.h lies, which declares every embedded shader.
+# Where what the build writes lies: the embedded shaders, and shaders.h, which declares them.
 set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
-target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED})
+# A second build of the same sources, by another compiler or with sanitizers, can take the shaders from the first, whose target
+# fanal_shader_files makes them: they take as long to compile as the library.
+set(FANAL_SHADERS "" CACHE PATH "The folder 'generated' of a build to take the shaders from; empty: they are compiled")
+target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED} ${FANAL_SHADERS})
 
 # Programs of the build itself: never sanitised.
 add_executable(fanal_spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
@@ -12,6 +15,7 @@ add_executable(fanal_layout_check ${PROJECT_SOURCE_DIR}/tools/layout_check.c)
 
 set_property(GLOBAL PROPERTY fanal_shader_names "")
 set_property(GLOBAL PROPERTY fanal_shader_modules "")
+set_property(GLOBAL PROPERTY fanal_shader_files "")
 set_property(GLOBAL PROPERTY fanal_shader_targets "")
 
 # fanal_shaders(fanal_passes_lights tiled_bounds.comp.glsl …) compiles each file (STEM.vert.glsl, .geom.glsl, .mesh.glsl, .frag.glsl or
@@ -41,6 +45,11 @@ function(fanal_shader_variant target stem)
   endif()
   set_property(GLOBAL APPEND PROPERTY fanal_shader_names ${name})
 
+  if(FANAL_SHADERS)
+    target_sources(${target} PRIVATE ${FANAL_SHADERS}/${name}.c)
+    return()
+  endif()
+
   cmake_path(ABSOLUTE_PATH variant_FROM BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE source)
   list(TRANSFORM variant_DEFINES PREPEND -D OUTPUT_VARIABLE defines)
   set(module ${FANAL_GENERATED}/${name}.spv)
@@ -59,12 +68,16 @@ function(fanal_shader_variant target stem)
     COMMAND fanal_spirv_embed ${name} ${optimised} ${embedded})
   target_sources(${target} PRIVATE ${embedded})
   set_property(GLOBAL APPEND PROPERTY fanal_shader_modules ${module})
+  set_property(GLOBAL APPEND PROPERTY fanal_shader_files ${embedded})
   set_property(GLOBAL APPEND PROPERTY fanal_shader_targets ${target})
 endfunction()
 
 # Called once, when every shader is known: writes shaders.h, and compiles the assertions that the structs of all
 # *_shared.h are laid out in C as in the SPIR-V (tools/layout_check.c). A difference fails the build.
 function(fanal_finish_shaders)
+  if(FANAL_SHADERS)
+    return() # the other build did this
+  endif()
   get_property(names GLOBAL PROPERTY fanal_shader_names)
   list(SORT names)
   set(text "/* SPDX-License-Identifier: MIT */\n#ifndef FNL_SHADERS_H\n#define FNL_SHADERS_H\n\n")
@@ -83,6 +96,8 @@ function(fanal_finish_shaders)
     COMMAND fanal_layout_check ${assertions} ${headers} -- ${modules})
   add_library(fanal_layouts OBJECT ${assertions})
   target_link_libraries(fanal_layouts PRIVATE fanal_options)
+  get_property(files GLOBAL PROPERTY fanal_shader_files)
+  add_custom_target(fanal_shader_files DEPENDS ${files})
   get_property(targets GLOBAL PROPERTY fanal_shader_targets)
   list(REMOVE_DUPLICATES targets)
   add_dependencies(fanal_layouts ${targets}) # make knows how to build files of its own directory only
