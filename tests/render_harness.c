@@ -234,7 +234,16 @@ fnl_frame test_frame(uint32_t outputs) {
 
 fnl_renderer *test_renderer(fnl_scene *scene) {
     fnl_renderer *renderer;
-    assert_int_equal(fnl_renderer_create(test_device, scene, &renderer), FNL_OK);
+    void **shared = gpu_shared(test_device), *before = *shared;
+    *shared = NULL; /* it finds no other's */
+    const fnl_result result = fnl_renderer_create(test_device, scene, &renderer);
+    if (before) {
+        struct device_scene *last = before;
+        while (last->next) last = last->next;
+        last->next = *shared; /* behind that which others of the scene may come to share */
+        *shared = before;
+    }
+    assert_int_equal(result, FNL_OK);
     return renderer;
 }
 

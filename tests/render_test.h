@@ -49,6 +49,7 @@ fnl_frame test_frame(uint32_t outputs);
 fnl_image test_read(fnl_renderer *renderer, fnl_output output);
 /** A renderer of its own renders one frame. */
 fnl_image test_render(fnl_scene *scene, const fnl_frame *frame, fnl_output output);
+/** A renderer that shares nothing with others of its scene: what it shows, it was told itself. */
 fnl_renderer *test_renderer(fnl_scene *scene);
 void test_render_frame(fnl_renderer *renderer, const fnl_frame *frame);
 void free_picture(fnl_image *image);

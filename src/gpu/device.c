@@ -85,6 +85,7 @@ void gpu_fail(gpu_device *device, fnl_result result) {
 /* ---- small queries ---- */
 
 const fnl_host *gpu_host(const gpu_device *device) { return &device->host; }
+void **gpu_shared(gpu_device *device) { return &device->shared; }
 struct jobs *gpu_jobs(gpu_device *device) {
     return device->jobs;
 }

@@ -65,6 +65,9 @@ void gpu_cache_save(gpu_device *device, const char *stem, const void *data, size
 
 struct gpu_memory_stats gpu_memory_stats(const gpu_device *device);
 
+/** A place for what those who use the device share, and free before it; NULL at first. */
+void **gpu_shared(gpu_device *device);
+
 /* ---- buffers ---- */
 
 enum gpu_memory_kind {

@@ -386,6 +386,7 @@ struct fnl_device {
     ARRAY(uint64_t) batch_values;
     pthread_mutex_t slice_mutex;
     struct gpu_last_uses last_uses;
+    void *shared;
 };
 
 /** The parts that own and imported devices share: everything above the VkDevice. */

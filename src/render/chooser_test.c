@@ -762,7 +762,7 @@ static void test_asking_changes_nothing(void **state) {
         assert_int_equal(count_differing(&a.color, &b.color), 0);
         assert_int_equal(a.stats.lights_total, b.stats.lights_total);
         assert_int_equal(a.stats.lights_in_view, b.stats.lights_in_view);
-        assert_int_equal(asks.renderer->device_scene.light_bytes_sent, plain.renderer->device_scene.light_bytes_sent);
+        assert_int_equal(asks.renderer->device_scene->light_bytes_sent, plain.renderer->device_scene->light_bytes_sent);
         shot_free(&a);
         shot_free(&b);
     }

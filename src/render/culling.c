@@ -17,7 +17,7 @@ static bool culls_hidden(const fnl_frame *frame) {
 bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame) {
     const struct renderer_tests tests = renderer_tests(r);
     bool regrouped = frame->lists == FNL_LISTS_BATCHES || frame->lists == FNL_LISTS_MULTIPASS,
-         redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene.decals.draw_count > 0;
+         redrawn = frame->decals != FNL_DECALS_OFF && r->device_scene->decals.draw_count > 0;
     bool wanted = frame->geometry == FNL_GEOMETRY_MESH ||
                   (frame->geometry == FNL_GEOMETRY_AUTO && (gpu_info(r->device)->type != FNL_DEVICE_CPU || tests.auto_meshes));
     return wanted && frame->culling != FNL_CULLING_INSTANCES && gpu_info(r->device)->mesh_shader && !tests.no_meshes &&

@@ -7,7 +7,7 @@
 #include "passes/lights/bvh.h"
 #include "render/shading.h"
 
-static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene.decals; }
+static const struct device_decals *decals_of(const struct frame_state *f) { return &f->r->device_scene->decals; }
 static bool is_on(const struct frame_state *f) {
     return f->frame->decals != FNL_DECALS_OFF && decals_of(f)->order.count > 0;
 }
@@ -33,7 +33,7 @@ static void tell_of_lists(struct frame_state *f) {
 fnl_result decals_send(struct frame_state *f) {
     if (!is_on(f)) return FNL_OK;
     tell_of_lists(f);
-    return device_decals_add(&f->r->device_scene, f->graph, &f->decals.buffers);
+    return device_decals_add(f->r->device_scene, f->graph, &f->decals.buffers);
 }
 
 fnl_result decals_begin(struct frame_state *f) {
@@ -49,7 +49,7 @@ fnl_result decals_begin(struct frame_state *f) {
 /* As for the clusters of lights: slices reach as far as the scene does. */
 static struct clustered_params cluster_params(const struct frame_state *f) {
     struct clustered_params params = clustered_params_default();
-    float far = view_reach(&f->view, &f->r->device_scene.bounds);
+    float far = view_reach(&f->view, &f->r->device_scene->bounds);
     params.far = fminf(far, 1e6f);
     params.near = fminf(fmaxf(f->frame->camera.near_distance, params.far / 128), params.far * 0.5f);
     params.tile_size = 32;

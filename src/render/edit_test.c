@@ -337,7 +337,7 @@ static void test_images_stay_on_the_device(void **state) {
     look.base_color_image = ids[0];
     assert_int_equal(fnl_scene_set_material(scene, paint, &look), FNL_OK);
     struct stage stage = open_stage(scene);
-    const struct device_scene *d = &stage.renderer->device_scene;
+    const struct device_scene *d = stage.renderer->device_scene;
     fnl_image first = shoot(&stage);
     assert_int_equal(d->image_upload_count, 1);
     look.base_color[1] = 0.9f;

@@ -80,7 +80,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
     struct device_scene_frame scene;
     uint32_t count = frame_view_count(frame);
     graph_begin(r->graph);
-    TRY(device_scene_add(&r->device_scene, r->graph, &scene));
+    TRY(device_scene_add(&r->scene_user, r->graph, &scene));
     TRY(add_shared(&shared));
     struct gpu_slice cameras = gpu_frame_allocate(r->device, count * sizeof(struct gpu_view));
     if (!cameras.data) return gpu_status(r->device);
@@ -124,11 +124,11 @@ static fnl_result add_view(struct frame_state *f, struct gpu_view *out) {
 }
 
 static fnl_result fade_lights(struct frame_state *f) {
-    struct device_scene *d = &f->r->device_scene;
+    struct device_scene_user *user = &f->r->scene_user;
     float lod = f->frame->light_lod;
-    TRY(device_lights_fade(d, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
+    TRY(device_lights_fade(user, &f->view, lod, lists_cull_on_cpu(f->frame->lists)));
     f->whole_lights = f->scene->lights;
-    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &d->faded_lights, &d->faded_bounds, lod);
+    if (lod > 0) light_fade_add(f->graph, &f->scene->lights, &user->faded_lights, &user->faded_bounds, lod);
     return FNL_OK;
 }
 

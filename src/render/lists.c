@@ -267,7 +267,7 @@ static void add_world_grid(struct lists_context *c, struct world_grid *grid, boo
     params.flat = flat;
     /* As for pools: a 32nd of the device's memory. */
     params.entry_limit = MIN(params.entry_limit, MAX(gpu_info(c->device)->memory_bytes / 32 / 4, 1u << 18));
-    c->lights = world_grid_add(grid, c->graph, c->device, input, local_bounds(c), c->device_scene->light_version,
+    c->lights = world_grid_add(grid, c->graph, c->device, input, local_bounds(c), c->device_scene->sent.lights,
                                &c->device_scene->bounds, &params);
 }
 

@@ -71,7 +71,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     graph_begin(graph);
     struct device_scene_frame scene;
-    assert_int_equal(device_scene_add(&r->device_scene, graph, &scene), FNL_OK);
+    assert_int_equal(device_scene_add(&r->scene_user, graph, &scene), FNL_OK);
     struct gpu_view view = view_from_camera(&frame->camera, t.width, t.height);
     struct gpu_frame shared = {.hdr_max = FLT_MAX};
     struct gpu_slice shared_slice = gpu_frame_allocate(device, sizeof shared), slice = gpu_frame_allocate(device, sizeof view);
@@ -125,7 +125,7 @@ static struct traces trace(struct stage *stage, const fnl_frame *frame, enum lis
         struct clustered_cpu_view cpu_view = {view.ndc_scale, view.ndc_offset, frame->camera.orthographic, t.width,
                                               t.height};
         list = clustered_cpu_add(&r->views.data[0].lists.clustered_cpu, device, input,
-                                 r->device_scene.light_bounds.data, &view.world_to_view, &cpu_view,
+                                 r->device_scene->light_bounds.data, &view.world_to_view, &cpu_view,
                                  &clustered);
     } else {
         list = tiled_add(graph, device, input, &in_view, kind == TILES ? depth : (graph_image){0}, &tiled);

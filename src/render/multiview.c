@@ -5,7 +5,7 @@
 
 /* Culling by clusters and occlusion leaves what one view sees, and decals are found in lists of one view. */
 static bool is_possible(const fnl_renderer *r, const fnl_frame *frame) {
-    const struct device_scene *scene = &r->device_scene;
+    const struct device_scene *scene = r->device_scene;
     bool decals = frame->decals != FNL_DECALS_OFF && scene->decals.order.count > 0;
     return gpu_info(r->device)->multiview && frame_is(frame, SHADING_MULTIVIEW) &&
            frame->culling == FNL_CULLING_INSTANCES && !frame->occlusion && !decals;
@@ -18,7 +18,7 @@ static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_
  * degrees, with the same field of view, from places that are less than 1/32 of the scene's diagonal apart.
  */
 static bool see_the_same(const fnl_renderer *r, const fnl_camera *a, const fnl_camera *b) {
-    const struct box *bounds = &r->device_scene.bounds;
+    const struct box *bounds = &r->device_scene->bounds;
     if (box_is_empty(bounds) || a->orthographic != b->orthographic || a->vertical_fov != b->vertical_fov ||
         a->vertical_extent != b->vertical_extent)
         return false;

@@ -116,7 +116,7 @@ static void add_eye(const struct stage *stage, struct graph *graph, struct devic
                               .device = device,
                               .frame = &here,
                               .view = &eye->view,
-                              .device_scene = &r->device_scene,
+                              .device_scene = r->device_scene,
                               .scene = &scene->geometry,
                               .draws = &draws,
                               .input = &input,
@@ -196,7 +196,7 @@ static void draw_eyes(const struct stage *stage, const fnl_frame *frame, struct 
         struct device_scene_frame scene;
         assert_int_equal(gpu_frame_begin(device), FNL_OK);
         graph_begin(graph);
-        assert_int_equal(device_scene_add(&stage->renderer->device_scene, graph, &scene), FNL_OK);
+        assert_int_equal(device_scene_add(&stage->renderer->scene_user, graph, &scene), FNL_OK);
         for (uint32_t i = 0; i < count; i++) {
             if (scoped) graph_push_names(graph, eyes[i].name);
             add_eye(stage, graph, &scene, number, frame, &eyes[i]);

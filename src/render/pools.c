@@ -35,7 +35,7 @@ static void grow_decal_pool(fnl_renderer *r, const struct frame_counts *counts) 
 
 /* So do the pools of culling, as far as the scene can fill them. */
 void pools_grow_clusters(fnl_renderer *r, const struct frame_counts *counts) {
-    const struct device_scene *d = &r->device_scene;
+    const struct device_scene *d = r->device_scene;
     if (renderer_tests(r).cluster_limit) return;
     uint64_t limit = MAX(gpu_info(r->device)->memory_bytes / 128, (uint64_t)CLUSTER_POOL_START);
     uint64_t clusters = MIN(MAX(CLUSTER_POOL_START, counts->clusters.clusters + counts->clusters.clusters / 4ull), limit);

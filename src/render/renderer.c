@@ -31,7 +31,7 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
         r->measures = false;
         return;
     }
-    const struct device_scene *d = &r->device_scene;
+    const struct device_scene *d = r->device_scene;
     uint64_t item_step = 0; /* a few objects more or less are the same scene */
     for (uint32_t count = d->item_count; count; count >>= 1) item_step++;
     const uint64_t parts[] = {item_step, d->buckets.count};
@@ -115,11 +115,12 @@ fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_rendere
     r->scene = scene;
     pools_init(r);
     r->decal_tree = 1024; /* from about there on, each cell asking each box costs more than making the tree */
-    device_scene_init(&r->device_scene, device, scene);
     r->atlas.version = UINT64_MAX;
     lists_shared_init(&r->lists, &r->host);
     load_choices(r);
     fnl_result result = prepare_views(r, 1);
+    if (result == FNL_OK) result = device_scene_open(device, scene, &r->scene_user);
+    r->device_scene = r->scene_user.scene;
     if (result == FNL_OK) result = graph_create(&r->host, device, &r->graph);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT && result == FNL_OK; i++)
         result = gpu_buffer_create(device, "frame counts", sizeof(struct frame_counts), GPU_MEMORY_READBACK, &r->counts[i]);
@@ -137,7 +138,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     save_choices(r);
     graph_destroy(&r->graph);
     graph_destroy(&r->asking_graph);
-    device_scene_finish(&r->device_scene);
+    device_scene_close(&r->scene_user);
     for (uint32_t i = 0; i < r->views.count; i++) {
         struct renderer_view *view = &r->views.data[i];
         lists_finish(&view->lists, r->device);
@@ -149,6 +150,7 @@ void fnl_renderer_destroy(fnl_renderer **handle) {
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++) gpu_buffer_destroy(r->device, &r->outputs[i]);
     for (uint32_t i = 0; i < GPU_FRAMES_IN_FLIGHT; i++) gpu_buffer_destroy(r->device, &r->counts[i]);
     array_free(&r->host, &r->views);
+    array_free(&r->host, &r->counted_buckets);
     array_free(&r->host, &r->view_stats);
     array_free(&r->host, &r->counters);
     array_free(&r->host, &r->pass_times);
@@ -167,6 +169,14 @@ static fnl_result keep_buffer(fnl_renderer *r, struct gpu_buffer *buffer, const 
     return gpu_buffer_create(r->device, name, size, GPU_MEMORY_READBACK, buffer);
 }
 
+static fnl_result keep_buckets(fnl_renderer *r) {
+    const uint32_t count = r->device_scene->buckets.count;
+    if (!array_reserve(&r->host, &r->counted_buckets, count)) return FNL_ERROR_MEMORY;
+    if (count) memcpy(r->counted_buckets.data, r->device_scene->buckets.data, count * sizeof *r->counted_buckets.data);
+    r->counted_buckets.count = count;
+    return FNL_OK;
+}
+
 static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
     uint32_t views = frame_view_count(frame);
     TRY(prepare_views(r, views));
@@ -177,9 +187,9 @@ static fnl_result prepare_buffers(fnl_renderer *r, const fnl_frame *frame) {
         struct renderer_view *view = &r->views.data[i];
         /* Two counters per pixel, and one for all. */
         TRY(keep_buffer(r, &view->counters, "light counters", (uint64_t)frame->width * frame->height * 8 + 4));
-        TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)));
+        TRY(keep_buffer(r, &view->draws, "draws", MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)));
     }
-    return FNL_OK;
+    return frame->count_lights ? keep_buckets(r) : FNL_OK;
 }
 
 /* Inside the frame: takes what the last one in this slot has counted, and clears the place for what this one will. */
@@ -194,14 +204,14 @@ static fnl_result prepare_counts(fnl_renderer *r, const fnl_frame *frame, uint32
 }
 
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame) {
-    r->device_scene.keeps_previous = temporal_needs_motion(frame);
+    r->scene_user.wants_previous = temporal_needs_motion(frame);
     bool culls = frame->culling != FNL_CULLING_INSTANCES;
-    TRY(device_scene_prepare(&r->device_scene));
+    TRY(device_scene_prepare(r->device_scene));
     renderer_choose(r, frame);
     r->meshes = frame_draws_meshes(r, frame);
-    if (culls && r->device_scene.triangle_count > 0) {
+    if (culls && r->device_scene->triangle_count > 0) {
         if (r->triangle_capacity == 0) pools_grow_clusters(r, &(struct frame_counts){0}); /* the scene's size is known now */
-        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->device_scene, r->triangle_capacity));
+        if (!r->meshes) TRY(device_scene_reserve_triangles(&r->scene_user, r->triangle_capacity));
     }
     return shading_prepare(r, frame);
 }
@@ -229,6 +239,7 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
                                            .poison = renderer_tests(r).poison,
                                            .external = external};
     TRY(graph_execute_frame(r->graph, &execute));
+    device_scene_submitted(&r->scene_user);
     shading_submitted(r, frame);
     r->frame = *frame;
     r->frame.views = NULL;
@@ -246,7 +257,6 @@ static fnl_result make_frame(fnl_renderer *r, fnl_frame *frame, const struct fra
 void renderer_forget(fnl_renderer *r) {
     for (uint32_t i = 0; i < r->views.count; i++) r->views.data[i].temporal.valid = false;
     lists_shared_forget(&r->lists);
-    device_scene_forget(&r->device_scene);
     r->atlas.version = UINT64_MAX;
 }
 

@@ -86,7 +86,8 @@ struct fnl_renderer {
     gpu_device *device;
     fnl_scene *scene;
     struct graph *graph;
-    struct device_scene device_scene;
+    struct device_scene_user scene_user;
+    struct device_scene *device_scene;     /* the user's: other renderers may have it too */
     struct chooser chooser;                /* auto */
     struct choice asked;                   /* of the last frame */
     bool told_of_mesh_lists;               /* the log knows that they stand in for others */
@@ -96,6 +97,7 @@ struct fnl_renderer {
     uint32_t asking_together;              /* while such a frame is declared: its one view is drawn with so many; 0: alone */
     ARRAY(struct renderer_view) views;     /* at least one; as many as any frame so far had */
     struct lists_shared lists;
+    ARRAY(struct geometry_bucket) counted_buckets; /* of a frame with count_lights: another renderer may change the scene's meanwhile */
     ARRAY(fnl_frame_stats) view_stats;     /* handed out with the stats of a frame with several views */
     ARRAY(fnl_counter) counters;           /* handed out with all stats */
     struct virtual_atlas atlas; /* of virtual texturing */
@@ -145,7 +147,7 @@ fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct f
 /** Brings the scene on the device up to date, replaces auto by what the frame uses, and makes what lasts; outside of frames. */
 fnl_result renderer_prepare(fnl_renderer *r, fnl_frame *frame);
 void renderer_choose(fnl_renderer *r, fnl_frame *frame);
-/** Updates may never have reached the device: the next frame sends all of them again. */
+/** After a frame that failed: nothing is known of what the device has of it. */
 void renderer_forget(fnl_renderer *r);
 /**
  * A frame of one view becomes as any other. With several, auto becomes what serves any scene: it learns from frames of one view. Before the frame

@@ -619,7 +619,7 @@ static void test_two_renderers(void **state) {
                 fail_msg("order %u: renderer %d names %u passes, not %u", k, i, stats.pass_count, alone[i].pass_count);
         }
     }
-    /* Two renderers of one scene follow its edits each. */
+    /* Two renderers of one scene follow its edits each (share_test.c has those that share it). */
     fnl_renderer *second = test_renderer(a.scene);
     for (uint32_t step = 0; step < 5; step++) {
         edit(&a, step);

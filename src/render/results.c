@@ -41,8 +41,8 @@ static void sum_evaluations(const fnl_renderer *r, const struct renderer_view *v
     s->mean_per_pixel = (double)s->evaluations / (double)pixels;
     s->evaluations_counted = true;
     const struct gpu_draw *draws = view->draws.mapped;
-    for (uint32_t b = 0; b < r->device_scene.buckets.count; b++) {
-        const struct geometry_bucket *bucket = &r->device_scene.buckets.data[b];
+    for (uint32_t b = 0; b < r->counted_buckets.count; b++) {
+        const struct geometry_bucket *bucket = &r->counted_buckets.data[b];
         if (bucket->topology != VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST) continue;
         for (uint32_t i = 0; i < bucket->group_count; i++) {
             const struct gpu_draw *draw = &draws[bucket->first_group + i];
@@ -56,7 +56,7 @@ static void query_view(const fnl_renderer *r, const struct renderer_view *view, 
                        fnl_frame_stats *out) {
     *out = view->stats;
     struct light_totals lights = view->totals_known ? view->known_totals : counts->lights;
-    out->lights_in_view = lights.in_view + r->device_scene.sun_data.count;
+    out->lights_in_view = lights.in_view + view->scene.lights.directional_count;
     out->list_entries = (uint64_t)lights.entries + counts->blend_lights.entries;
     out->overflow_cells = lights.overflow_cells + counts->blend_lights.overflow_cells;
     out->list_used_bytes = view->fixed_bytes + lights.entries * (uint64_t)view->entry_bytes +

@@ -59,7 +59,7 @@ static struct lists_context lists_context(struct frame_state *f) {
                                   .device = f->r->device,
                                   .frame = f->frame,
                                   .view = &f->view,
-                                  .device_scene = &f->r->device_scene,
+                                  .device_scene = f->r->device_scene,
                                   .scene = &f->scene->geometry,
                                   .draws = &f->draws,
                                   .input = &f->scene->lights,
@@ -214,8 +214,8 @@ uint32_t shading_draw_count(const struct frame_state *f) { return f->first_draws
 static bool find_forward_items(const struct counted *counted, uint64_t *value) {
     const struct gpu_draw *draws = counted->view->draws.mapped;
     uint32_t layouts = counted->view->forward_layouts;
-    for (uint32_t b = 0; b < counted->r->device_scene.buckets.count && layouts; b++) {
-        const struct geometry_bucket *bucket = &counted->r->device_scene.buckets.data[b];
+    for (uint32_t b = 0; b < counted->r->counted_buckets.count && layouts; b++) {
+        const struct geometry_bucket *bucket = &counted->r->counted_buckets.data[b];
         bool forward = !bucket->blend && bucket->forward_layouts & layouts;
         for (uint32_t i = 0; i < bucket->group_count && forward; i++)
             *value += draws[bucket->first_group + i].instance_count;

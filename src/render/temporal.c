@@ -12,7 +12,7 @@ bool temporal_needs_motion(const fnl_frame *frame) {
 /* Is the last frame one of the same camera at the same scene? */
 static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
-    return s->valid && !f->frame->reset_history && s->frame.view_count == f->frame->view_count &&
+    return s->valid && !f->scene->lost && !f->frame->reset_history && s->frame.view_count == f->frame->view_count &&
            s->view.size.x == view->size.x && s->view.size.y == view->size.y && s->view.orthographic == view->orthographic;
 }
 
@@ -21,7 +21,7 @@ static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
     const fnl_frame *a = &s->frame, *b = f->frame;
     vec3 background = f->r->scene->background;
-    return !f->scene->moved && s->uploads == f->r->device_scene.upload_count && s->light_version == f->r->scene->light_version &&
+    return !f->scene->moved && s->uploads == f->r->device_scene->upload_count && s->light_version == f->r->scene->light_version &&
            s->decal_version == f->r->scene->decal_version &&
            memcmp(&s->view.world_to_clip, &view->world_to_clip, sizeof view->world_to_clip) == 0 &&
            memcmp(&s->background, &background, sizeof background) == 0 && a->shading == b->shading &&
@@ -49,7 +49,7 @@ void temporal_add(struct frame_state *f) {
     graph_image depth = f->depth;
     if (!depth.id)
         depth = motion_depth_add(f->graph, &f->scene->geometry, &f->draws, f->view_address, frame->width, frame->height);
-    const struct device_scene *d = &f->r->device_scene;
+    const struct device_previous *previous = &f->scene->previous_layout;
     struct motion_input input = {.view = f->view_address,
                                  .current = &f->view,
                                  .previous = t->keeps ? &f->kept->temporal.view : NULL,
@@ -58,8 +58,10 @@ void temporal_add(struct frame_state *f) {
                                  .objects = {.scene = &f->scene->geometry,
                                              .draws = &f->draws,
                                              .previous = f->scene->previous,
-                                             .position_offset = d->instances.size,
-                                             .first_deformed = d->first_deformed}};
+                                             .position_offset = device_previous_offset(previous),
+                                             .instance_count = previous->instance_count,
+                                             .first_deformed = previous->first_deformed,
+                                             .deformed_count = previous->deformed_count}};
     t->motion = motion_add(f->graph, f->r->device, &input);
     if (frame->aa != FNL_ANTIALIASING_TAA) return;
     struct taa_params params = {.view = f->view_address,
@@ -76,7 +78,7 @@ void temporal_add(struct frame_state *f) {
 void temporal_end(struct frame_state *f) {
     f->kept->temporal = (struct temporal_state){.valid = true,
                                                 .view = f->temporal.view,
-                                                .uploads = f->r->device_scene.upload_count,
+                                                .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,
                                                 .background = f->r->scene->background,

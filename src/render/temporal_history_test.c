@@ -234,7 +234,7 @@ static void test_history_survives_edits_ES_21(void **state) {
             test_render_frame(with.renderer, &frame);
             test_render_frame(without.renderer, &frame);
         }
-        assert_int_equal(with.renderer->device_scene.upload_count, 2);
+        assert_int_equal(with.renderer->device_scene->upload_count, 2);
         fnl_image picture = test_read(with.renderer, FNL_OUTPUT_RADIANCE), motion = test_read(with.renderer, FNL_OUTPUT_MOTION);
         fnl_image other = test_read(without.renderer, FNL_OUTPUT_RADIANCE), other_motion = test_read(without.renderer, FNL_OUTPUT_MOTION);
         fnl_frame plain = fence_frame(FNL_OUTPUT_RADIANCE);

@@ -8,7 +8,6 @@
 struct last_frame {
     struct renderer_view view; /* the first: all views of a frame have the same pipelines */
     struct lists_shared lists;
-    struct device_scene_sent sent;
     uint32_t blend_capacity;
     bool meshes;
     struct gpu_buffer outputs[OUTPUT_COUNT];
@@ -17,14 +16,12 @@ struct last_frame {
 static void put_aside(const fnl_renderer *r, struct last_frame *out) {
     *out = (struct last_frame){.view = r->views.data[0],
                                .lists = r->lists,
-                               .sent = device_scene_sent(&r->device_scene),
                                .blend_capacity = r->blend_capacity,
                                .meshes = r->meshes};
     memcpy(out->outputs, r->outputs, sizeof out->outputs);
 }
 
 static void put_back(fnl_renderer *r, const struct last_frame *last) {
-    device_scene_unsend(&r->device_scene, &last->sent);
     r->views.data[0] = last->view;
     r->lists = last->lists;
     r->blend_capacity = last->blend_capacity;
@@ -38,7 +35,7 @@ static void stand_in(fnl_renderer *r, const fnl_frame *frame) {
     for (uint32_t i = 0; i < OUTPUT_COUNT; i++)
         r->outputs[i] = (struct gpu_buffer){.size = renderer_picture_size(frame, i)};
     view->counters = (struct gpu_buffer){.size = (uint64_t)frame->width * frame->height * 8 + 4};
-    view->draws = (struct gpu_buffer){.size = MAX(r->device_scene.group_count, 1u) * sizeof(struct gpu_draw)};
+    view->draws = (struct gpu_buffer){.size = MAX(r->device_scene->group_count, 1u) * sizeof(struct gpu_draw)};
     lists_init(&view->lists, &r->host);
     lists_shared_init(&r->lists, &r->host);
 }

@@ -42,7 +42,9 @@ static void execute_objects(const struct graph_context *context, const void *dat
                                            .motion = d->motion,
                                            .instances = previous,
                                            .positions = previous + d->objects.position_offset,
-                                           .first_deformed = d->objects.first_deformed};
+                                           .instance_count = d->objects.instance_count,
+                                           .first_deformed = d->objects.first_deformed,
+                                           .deformed_count = d->objects.deformed_count};
     geometry_draw_with(context, d->objects.scene, &d->draws, GEOMETRY_OPAQUE, &state, NULL, &push.geometry, sizeof push);
 }
 

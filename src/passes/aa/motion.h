@@ -15,11 +15,12 @@
 struct motion_objects {
     const struct geometry_scene *scene;
     const struct geometry_draws *draws;
-    /** The instances of the last frame, with rows of 0 for those that it did not draw; behind them, at position_offset, the positions of
-        vertices from first_deformed on. id 0: nothing moved or came. */
+    /** The first instance_count instances of the last frame, with rows of 0 for those that it did not draw, as it drew none behind them;
+        then, at position_offset, the positions of deformed_count vertices from first_deformed on, which are all that may have moved.
+        id 0: nothing moved or came. */
     graph_buffer previous;
     uint64_t position_offset;
-    uint32_t first_deformed;
+    uint32_t instance_count, first_deformed, deformed_count;
 };
 
 struct motion_input {

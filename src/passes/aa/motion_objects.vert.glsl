@@ -14,11 +14,14 @@ invariant gl_Position;
 void main() {
     scene_block scene = push.geometry.scene;
     gpu_item item = scene.scene.items.at[push.geometry.visible.at[gl_InstanceIndex]];
-    gpu_instance instance = scene.scene.instances.at[item.instance], before = push.instances.at[item.instance];
-    vec3 point = scene.scene.positions.at[gl_VertexIndex];
-    out_new = uint(before.rows[0] == vec4(0.0) && before.rows[1] == vec4(0.0) && before.rows[2] == vec4(0.0));
-    bool deforms = uint(gl_VertexIndex) >= push.first_deformed;
-    vec3 point_before = deforms ? push.positions.at[uint(gl_VertexIndex) - push.first_deformed] : point;
+    gpu_instance instance = scene.scene.instances.at[item.instance], before = instance;
+    vec3 point = scene.scene.positions.at[gl_VertexIndex], point_before = point;
+    bool known = item.instance < push.instance_count;
+    if (known) before = push.instances.at[item.instance];
+    out_new = uint(!known || (before.rows[0] == vec4(0.0) && before.rows[1] == vec4(0.0) && before.rows[2] == vec4(0.0)));
+    uint deformed = uint(gl_VertexIndex) - push.first_deformed; // a large number where the vertex comes before
+    bool deforms = deformed < push.deformed_count;
+    if (deforms) point_before = push.positions.at[deformed];
 
     precise vec3 position = transform_point(instance, point);
     precise vec4 clip = push.geometry.view.view.world_to_clip * vec4(position, 1.0);

@@ -30,7 +30,9 @@ struct gpu_motion_objects_push {
     ADDRESS(motion_block) motion;
     ADDRESS(instance_array) instances; /* of the last frame */
     ADDRESS(position_array) positions; /* of vertices from first_deformed on, in the last frame */
+    uint instance_count;               /* there are no others in it */
     uint first_deformed;
+    uint deformed_count;
 };
 
 struct gpu_motion_view_push {

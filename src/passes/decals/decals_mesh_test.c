@@ -136,7 +136,7 @@ static void test_redrawn_triangles_ES_28(void **state) {
         frame.msaa = cases[i].msaa;
         fnl_renderer *r = test_renderer(scene);
         test_render_frame(r, &frame);
-        uint64_t indices = r->device_scene.decals.redraw_indices.size / 4;
+        uint64_t indices = r->device_scene->decals.redraw_indices.size / 4;
         assert_true(indices > 0 && indices < scene->primitives.data[0].index_count / 8);
         fnl_image seen = test_read(r, FNL_OUTPUT_RADIANCE), position = test_read(r, FNL_OUTPUT_POSITION);
         uint32_t red = 0;

@@ -267,12 +267,13 @@ static void test_culling(void **state) {
     UNUSED(state);
     enum { SIDE = 48, CAMERAS = 24 };
     fnl_scene *scene = crowd(700, 3);
-    struct device_scene d;
-    device_scene_init(&d, test_device, scene);
-    assert_int_equal(device_scene_prepare(&d), FNL_OK);
-    assert_int_equal(d.item_count, 700);
-    struct gpu_item *items = malloc(d.item_count * sizeof *items);
-    assert_int_equal(gpu_read_buffer(test_device, &d.items.buffer, 0, items, d.item_count * sizeof *items), FNL_OK);
+    struct device_scene_user user;
+    assert_int_equal(device_scene_open(test_device, scene, &user), FNL_OK);
+    const struct device_scene *d = user.scene;
+    assert_int_equal(device_scene_prepare(user.scene), FNL_OK);
+    assert_int_equal(d->item_count, 700);
+    struct gpu_item *items = malloc(d->item_count * sizeof *items);
+    assert_int_equal(gpu_read_buffer(test_device, &d->items.buffer, 0, items, d->item_count * sizeof *items), FNL_OK);
     struct frame_maker m = maker_open();
     struct random_state random = {99};
     uint32_t seen[16] = {0}, least = UINT32_MAX, most = 0;
@@ -282,43 +283,43 @@ static void test_culling(void **state) {
         struct device_scene_frame frame;
         struct geometry_draws draws;
         maker_begin(&m);
-        assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
+        assert_int_equal(device_scene_add(&user, m.graph, &frame), FNL_OK);
         VkDeviceAddress address = send_view(&view);
         struct culled c = add_cull(&m, &frame, address, &draws);
         struct aov_images aov = aov_add(m.graph, &frame.geometry, &draws, address, SIDE, SIDE);
         const void *picture = maker_read_image(&m, aov.position, SIDE * SIDE * 16);
         maker_end(&m);
-        check_culled(&d, &c, &view, items, seen);
-        least = MIN(least, c.sums[d.item_count]);
-        most = MAX(most, c.sums[d.item_count]);
+        check_culled(d, &c, &view, items, seen);
+        least = MIN(least, c.sums[d->item_count]);
+        most = MAX(most, c.sums[d->item_count]);
         float *culled_picture = malloc(SIDE * SIDE * 16);
         memcpy(culled_picture, picture, SIDE * SIDE * 16);
 
         /* Planes of zeros cull nothing: the picture must be the same to the bit. */
         memset(view.planes, 0, sizeof view.planes);
         maker_begin(&m);
-        assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
+        assert_int_equal(device_scene_add(&user, m.graph, &frame), FNL_OK);
         address = send_view(&view);
         draws = cull_add(m.graph, &frame.geometry, address);
         aov = aov_add(m.graph, &frame.geometry, &draws, address, SIDE, SIDE);
-        const uint32_t *sums = maker_read(&m, draws.sums, (d.item_count + 1) * 4ull);
+        const uint32_t *sums = maker_read(&m, draws.sums, (d->item_count + 1) * 4ull);
         picture = maker_read_image(&m, aov.position, SIDE * SIDE * 16);
         maker_end(&m);
-        assert_int_equal(sums[d.item_count], d.item_count);
+        assert_int_equal(sums[d->item_count], d->item_count);
         assert_memory_equal(picture, culled_picture, SIDE * SIDE * 16);
         free(culled_picture);
     }
-    print_message("%u to %u of %u items visible; items drawn by bucket:", least, most, d.item_count);
-    for (uint32_t b = 0; b < d.buckets.count; b++) {
+    print_message("%u to %u of %u items visible; items drawn by bucket:", least, most, d->item_count);
+    for (uint32_t b = 0; b < d->buckets.count; b++) {
         print_message(" %u", seen[b]);
         assert_true(seen[b] > 0);
     }
     print_message("\n");
-    assert_int_equal(d.buckets.count, 6); /* opaque and cutout: plain, mirrored, double-sided */
+    assert_int_equal(d->buckets.count, 6); /* opaque and cutout: plain, mirrored, double-sided */
     assert_true(least < 300 && most > 0);
     maker_close(&m);
     free(items);
-    device_scene_finish(&d);
+    device_scene_close(&user);
     fnl_scene_destroy(&scene);
 }
 
@@ -369,15 +370,16 @@ static void test_sorting(void **state) {
         camera.near_distance = 1;
         camera.far_distance = 1000;
         struct gpu_view view = view_from_camera(&camera, 64, 64);
-        struct device_scene d;
-        device_scene_init(&d, test_device, scene);
-        assert_int_equal(device_scene_prepare(&d), FNL_OK);
-        assert_int_equal(d.blend_item_count, count);
-        assert_int_equal(d.blend_first_item, 3);
+        struct device_scene_user user;
+        assert_int_equal(device_scene_open(test_device, scene, &user), FNL_OK);
+        const struct device_scene *d = user.scene;
+        assert_int_equal(device_scene_prepare(user.scene), FNL_OK);
+        assert_int_equal(d->blend_item_count, count);
+        assert_int_equal(d->blend_first_item, 3);
         maker_begin(&m);
         struct device_scene_frame frame;
         struct geometry_draws draws;
-        assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
+        assert_int_equal(device_scene_add(&user, m.graph, &frame), FNL_OK);
         struct culled c = add_cull(&m, &frame, send_view(&view), &draws);
         maker_end(&m);
         /* Items exactly on the near plane may go either way: take the device's word, which the test of culling checks. */
@@ -397,7 +399,7 @@ static void test_sorting(void **state) {
             assert_int_equal(c.blend_draws[i].index_count, 6);
         }
         free(keys);
-        device_scene_finish(&d);
+        device_scene_close(&user);
         fnl_scene_destroy(&scene);
     }
     maker_close(&m);
@@ -466,9 +468,9 @@ static void test_octahedral_normals(void **state) {
     material.metallic = 0.2f;
     material.roughness = 0.6f;
     test_place(scene, test_sphere_mesh(scene, scene_add_material(scene, &material), 16), (vec3){0, 0, 0}, (vec3){1, 1, 1});
-    struct device_scene d;
-    device_scene_init(&d, test_device, scene);
-    assert_int_equal(device_scene_prepare(&d), FNL_OK);
+    struct device_scene_user user;
+    assert_int_equal(device_scene_open(test_device, scene, &user), FNL_OK);
+    assert_int_equal(device_scene_prepare(user.scene), FNL_OK);
     struct frame_maker m = maker_open();
     uint32_t covered = 0;
     for (uint32_t k = 0; k < 8; k++) {
@@ -477,7 +479,7 @@ static void test_octahedral_normals(void **state) {
         struct gpu_view view = view_from_camera(&camera, SIDE, SIDE);
         struct device_scene_frame frame;
         maker_begin(&m);
-        assert_int_equal(device_scene_add(&d, m.graph, &frame), FNL_OK);
+        assert_int_equal(device_scene_add(&user, m.graph, &frame), FNL_OK);
         VkDeviceAddress address = send_view(&view);
         struct geometry_draws draws = cull_add(m.graph, &frame.geometry, address);
         struct shade_input input = {
@@ -509,7 +511,7 @@ static void test_octahedral_normals(void **state) {
                   twelve, sixteen, on_device);
     assert_true(covered > 50000 && on_device < 0.004);
     maker_close(&m);
-    device_scene_finish(&d);
+    device_scene_close(&user);
     fnl_scene_destroy(&scene);
 }
 

@@ -63,7 +63,7 @@ static uint32_t clamp_pixel(double x) { return (uint32_t)CLAMP(x, 0, 127); }
 
 /* Compares all deformed vertices of the last frame, and that pictures show them. `extent`: the size of the scene. */
 static void check_vertices(fnl_renderer *renderer, double extent) {
-    const struct device_scene *d = &renderer->device_scene;
+    const struct device_scene *d = renderer->device_scene;
     const fnl_scene *scene = d->scene;
     uint32_t deform_index = 0;
     double worst = 0, worst_angle = 0;

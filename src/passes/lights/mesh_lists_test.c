@@ -68,7 +68,7 @@ static struct list_copy read_lists_from(struct stage *stage, uint32_t *item_coun
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     graph_begin(r->graph);
     struct device_scene_frame scene;
-    assert_int_equal(device_scene_add(&r->device_scene, r->graph, &scene), FNL_OK);
+    assert_int_equal(device_scene_add(&r->scene_user, r->graph, &scene), FNL_OK);
     struct gpu_view view = view_from_camera(&stage->frame.camera, stage->frame.width, stage->frame.height);
     struct gpu_slice slice = gpu_frame_allocate(device, sizeof view);
     assert_non_null(slice.data);

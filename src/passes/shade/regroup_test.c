@@ -128,7 +128,7 @@ static void test_mesh_lists_stand_in(void **state) {
         shot_free(&mesh);
     }
     fnl_scatter_params many = fnl_scatter_params_default();
-    many.count = (1 << 18) / stage.renderer->device_scene.group_count + 1;
+    many.count = (1 << 18) / stage.renderer->device_scene->group_count + 1;
     many.radius_scale = 0.01f;
     assert_int_equal(fnl_scene_scatter_light_shapes(stage.scene, &many), FNL_OK);
     stage.frame.width = 33;

@@ -343,7 +343,7 @@ static void free_changed_pictures(struct device_scene *d) {
             continue;
         }
         if (picture->gpu.handle) gpu_image_destroy(d->device, &picture->gpu);
-        d->decals.sent_version = UINT64_MAX; /* it has another index from now on */
+        d->sent.decals = UINT64_MAX; /* it has another index from now on */
     }
     d->decals.pictures.count = kept;
 }
@@ -368,7 +368,7 @@ static fnl_result grow_buffer(struct device_scene *d, const char *name, struct g
     if (buffer->size >= size) return FNL_OK;
     uint64_t wanted = MAX(size, buffer->size + buffer->size / 2);
     gpu_buffer_destroy(d->device, buffer);
-    d->decals.sent_version = UINT64_MAX;
+    d->sent.decals = UINT64_MAX;
     return gpu_buffer_create(d->device, name, wanted, GPU_MEMORY_DEVICE, buffer);
 }
 
@@ -453,8 +453,8 @@ fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct
         out->mesh_ids = graph_import_buffer(graph, "mesh decal ids", &all->mesh_ids);
     }
     if (all->draw_count) out->redraw_draws = graph_import_buffer(graph, "redraw draws", &all->redraw_draws);
-    if (all->sent_version == d->scene->decal_version &&
-        (!all->moves || all->transform_version == d->scene->transform_version))
+    if (d->sent.decals == d->scene->decal_version &&
+        (!all->moves || d->sent.decal_transforms == d->scene->transform_version))
         return FNL_OK;
     TRY(gather(d));
     struct send_data send = {.to_decals = out->decals,
@@ -469,7 +469,7 @@ fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct
     struct graph_pass *pass = graph_add_pass(graph, "update decals", GRAPH_QUEUE_GRAPHICS, execute_send, &send, sizeof send);
     graph_use_buffer(pass, send.to_decals, GRAPH_COPY_TO);
     if (send.bounds_size) graph_use_buffer(pass, send.to_bounds, GRAPH_COPY_TO);
-    all->sent_version = d->scene->decal_version;
-    all->transform_version = d->scene->transform_version;
+    d->sent.decals = d->scene->decal_version;
+    d->sent.decal_transforms = d->scene->transform_version;
     return FNL_OK;
 }

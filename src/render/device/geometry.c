@@ -279,6 +279,7 @@ static fnl_result upload_all(struct upload *u) {
     for (uint32_t i = 0; i < scene->primitives.count; i++) u->primitives.data[i] = device_primitive(d, i);
     u->primitives.count = scene->primitives.count;
     d->deformed.count = d->deform_vertex_counts.count = d->matrix_count = d->weight_count = 0;
+    d->sent.poses = UINT64_MAX;
     d->first_deformed = d->vertices_taken.end;
     for (uint32_t n = 0; n < d->nodes.count; n++) {
         d->nodes.data[n].first_primitive = SCENE_NONE;

@@ -118,7 +118,7 @@ static bool is_place_shaped(const struct gpu_light *place) {
 }
 
 static bool must_gather(const struct device_scene *d) {
-    return d->light_version == UINT64_MAX || d->light_version < d->scene->light_set_version;
+    return d->sent.lights == UINT64_MAX || d->sent.lights < d->scene->light_set_version;
 }
 
 /* Slots that changed since the device was last told: those of the scene's list, or of all where a step was missed. */
@@ -129,7 +129,7 @@ struct changes {
 
 static struct changes changes_of(const struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    if (d->light_version >= scene->changed_slots_since)
+    if (d->sent.lights >= scene->changed_slots_since)
         return (struct changes){scene->changed_slots.data, scene->changed_slots.count};
     return (struct changes){NULL, scene->light_slots.count};
 }
@@ -137,7 +137,7 @@ static struct changes changes_of(const struct device_scene *d) {
 /* The i-th of them; SCENE_NONE: it had not changed after all. */
 static uint32_t change_at(const struct device_scene *d, const struct changes *changes, uint32_t i) {
     uint32_t slot = changes->slots ? changes->slots[i] : i;
-    return d->scene->light_slots.data[slot].changed_version > d->light_version ? slot : SCENE_NONE;
+    return d->scene->light_slots.data[slot].changed_version > d->sent.lights ? slot : SCENE_NONE;
 }
 
 uint32_t device_lights_count(const struct device_scene *d) {
@@ -219,9 +219,9 @@ fnl_result device_lights_prepare(struct device_scene *d) {
     enum { LEAST_SUNS = 4 };
     if (scene->suns.count > d->sun_room || !d->sun_room) { /* all others move */
         d->sun_room = MAX(scene->suns.count * 3 / 2, (uint32_t)LEAST_SUNS);
-        d->light_version = UINT64_MAX;
+        d->sent.lights = UINT64_MAX;
     }
-    bool sent = d->light_version != UINT64_MAX;
+    bool sent = d->sent.lights != UINT64_MAX;
     uint64_t places = MAX(scene->light_slots.count, 1u), light_bytes = (d->sun_room + places) * sizeof(struct gpu_light);
     TRY(device_buffer_reserve(d, "lights", &d->lights, sent ? d->lights.size : 0, light_bytes));
     TRY(device_buffer_reserve(d, "light bounds", &d->bound_buffer, sent ? d->bound_buffer.size : 0,
@@ -234,8 +234,6 @@ void device_lights_finish(struct device_scene *d) {
     gpu_buffer_destroy(d->device, &d->lights);
     gpu_buffer_destroy(d->device, &d->bound_buffer);
     gpu_buffer_destroy(d->device, &d->planes);
-    gpu_buffer_destroy(d->device, &d->faded_lights);
-    gpu_buffer_destroy(d->device, &d->faded_bounds);
     array_free(&d->host, &d->sun_data);
     array_free(&d->host, &d->light_data);
     array_free(&d->host, &d->light_bounds);
@@ -260,11 +258,12 @@ static fnl_result copy_room(struct device_scene *d, const char *name, const stru
     return gpu_buffer_create(d->device, name, of->size, GPU_MEMORY_DEVICE, copy);
 }
 
-fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk) {
+fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk) {
+    struct device_scene *d = user->scene;
     unfade(d);
     if (!(lod > 0)) return FNL_OK;
-    TRY(copy_room(d, "faded lights", &d->lights, &d->faded_lights));
-    TRY(copy_room(d, "faded bounds", &d->bound_buffer, &d->faded_bounds));
+    TRY(copy_room(d, "faded lights", &d->lights, &user->faded_lights));
+    TRY(copy_room(d, "faded bounds", &d->bound_buffer, &user->faded_bounds));
     if (!walk) return FNL_OK;
     if (!array_reserve(&d->host, &d->bound_radii, d->light_data.count)) return FNL_ERROR_MEMORY;
     for (uint32_t i = 0; i < d->light_data.count; i++) {
@@ -374,7 +373,7 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
                 d->light_data.data[slot].shape.hull_count * sizeof(vec4);
         count++;
     }
-    bool suns = d->scene->sun_version > d->light_version;
+    bool suns = d->scene->sun_version > d->sent.lights;
     if (suns) TRY(gather_suns(d));
     if (count > (d->sun_data.count + d->scene->light_slot_end) / 2) return send_all(d, graph, lights); /* in one piece */
     if (suns) size += d->sun_data.count * sizeof(struct gpu_light);
@@ -398,9 +397,9 @@ static fnl_result send_changed(struct device_scene *d, struct graph *graph, grap
 
 fnl_result device_lights_add(struct device_scene *d, struct graph *graph, graph_buffer lights) {
     d->light_bytes_sent = 0;
-    if (d->light_version == d->scene->light_version) return FNL_OK;
+    if (d->sent.lights == d->scene->light_version) return FNL_OK;
     TRY(must_gather(d) ? gather_and_send(d, graph, lights) : send_changed(d, graph, lights));
-    d->light_version = d->scene->light_version;
+    d->sent.lights = d->scene->light_version;
     return FNL_OK;
 }
 

@@ -4,6 +4,7 @@
  * pictures equal those of a renderer that has just sent everything.
  */
 #include "tests/render_harness.h"
+#include "tests/render_test.h"
 
 /* Directional lights have no bounds. */
 enum { LIGHTS = 400, SUN_BYTES = sizeof(struct gpu_light), LIGHT_BYTES = SUN_BYTES + sizeof(struct gpu_entity_bounds) };
@@ -46,11 +47,11 @@ static void move(struct stage *s, uint32_t i, float by) {
 /* Renders a frame that must send so many bytes, and the same with a renderer of its own. */
 static void check_frame(struct stage *s, uint64_t bytes) {
     struct shot shot = stage_shoot(s, &s->frame);
-    if (s->renderer->device_scene.light_bytes_sent != bytes)
-        fail_msg("%llu bytes of lights sent, not %llu", (unsigned long long)s->renderer->device_scene.light_bytes_sent,
+    if (s->renderer->device_scene->light_bytes_sent != bytes)
+        fail_msg("%llu bytes of lights sent, not %llu", (unsigned long long)s->renderer->device_scene->light_bytes_sent,
                  (unsigned long long)bytes);
     struct stage fresh = *s;
-    assert_int_equal(fnl_renderer_create(harness_device(), s->scene, &fresh.renderer), FNL_OK);
+    fresh.renderer = test_renderer(s->scene);
     struct shot other = stage_shoot(&fresh, &fresh.frame);
     assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
     assert_int_equal(shot.stats.list_entries, other.stats.list_entries);
@@ -159,7 +160,7 @@ static void test_places_last(void **state) {
         assert_int_equal(s.scene->light_slot_end, end);
         struct shot shot = stage_shoot(&s, &s.frame);
         assert_int_equal(shot.stats.lights_total, count);
-        assert_true(s.renderer->device_scene.light_bytes_sent <= changes * LIGHT_BYTES);
+        assert_true(s.renderer->device_scene->light_bytes_sent <= changes * LIGHT_BYTES);
         shot_free(&shot);
     }
     stage_close(&s);
@@ -202,7 +203,7 @@ static void check_programs(struct stage *s, bool made, uint32_t shaped) {
     struct stage fresh = *s;
     struct shot shot = stage_shoot(s, &s->frame);
     assert_int_equal(shot.stats.pipelines_made > 0, made);
-    assert_int_equal(s->renderer->device_scene.shaped_count, shaped);
+    assert_int_equal(s->renderer->device_scene->shaped_count, shaped);
     assert_int_equal(fnl_renderer_create(harness_device(), s->scene, &fresh.renderer), FNL_OK);
     struct shot other = stage_shoot(&fresh, &fresh.frame);
     assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
@@ -292,7 +293,7 @@ static void test_renderers_that_missed_steps(void **state) {
     UNUSED(state);
     enum { MANY = 4 * LIGHTS };
     struct stage s = open_lights(MANY), late = s;
-    assert_int_equal(fnl_renderer_create(harness_device(), s.scene, &late.renderer), FNL_OK);
+    late.renderer = test_renderer(s.scene);
     s.frame.lists = late.frame.lists = FNL_LISTS_CLUSTERED;
     check_frame(&s, MANY * LIGHT_BYTES);
     check_frame(&late, MANY * LIGHT_BYTES);
@@ -342,7 +343,7 @@ static void test_nodes_and_faded_lights(void **state) {
     check_frame(&s, 9 * LIGHT_BYTES);
     s.frame.light_lod = 0;
     check_frame(&s, 0);
-    device_scene_forget(&s.renderer->device_scene);
+    device_scene_forget(s.renderer->device_scene);
     check_frame(&s, NODES * LIGHT_BYTES);
     stage_close(&s);
 }

@@ -95,9 +95,9 @@ static fnl_result send_instances(struct device_scene *d, uint32_t n) {
     return FNL_OK;
 }
 
-/* For the next frame that is drawn. */
-static bool note_arrival(struct device_scene *d, const struct device_node *place) {
-    struct range *last = d->arrived.count > d->arrived_shown ? &d->arrived.data[d->arrived.count - 1] : NULL;
+/* For the next frame of each user. From `first` on none has been drawn. */
+static bool note_arrival(struct device_scene *d, const struct device_node *place, uint32_t first) {
+    struct range *last = d->arrived.count > first ? &d->arrived.data[d->arrived.count - 1] : NULL;
     if (last && last->first + last->count == place->first_instance) {
         last->count += place->instance_count;
         return true;
@@ -117,7 +117,8 @@ static fnl_result reserve_nodes(struct device_scene *d) {
 
 fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uint32_t count) {
     const fnl_scene *scene = d->scene;
-    if (d->arrived_shown == d->arrived.count) d->arrived_shown = d->arrived.count = 0;
+    device_users_trim(d);
+    const uint32_t first_arrived = d->arrived.count;
     TRY(reserve_nodes(d));
     for (uint32_t i = 0; i < count; i++) give_place(d, nodes ? nodes[i] : i);
     uint64_t before = d->instances.size;
@@ -134,7 +135,7 @@ fnl_result device_nodes_place(struct device_scene *d, const uint32_t *nodes, uin
         if (!d->nodes.data[n].fresh) continue;
         d->nodes.data[n].fresh = false;
         TRY(send_instances(d, n));
-        if (!note_arrival(d, &d->nodes.data[n])) return FNL_ERROR_MEMORY;
+        if (!note_arrival(d, &d->nodes.data[n], first_arrived)) return FNL_ERROR_MEMORY;
     }
     return FNL_OK;
 }

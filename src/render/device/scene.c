@@ -7,9 +7,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .scene = scene,
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
-                               .transform_version = UINT64_MAX,
-                               .light_version = UINT64_MAX,
-                               .decals = {.version = UINT64_MAX, .sent_version = UINT64_MAX}};
+                               .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                               .decals = {.version = UINT64_MAX}};
 }
 
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
@@ -59,7 +58,7 @@ fnl_result device_array_set(struct device_scene *d, const char *name, struct dev
 
 static void free_structure(struct device_scene *d) {
     struct gpu_buffer *buffers[] = {&d->positions, &d->attributes, &d->indices,  &d->influences,   &d->morphs,
-                                    &d->instances, &d->clusters,   &d->previous, &d->cluster_words};
+                                    &d->instances, &d->clusters,   &d->cluster_words};
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) gpu_buffer_destroy(d->device, buffers[i]);
     struct device_array *arrays[] = {&d->primitives, &d->materials, &d->material_entries, &d->items,
                                      &d->groups,     &d->table,     &d->deforms};
@@ -69,7 +68,8 @@ static void free_structure(struct device_scene *d) {
     }
     struct ranges *ranges[] = {&d->vertices_taken, &d->indices_taken, &d->instances_taken, &d->clusters_taken, &d->words_taken};
     for (uint32_t i = 0; i < COUNT_OF(ranges); i++) ranges_finish(&d->host, ranges[i]);
-    d->arrived.count = d->arrived_shown = 0;
+    device_users_lose(d);
+    device_users_trim(d);
     d->group_list.count = d->item_list.count = d->item_nodes.count = 0;
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
@@ -100,17 +100,24 @@ void device_scene_finish(struct device_scene *d) {
     array_free(&d->host, &d->deform_vertex_counts);
 }
 
+/* Of a frame that was declared and not submitted. */
+static void take_back(struct device_scene *d) {
+    if (d->declared) d->sent = d->sent_before;
+    d->declared = false;
+}
+
 void device_scene_forget(struct device_scene *d) {
-    d->structure_version = d->light_version = d->decals.version = d->decals.sent_version = UINT64_MAX;
+    take_back(d);
+    d->structure_version = d->decals.version = d->sent.lights = d->sent.decals = UINT64_MAX;
 }
 
 /* Nodes that moved since the device was last told: those of the scene's list, or any when a step was missed. */
-static bool moved_nodes_listed(const struct device_scene *d) { return d->transform_version >= d->scene->moved_since; }
+static bool moved_nodes_listed(const struct device_scene *d) { return d->sent.transforms >= d->scene->moved_since; }
 
 /* Draws are sorted by handedness: they are made anew when a node begins or ceases to mirror. */
 static bool handedness_changed(const struct device_scene *d) {
     const fnl_scene *scene = d->scene;
-    if (d->transform_version == scene->transform_version) return false;
+    if (d->sent.transforms == scene->transform_version) return false;
     bool listed = moved_nodes_listed(d);
     uint32_t count = listed ? scene->moved.count : scene->nodes.count;
     for (uint32_t i = 0; i < count; i++) {
@@ -147,7 +154,9 @@ static fnl_result prepare_structure(struct device_scene *d, uint64_t before, boo
     return FNL_OK;
 }
 
-fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count) {
+fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count) {
+    struct device_scene *d = user->scene;
+    user->pool_triangles = count;
     if (count <= d->pool_triangles) return FNL_OK;
     uint64_t used = d->index_count * 4ull, needed = used + count * 12ull;
     if (d->indices.size < needed) TRY(gpu_grow_buffer(d->device, "indices", &d->indices, used, needed));
@@ -155,7 +164,7 @@ fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count
     return gpu_upload_submit(d->device);
 }
 
-fnl_result device_scene_prepare(struct device_scene *d) {
+static fnl_result prepare(struct device_scene *d) {
     const bool mirrors = handedness_changed(d); /* sorts all */
     if (d->structure_version != d->scene->structure_version || mirrors) {
         const uint64_t before = d->structure_version;
@@ -163,13 +172,16 @@ fnl_result device_scene_prepare(struct device_scene *d) {
         TRY(prepare_structure(d, before, mirrors));
     }
     TRY(device_decals_prepare(d));
-    uint64_t previous_size = d->instances.size + MAX(d->deformed_vertex_count, 1u) * 12ull;
-    if (d->keeps_previous && d->previous.size < previous_size) {
-        gpu_buffer_destroy(d->device, &d->previous);
-        TRY(gpu_buffer_create(d->device, "previous vertices", previous_size, GPU_MEMORY_DEVICE, &d->previous));
-    }
+    TRY(device_users_prepare(d));
     TRY(device_lights_prepare(d));
     return gpu_upload_submit(d->device);
+}
+
+fnl_result device_scene_prepare(struct device_scene *d) {
+    take_back(d);
+    const fnl_result result = prepare(d);
+    if (result != FNL_OK || gpu_status(d->device) != FNL_OK) device_scene_forget(d);
+    return result;
 }
 
 /* ---- updates inside a frame ---- */
@@ -196,7 +208,7 @@ static void execute_move(const struct graph_context *context, const void *data) 
 /* Sends the instances of nodes that moved since the last frame. */
 static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
     const fnl_scene *scene = d->scene;
-    if (d->transform_version == scene->transform_version) return FNL_OK;
+    if (d->sent.transforms == scene->transform_version) return FNL_OK;
     bool listed = moved_nodes_listed(d);
     uint32_t candidate_count = listed ? scene->moved.count : scene->nodes.count;
     uint64_t size = 0;
@@ -205,12 +217,12 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
     if (!nodes.data) return gpu_status(d->device);
     for (uint32_t i = 0; i < candidate_count; i++) {
         uint32_t n = listed ? scene->moved.data[i] : i;
-        if (scene->nodes.data[n].moved_version <= d->transform_version) continue;
+        if (scene->nodes.data[n].moved_version <= d->sent.transforms) continue;
         if (d->nodes.data[n].first_instance == SCENE_NONE || scene->nodes.data[n].skin != SCENE_NONE) continue;
         ((uint32_t *)nodes.data)[count++] = n;
         size += scene->nodes.data[n].instance_count * sizeof(struct gpu_instance);
     }
-    d->transform_version = scene->transform_version;
+    d->sent.transforms = scene->transform_version;
     if (count == 0) return FNL_OK;
     struct move_data move = {.d = d, .nodes = nodes.data, .node_count = count, .slice = gpu_frame_allocate(d->device, size)};
     if (!move.slice.data) return gpu_status(d->device);
@@ -231,8 +243,13 @@ static fnl_result add_moves(struct device_scene *d, struct graph *graph, graph_b
     return FNL_OK;
 }
 
+/* Whether vertices that deform are not those of the present transforms and weights. */
+static bool must_deform(const struct device_scene *d) {
+    return d->deformed.count > 0 && d->sent.poses != d->scene->transform_version;
+}
+
 static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph_buffer vertices) {
-    if (d->deformed.count == 0) return FNL_OK;
+    if (!must_deform(d)) return FNL_OK;
     const fnl_scene *scene = d->scene;
     struct gpu_slice matrices = gpu_frame_allocate(d->device, MAX(d->matrix_count, 1u) * sizeof(mat4));
     struct gpu_slice weights = gpu_frame_allocate(d->device, MAX(d->weight_count, 1u) * sizeof(float));
@@ -256,53 +273,20 @@ static fnl_result add_deforms(struct device_scene *d, struct graph *graph, graph
                                .vertex_counts = d->deform_vertex_counts.data,
                                .deform_count = d->deform_vertex_counts.count};
     skin_add(graph, &input);
+    d->sent.poses = scene->transform_version;
     return FNL_OK;
 }
 
-static void execute_previous(const struct graph_context *context, const void *data) {
-    const struct device_scene *d = *(const struct device_scene *const *)data;
-    gpu_copy_buffer(context->commands, &d->instances, 0, &d->previous, 0, d->instances.size);
-    if (d->deformed_vertex_count)
-        gpu_copy_buffer(context->commands, &d->positions, d->first_deformed * 12ull, &d->previous, d->instances.size,
-                        d->deformed_vertex_count * 12ull);
-}
-
-struct arrived_data {
-    const struct device_scene *d;
-    uint32_t first, end; /* of d->arrived */
-};
-
-static void execute_arrived(const struct graph_context *context, const void *data) {
-    const struct arrived_data *a = data;
-    const uint64_t size = sizeof(struct gpu_instance);
-    for (uint32_t i = a->first; i < a->end; i++) {
-        const struct range *range = &a->d->arrived.data[i];
-        gpu_fill_buffer(context->commands, &a->d->previous, range->first * size, range->count * size, 0);
-    }
-}
-
-/* Keeps what the last frame drew before it is overwritten, and marks what it did not draw. */
-static void add_previous(struct device_scene *d, struct graph *graph, graph_buffer vertices,
-                         struct device_scene_frame *out) {
-    const struct arrived_data arrived = {d, d->arrived_shown, d->arrived.count};
-    d->arrived_shown = d->arrived.count;
-    out->moved = d->transform_version != d->scene->transform_version;
-    out->previous = (graph_buffer){0};
-    if (!d->keeps_previous || (!out->moved && arrived.first == arrived.end)) return;
-    out->previous = graph_import_buffer(graph, "previous vertices", &d->previous);
-    struct graph_pass *pass = graph_add_pass(graph, "keep previous", GRAPH_QUEUE_GRAPHICS, execute_previous, &d, sizeof d);
-    graph_use_buffer(pass, vertices, GRAPH_COPY_FROM);
-    graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
-    if (arrived.first == arrived.end) return;
-    pass = graph_add_pass(graph, "mark new instances", GRAPH_QUEUE_GRAPHICS, execute_arrived, &arrived, sizeof arrived);
-    graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
-}
-
-fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out) {
+fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph, struct device_scene_frame *out) {
+    struct device_scene *d = user->scene;
+    take_back(d);
+    d->declared = true;
+    d->sent_before = d->sent;
+    d->overwrites = d->sent.transforms != d->scene->transform_version || must_deform(d);
     graph_buffer vertices = graph_import_buffer(graph, "scene vertices", &d->positions);
     graph_buffer lights = graph_import_buffer(graph, "lights", &d->lights);
     TRY(device_lights_add(d, graph, lights));
-    add_previous(d, graph, vertices, out);
+    device_users_add(user, graph, vertices, out);
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.buffer.address,
@@ -323,7 +307,7 @@ fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct 
                                             .cluster_count = d->cluster_count,
                                             .triangle_count = d->triangle_count,
                                             .index_count = d->index_count,
-                                            .pool_triangles = d->pool_triangles};
+                                            .pool_triangles = user->pool_triangles};
     out->lights = device_lights_input(d, lights);
     return FNL_OK;
 }

@@ -2,6 +2,10 @@
 /**
  * A scene in device memory. Meshes and images are sent once; of what is made anew when the structure changes (items, groups, materials …)
  * only what differs is sent. Transforms and lights are kept in step by copies inside the frame.
+ *
+ * Renderers of one scene on one device share it: the first that makes a frame after an edit sends it, in the order in which frames are
+ * submitted, so the others find it there. The graphs order what their frames do to the arrays (gpu_last_uses). What depends on a
+ * renderer's own frames is in its struct device_scene_user.
  */
 #ifndef FNL_RENDER_DEVICE_SCENE_H
 #define FNL_RENDER_DEVICE_SCENE_H
@@ -72,19 +76,31 @@ struct device_decals {
     bool moves;          /* some move with nodes */
     bool masks;          /* some box or volume is not on everything, or something does not receive all */
     bool emits;          /* some box or volume changes emission */
-    uint64_t version, structure_version, transform_version, sent_version; /* of the scene: prepared, sent */
+    uint64_t version, structure_version; /* of the scene, when they were prepared */
     uint32_t sampler;
+};
+
+/** What the device has been sent inside of frames, by versions of the scene; UINT64_MAX: nothing yet. */
+struct device_scene_sent {
+    uint64_t transforms, poses, lights; /* poses: what deforms has its vertices of these transforms */
+    uint64_t decals, decal_transforms;
 };
 
 struct device_scene {
     gpu_device *device;
     fnl_host host;
     fnl_scene *scene;
+    struct device_scene *next;       /* on the device */
+    struct device_scene_user *users; /* who share it */
     /* What has been uploaded; UINT64_MAX: nothing yet. */
-    uint64_t structure_version, material_version, transform_version, light_version;
+    uint64_t structure_version, material_version;
+    struct device_scene_sent sent;
+    /* A frame was declared and has not been submitted so far: what had been sent before, and whether instances or vertices change. */
+    bool declared, overwrites;
+    struct device_scene_sent sent_before;
 
     struct gpu_buffer positions, attributes; /* of primitives, and of deforming nodes */
-    struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles */
+    struct gpu_buffer indices;               /* of primitives; behind them room for pool_triangles, which culling fills in each frame */
     struct gpu_buffer influences, morphs, clusters, cluster_words, instances;
     struct device_array primitives, materials, material_entries, items, groups, table, deforms;
     struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
@@ -106,10 +122,8 @@ struct device_scene {
     uint32_t pool_triangles;
     uint32_t item_count, group_count, most_triangles, blend_first_item, blend_item_count, matrix_count, weight_count;
 
-    ARRAY(struct range) arrived; /* places of instances that have come; frames have drawn those before arrived_shown */
-    uint32_t arrived_shown;
-    bool keeps_previous;        /* the frame wants to know where instances and vertices were in the last one */
-    struct gpu_buffer previous; /* then: all instances, and behind them the positions from first_deformed on */
+    ARRAY(struct range) arrived; /* places of instances that have come, and that not all users have drawn */
+    uint64_t arrived_before;     /* so many came before these */
     uint32_t first_deformed, deformed_vertex_count; /* vertices */
     uint64_t upload_count, image_upload_count; /* changes of structure, and images, so far */
     uint64_t sort_count;                       /* of the former, those for which all items were sorted */
@@ -130,49 +144,88 @@ struct device_scene {
     struct ranges planes_taken;
     uint32_t plane_room;                /* in the buffer */
     uint32_t lit_count, shaped_count;   /* of light_data; those of other shapes than sphere and cone, and with hulls */
-    uint64_t light_bytes_sent;          /* with the last frame */
-    struct gpu_buffer faded_lights, faded_bounds; /* copies for frames with light_lod; made when first asked for */
+    uint64_t light_bytes_sent;          /* with the last frame, of whichever user */
     ARRAY(float) bound_radii;       /* of light_bounds before they were faded; empty: they are not */
 };
 
-void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
-void device_scene_finish(struct device_scene *d);
-/** Uploads what changed in the scene's structure; blocks while images are decoded. Call outside of frames. */
+/** Instances, and behind them positions of vertices, as they were when they were kept. */
+struct device_previous {
+    uint32_t instance_count, first_deformed, deformed_count;
+};
+static inline uint64_t device_previous_offset(const struct device_previous *p) { /* of the positions, in bytes */
+    return (uint64_t)p->instance_count * sizeof(struct gpu_instance);
+}
+
+/** Where the instances and vertices that a user's last frame drew are. */
+enum device_last {
+    DEVICE_LAST_UNKNOWN, /* nowhere: it has drawn none, or a frame of another user has overwritten them and this one did not keep them */
+    DEVICE_LAST_THERE,   /* in the scene's arrays, but for those that have arrived since */
+    DEVICE_LAST_KEPT,    /* in `previous`: copied there before a frame of another user overwrote them */
+};
+
+/** What one renderer has of a scene that others may share. It is not moved in memory while the scene is open. */
+struct device_scene_user {
+    struct device_scene *scene;
+    struct device_scene_user *next; /* of those that share the scene */
+    uint32_t pool_triangles;        /* of the room behind the indices: what its culling fills */
+    struct gpu_buffer faded_lights, faded_bounds; /* copies for frames with light_lod; made when first asked for */
+
+    bool wants_previous; /* the frame being made wants to know where instances and vertices were in its last one */
+    bool keeps_previous; /* the last frame did: its instances and vertices are kept for the next */
+    enum device_last last;
+    uint64_t transform_version, arrived; /* what the last frame drew: transforms of the scene, and so many arrivals */
+    struct gpu_buffer previous;
+    struct device_previous kept; /* in it */
+    bool keeping;                /* the frame that was declared copies to it */
+};
+
+/** Finds the scene on the device, or begins it. FNL_ERROR_MEMORY. */
+fnl_result device_scene_open(gpu_device *device, fnl_scene *scene, struct device_scene_user *out);
+/** The last to close it destroys it. Frames of all users must be over. Once more does no harm. */
+void device_scene_close(struct device_scene_user *user);
+
+/**
+ * Uploads what changed in the scene's structure; blocks while images are decoded. Call outside of frames. After an error, and where the device
+ * has one that sticks, everything is uploaded again with the next call.
+ */
 fnl_result device_scene_prepare(struct device_scene *d);
-/** Then: room for so many triangles behind the scene's indices. */
-fnl_result device_scene_reserve_triangles(struct device_scene *d, uint32_t count);
-/** After a frame that failed: uploads everything again with the next. */
+/** Then: room behind the scene's indices for so many triangles of this user's culling; others fill the same room. */
+fnl_result device_scene_reserve_triangles(struct device_scene_user *user, uint32_t count);
+/** Everything is uploaded again with the next device_scene_prepare. */
 void device_scene_forget(struct device_scene *d);
 
 struct device_scene_frame {
     struct geometry_scene geometry;
     struct light_input lights; /* view, width and height are left to the caller */
-    bool moved;                /* instances or vertices are elsewhere than in the last frame */
-    /** With keeps_previous, where something moved or came: what the last frame drew, with rows of 0 for instances that it did not
+    bool moved;                /* instances or vertices are elsewhere than in the user's last frame */
+    bool lost;                 /* the frame wants what the last one drew, and that is not known (any more) */
+    /** With wants_previous, where something moved or came: what the user's last frame drew, with rows of 0 for instances that it did not
         draw. Else id 0. */
     graph_buffer previous;
+    struct device_previous previous_layout;
 };
-/** Declares this frame's updates (moved instances, lights, skinning) and imports the buffers. */
-fnl_result device_scene_add(struct device_scene *d, struct graph *graph, struct device_scene_frame *out);
-
-/** What the device has been sent, as far as this struct knows; for frames that are declared and never executed, which send nothing. */
-struct device_scene_sent {
-    uint64_t transform_version, light_version, decal_version, decal_transform_version;
-    uint32_t arrived_shown;
-};
-static inline struct device_scene_sent device_scene_sent(const struct device_scene *d) {
-    return (struct device_scene_sent){d->transform_version, d->light_version, d->decals.sent_version,
-                                      d->decals.transform_version, d->arrived_shown};
-}
-static inline void device_scene_unsend(struct device_scene *d, const struct device_scene_sent *sent) {
-    d->transform_version = sent->transform_version;
-    d->light_version = sent->light_version;
-    d->decals.sent_version = sent->decal_version;
-    d->decals.transform_version = sent->decal_transform_version;
-    d->arrived_shown = sent->arrived_shown;
-}
+/**
+ * Declares a user's frame: its updates (moved instances, lights, skinning), before which it keeps what other users' last frames drew, and
+ * imports the buffers. Nothing of it counts until device_scene_submitted: a frame that fails, or is declared for its pipelines alone, is
+ * taken back by the next call.
+ */
+fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph, struct device_scene_frame *out);
+/** The frame that was declared last, a user's, was submitted. */
+void device_scene_submitted(struct device_scene_user *user);
 
 /* ---- the parts ---- */
+
+void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *scene);
+void device_scene_finish(struct device_scene *d);
+
+/** Outside of frames: room for what users keep (users.c). */
+fnl_result device_users_prepare(struct device_scene *d);
+/** All places of instances are others: what users drew is not known any more. */
+void device_users_lose(struct device_scene *d);
+/** Where instances have arrived: forgets arrivals that all users have drawn. */
+void device_users_trim(struct device_scene *d);
+/** In a user's frame, before instances or vertices change (d->overwrites: they do). */
+void device_users_add(struct device_scene_user *user, struct graph *graph, graph_buffer vertices, struct device_scene_frame *out);
 
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,
@@ -209,7 +262,7 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
  * For frames with a light_lod (0: none): lists that the CPU builds see faded lights too (passes/lights/sprites.h). Costs a walk over the
  * lights where `walk` says that the frame has such lists, or to undo it.
  */
-fnl_result device_lights_fade(struct device_scene *d, const struct gpu_view *view, float lod, bool walk);
+fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk);
 
 /** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
 fnl_result device_decals_prepare(struct device_scene *d);

@@ -335,7 +335,7 @@ static void check_picture(struct world *w, uint32_t round) {
     w->stage.frame.lists = ways[round % COUNT_OF(ways)].lists;
     w->stage.frame.culling = ways[round % COUNT_OF(ways)].culling;
     struct stage fresh = w->stage;
-    assert_int_equal(fnl_renderer_create(harness_device(), w->stage.scene, &fresh.renderer), FNL_OK);
+    fresh.renderer = test_renderer(w->stage.scene);
     struct shot shot = stage_shoot(&w->stage, &w->stage.frame), other = stage_shoot(&fresh, &fresh.frame);
     uint64_t wrong = count_differing(&shot.radiance, &other.radiance);
     if (wrong) fail_msg("round %u: %llu pixels differ from a fresh renderer's", round, (unsigned long long)wrong);
@@ -366,9 +366,9 @@ static void shoot(struct world *w) {
 
 /* Bytes that the next frame uploads before it begins. */
 static uint64_t cost(struct world *w) {
-    uint64_t before = w->stage.renderer->device_scene.bytes_uploaded;
+    uint64_t before = w->stage.renderer->device_scene->bytes_uploaded;
     shoot(w);
-    return w->stage.renderer->device_scene.bytes_uploaded - before;
+    return w->stage.renderer->device_scene->bytes_uploaded - before;
 }
 
 static void test_an_edit_uploads_what_was_edited(void **state) {
@@ -382,7 +382,7 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     assert_int_equal(fnl_scene_set_material(scene, w.materials[w.mesh_count - 1], &params), FNL_OK);
     assert_true(cost(&w) > 61 * 61 * 44);
     assert_int_equal(cost(&w), 0);
-    const uint64_t sorts = w.stage.renderer->device_scene.sort_count;
+    const uint64_t sorts = w.stage.renderer->device_scene->sort_count;
     const uint64_t item = sizeof(struct gpu_item), group = sizeof(struct gpu_group), placed = sizeof(struct gpu_instance),
                    material = sizeof(struct gpu_material);
     fnl_mat4 transform = pose(&w);
@@ -404,14 +404,14 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     assert_int_equal(fnl_scene_set_instance_transform(scene, ids[0], &transform), FNL_OK);
     assert_int_equal(cost(&w), 0); /* inside the frame */
     assert_int_equal(fnl_scene_remove_instance(scene, w.instances[0]), FNL_OK);
-    uint64_t all = w.stage.renderer->device_scene.item_count * item + w.stage.renderer->device_scene.group_count * group;
+    uint64_t all = w.stage.renderer->device_scene->item_count * item + w.stage.renderer->device_scene->group_count * group;
     assert_true(cost(&w) <= all);
 
     assert_int_equal(fnl_scene_query_material(scene, w.materials[1].index, &params), FNL_OK);
     params.base_color[1] *= 0.5f;
     assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
     assert_int_equal(cost(&w), material);
-    assert_int_equal(w.stage.renderer->device_scene.sort_count, sorts + 1); /* the first edit of the rest that sorts */
+    assert_int_equal(w.stage.renderer->device_scene->sort_count, sorts + 1); /* the first edit of the rest that sorts */
     params.base_color_image = w.images[1];
     assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
     assert_int_equal(cost(&w), material + 16 * 16 * 4);
@@ -431,7 +431,7 @@ static void test_a_changed_mesh_uploads_what_differs(void **state) {
     UNUSED(state);
     struct world w = open_world();
     fnl_scene *scene = w.stage.scene;
-    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_mesh_id id = w.meshes[1];
     const fnl_mat4 identity = mat4_identity();
     fnl_instance_id shown;
@@ -540,7 +540,7 @@ static void test_instances_are_edited_in_place(void **state) {
     w.stage.frame.width = 17;
     w.stage.frame.height = 9;
     check_picture(&w, 0);
-    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const struct device_scene *d = w.stage.renderer->device_scene;
     const uint64_t sorts = d->sort_count, structures = d->upload_count;
     w.keeps_handedness = true; /* else all are sorted */
     for (uint32_t round = 0; round < 150; round++) {
@@ -609,7 +609,7 @@ static void test_memory_stays_flat(void **state) {
     w.stage.frame.width = 17;
     w.stage.frame.height = 9;
     shoot(&w);
-    const struct device_scene *d = &w.stage.renderer->device_scene;
+    const struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_scene *scene = w.stage.scene;
     uint32_t vertices = 20 * scene->primitives.data[scene->meshes.data[w.morphed_mesh].first_primitive].vertex_count;
     for (uint32_t i = 0; i < scene->primitives.count; i++) vertices += scene->primitives.data[i].vertex_count;
@@ -648,7 +648,7 @@ static void test_no_frame_is_long(void **state) {
     struct world w = open_world();
     add_mesh(&w, 100, true);
     for (uint32_t i = 0; i < WARM; i++) shoot(&w);
-    struct device_scene *d = &w.stage.renderer->device_scene;
+    struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_mat4 identity = mat4_identity();
     double *times = malloc(count * sizeof *times), sum[2] = {0, 0}, longest[2] = {0, 0};
     uint32_t edits = 0;

@@ -29,7 +29,7 @@ static void add(struct frame_state *f, struct shade_input *input, bool prepass) 
 /* ---- virtual ---- */
 
 static fnl_result prepare_virtual(fnl_renderer *r, const fnl_frame *frame) {
-    return device_virtual_prepare(&r->device_scene, frame->texturing.atlas_size, &r->atlas);
+    return device_virtual_prepare(r->device_scene, frame->texturing.atlas_size, &r->atlas);
 }
 
 static void submitted_virtual(fnl_renderer *r) { r->atlas.fresh = false; }
@@ -37,7 +37,7 @@ static void submitted_virtual(fnl_renderer *r) { r->atlas.fresh = false; }
 /* The first frame draws the geometry once more, to know which pages it wants; later ones have what the frame before wanted. */
 static void add_virtual(struct frame_state *f, struct shade_input *input, bool prepass) {
     fnl_renderer *r = f->r;
-    struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->atlas, r->device_scene.materials.buffer.address);
+    struct virtual_frame pages = virtual_begin(f->graph, r->device, &r->atlas, r->device_scene->materials.buffer.address);
     if (r->atlas.fresh) texturing_virtual_add(f->graph, input, &pages, "texturing wanted", prepass, f->depth);
     virtual_update_add(f->graph, &pages);
     COUNTERS_COPY(f, pages.commands, 16, pages); /* behind a dispatch */
