@@ -1,326 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** A scene that changes while it is shown: what each edit uploads, that pictures stay those of a fresh renderer, that memory stays flat. */
-#include "tests/render_harness.h"
-#include "tests/render_test.h"
-
-/* ---- a small world to edit ---- */
-
-enum { MESHES = 40, INSTANCES = 48, LIGHTS = 24, DECALS = 8, IMAGES = 12 };
-
-struct world {
-    struct stage stage;
-    struct random_state random;
-    fnl_mesh_id meshes[MESHES];
-    fnl_material_id materials[MESHES]; /* of each mesh */
-    fnl_image_id images[IMAGES];
-    fnl_instance_id instances[INSTANCES];
-    fnl_light_id lights[LIGHTS];
-    fnl_decal_id decals[DECALS];
-    bool instance_there[INSTANCES], light_there[LIGHTS], decal_there[DECALS];
-    uint32_t mesh_count, image_count, morphed_mesh; /* the latter: index in the scene */
-    bool keeps_handedness;                          /* instances do not begin or cease to mirror */
-};
-
-static uint32_t pick(struct world *w, uint32_t count) { return (uint32_t)(random_bits(&w->random) % count); }
-static float number(struct world *w, float low, float high) { return random_range(&w->random, low, high); }
-
-static fnl_vec3 place(struct world *w) { return vec3_make(number(w, -2, 2), number(w, -1.2f, 1.2f), number(w, -2, 1)); }
-
-static fnl_mat4 pose(struct world *w) {
-    float size = number(w, 0.2f, 0.6f), mirror = pick(w, 4) ? 1 : -1;
-    return mat4_from_trs(place(w), quat_axis_angle(vec3_normalize(place(w)), number(w, 0, 6)),
-                         vec3_make(size * mirror, size, size));
-}
-
-static void add_image(struct world *w) {
-    enum { SIDE = 16 };
-    uint8_t pixels[SIDE * SIDE * 4];
-    for (uint32_t i = 0; i < sizeof pixels; i++) pixels[i] = (uint8_t)(i % 4 == 3 ? 255 : 64 + pick(w, 192));
-    fnl_image image = {SIDE, SIDE, FNL_PIXEL_FORMAT_RGBA8, pixels};
-    assert_int_equal(fnl_scene_add_image(w->stage.scene, &image, true, &w->images[w->image_count++]), FNL_OK);
-}
-
-static fnl_material_params look(struct world *w, bool plain) {
-    fnl_material_params look = fnl_material_params_default();
-    for (int c = 0; c < 3; c++) look.base_color[c] = number(w, 0.1f, 1);
-    look.base_color[3] = plain ? 1 : number(w, 0.3f, 1);
-    look.metallic = plain || pick(w, 2) ? 0 : 1;
-    look.roughness = number(w, 0.3f, 1);
-    look.double_sided = !plain && pick(w, 2);
-    look.alpha_mode = plain ? FNL_ALPHA_OPAQUE : (fnl_alpha_mode)pick(w, 3);
-    if (!plain && pick(w, 2)) look.base_color_image = w->images[pick(w, w->image_count)];
-    return look;
-}
-
-/* A bumpy sheet of side * side squares, on both sides where its material is. Free its arrays by free_sheet(). */
-static fnl_mesh_params sheet(struct world *w, uint32_t side) {
-    uint32_t row = side + 1, vertex_count = row * row, at = 0;
-    float *positions = malloc(vertex_count * 12), *uv = malloc(vertex_count * 8);
-    uint32_t *indices = malloc(side * side * 24);
-    for (uint32_t i = 0; i < vertex_count; i++) {
-        uv[2 * i] = (float)(i % row) / (float)side;
-        uv[2 * i + 1] = (float)(i / row) / (float)side;
-        positions[3 * i] = 2 * uv[2 * i] - 1;
-        positions[3 * i + 1] = 2 * uv[2 * i + 1] - 1;
-        positions[3 * i + 2] = number(w, -0.2f, 0.2f);
-    }
-    for (uint32_t i = 0; i < side * side; i++) {
-        uint32_t corner = i / side * row + i % side;
-        const uint32_t square[] = {corner, corner + 1, corner + row, corner + row, corner + 1, corner + row + 1};
-        memcpy(indices + at, square, sizeof square);
-        at += 6;
-    }
-    return (fnl_mesh_params){
-        .vertex_count = vertex_count, .index_count = at, .positions = positions, .uv = uv, .indices = indices};
-}
-
-static void free_sheet(const fnl_mesh_params *sheet) {
-    free((void *)sheet->positions);
-    free((void *)sheet->uv);
-    free((void *)sheet->indices);
-}
-
-static void add_mesh(struct world *w, uint32_t side, bool plain) {
-    fnl_scene *scene = w->stage.scene;
-    fnl_mesh_params mesh = sheet(w, side);
-    fnl_material_params params = look(w, plain);
-    assert_int_equal(fnl_scene_add_material(scene, &params, &w->materials[w->mesh_count]), FNL_OK);
-    mesh.material = w->materials[w->mesh_count];
-    assert_int_equal(fnl_scene_add_mesh(scene, &mesh, &w->meshes[w->mesh_count++]), FNL_OK);
-    free_sheet(&mesh);
-}
-
-/* A copy of the first mesh with two morph targets, as only files have them. */
-static void add_morphed_mesh(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    struct scene_primitive p = scene->primitives.data[scene->meshes.data[w->meshes[0].index].first_primitive];
-    struct scene_morph_target *targets = ARENA_ARRAY(&scene->arena, struct scene_morph_target, 2);
-    for (int t = 0; t < 2; t++) {
-        vec3 *moved = ARENA_ARRAY(&scene->arena, vec3, p.vertex_count);
-        for (uint32_t v = 0; v < p.vertex_count; v++) moved[v] = vec3_make(0, t ? 0.8f : 0, t ? 0 : 0.7f);
-        targets[t].positions = moved;
-    }
-    p.morph_targets = targets;
-    p.morph_target_count = 2;
-    w->morphed_mesh = scene_add_mesh(scene, "morphed", &p, 1);
-    assert_int_not_equal(w->morphed_mesh, SCENE_NONE);
-    w->meshes[w->mesh_count] = (fnl_mesh_id){w->morphed_mesh, 1};
-    w->materials[w->mesh_count++] = w->materials[0];
-}
-
-static void add_instance(struct world *w, uint32_t i) {
-    fnl_mat4 transform = pose(w);
-    assert_int_equal(fnl_scene_add_instance(w->stage.scene, w->meshes[pick(w, w->mesh_count)], &transform, &w->instances[i]),
-                     FNL_OK);
-    w->instance_there[i] = true;
-}
-
-static void add_light(struct world *w, uint32_t i) {
-    fnl_light_params light = fnl_light_params_default();
-    light.kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
-    light.position = place(w);
-    light.direction = vec3_normalize(place(w));
-    light.intensity = light.kind == FNL_LIGHT_DIRECTIONAL ? 2 : 20;
-    light.range = 2;
-    assert_int_equal(fnl_scene_add_light(w->stage.scene, &light, &w->lights[i]), FNL_OK);
-    w->light_there[i] = true;
-}
-
-static struct world open_world(void) {
-    struct world w = {.random = {17}};
-    fnl_scene *scene;
-    assert_int_equal(fnl_scene_create(gpu_host(harness_device()), &scene), FNL_OK);
-    w.stage = stage_open_scene(scene);
-    w.stage.frame.width = 65;
-    w.stage.frame.height = 37;
-    w.stage.frame.exposure = FNL_EXPOSURE_NONE;
-    w.stage.frame.outputs = FNL_OUTPUT_RADIANCE;
-    w.stage.frame.camera = fnl_camera_default();
-    w.stage.frame.camera.position = vec3_make(0, 0, 4);
-    assert_int_equal(fnl_scene_set_ambient(scene, vec3_make(0.2f, 0.2f, 0.3f), vec3_make(0.1f, 0.1f, 0.1f)), FNL_OK);
-    for (uint32_t i = 0; i < 3; i++) add_image(&w);
-    for (uint32_t i = 0; i < 3; i++) add_mesh(&w, 9, true);
-    add_morphed_mesh(&w);
-    for (uint32_t i = 0; i < 12; i++) add_instance(&w, i);
-    for (uint32_t i = 0; i < 8; i++) add_light(&w, i);
-    return w;
-}
-
-/* ---- edits at random ---- */
-
-static void edit_instance(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    uint32_t i = pick(w, INSTANCES);
-    fnl_mat4 transform = pose(w);
-    if (!w->instance_there[i]) {
-        add_instance(w, i);
-        return;
-    }
-    fnl_instance_id id = w->instances[i];
-    switch (pick(w, 5)) {
-    case 0:
-        assert_int_equal(fnl_scene_remove_instance(scene, id), FNL_OK);
-        w->instance_there[i] = false;
-        break;
-    case 1:
-        assert_int_equal(fnl_scene_set_instance_visible(scene, id, scene->nodes.data[id.index].hidden), FNL_OK);
-        break;
-    case 2:
-        assert_int_equal(fnl_scene_set_instance_receivers(scene, id, pick(w, 256)), FNL_OK);
-        break;
-    default:
-        if (w->keeps_handedness && mat4_determinant3(&transform) * mat4_determinant3(&scene->nodes.data[id.index].world) < 0)
-            transform = mat4_mul(transform, mat4_scaling(vec3_make(-1, 1, 1)));
-        assert_int_equal(fnl_scene_set_instance_transform(scene, id, &transform), FNL_OK);
-    }
-}
-
-/* Some that are there, one of them twice; the scene shows the last. */
-static void move_several(struct world *w) {
-    fnl_instance_id ids[8];
-    fnl_mat4 transforms[8];
-    uint32_t count = 0;
-    for (uint32_t i = pick(w, INSTANCES), k = 0; k < INSTANCES && count < 7; k++, i = (i + 1) % INSTANCES) {
-        if (!w->instance_there[i]) continue;
-        transforms[count] = pose(w);
-        ids[count++] = w->instances[i];
-    }
-    if (count == 0) return;
-    ids[count] = ids[0];
-    transforms[count++] = pose(w);
-    assert_int_equal(fnl_scene_set_instance_transforms(w->stage.scene, ids, transforms, count), FNL_OK);
-    assert_memory_equal(&w->stage.scene->nodes.data[ids[0].index].world, &transforms[count - 1], sizeof transforms[0]);
-}
-
-static void change_lights(struct world *w) {
-    fnl_light_id ids[LIGHTS];
-    fnl_light_params params[LIGHTS];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < LIGHTS; i++) {
-        if (!w->light_there[i] || pick(w, 2)) continue;
-        params[count] = w->stage.scene->lights.data[w->lights[i].index].params;
-        params[count].kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
-        params[count].position = place(w);
-        ids[count++] = w->lights[i];
-    }
-    assert_int_equal(fnl_scene_set_lights(w->stage.scene, ids, params, count), FNL_OK);
-}
-
-static void edit_light(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    uint32_t i = pick(w, LIGHTS);
-    if (!w->light_there[i]) {
-        add_light(w, i);
-        return;
-    }
-    fnl_light_params light = scene->lights.data[w->lights[i].index].params;
-    fnl_vec3 corners[6];
-    for (int k = 0; k < 6; k++) corners[k] = vec3_add_scaled(light.position, place(w), 1);
-    switch (pick(w, 4)) {
-    case 0:
-        assert_int_equal(fnl_scene_remove_light(scene, w->lights[i]), FNL_OK);
-        w->light_there[i] = false;
-        break;
-    case 1:
-        assert_int_equal(fnl_scene_set_light_hull(scene, w->lights[i], corners, 6), FNL_OK);
-        break;
-    case 2:
-        assert_int_equal(fnl_scene_set_light_hull(scene, w->lights[i], NULL, 0), FNL_OK);
-        break;
-    default:
-        light.kind = (fnl_light_kind)pick(w, FNL_LIGHT_KIND_COUNT);
-        light.position = place(w);
-        assert_int_equal(fnl_scene_set_light(scene, w->lights[i], &light), FNL_OK);
-    }
-}
-
-static void edit_decal(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    uint32_t i = pick(w, DECALS), on = pick(w, INSTANCES);
-    if (w->decal_there[i]) {
-        assert_int_equal(fnl_scene_remove_decal(scene, w->decals[i]), FNL_OK);
-        w->decal_there[i] = false;
-        return;
-    }
-    if (!w->instance_there[on]) return;
-    fnl_decal_params decal = fnl_decal_params_default();
-    static const fnl_decal_kind kinds[] = {FNL_DECAL_BOX, FNL_DECAL_MESH, FNL_DECAL_REDRAW, FNL_DECAL_BAKED};
-    decal.kind = kinds[pick(w, COUNT_OF(kinds))];
-    if (decal.kind == FNL_DECAL_BAKED && scene->nodes.data[w->instances[on].index].mesh == w->morphed_mesh) return;
-    decal.transform = decal.kind == FNL_DECAL_BOX ? pose(w) : mat4_scaling(vec3_make(0.9f, 0.9f, 2));
-    if (decal.kind != FNL_DECAL_BOX || pick(w, 2)) decal.instance = w->instances[on];
-    decal.color[pick(w, 3)] = 0;
-    decal.color_image = w->images[pick(w, w->image_count)];
-    assert_int_equal(fnl_scene_add_decal(scene, &decal, &w->decals[i]), FNL_OK);
-    w->decal_there[i] = true;
-}
-
-/* Decals go with the instance that they are on, but their ids last until they are removed: fnl_scene_remove_decal takes them. */
-
-static void edit_weights(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    for (uint32_t i = 0; i < INSTANCES; i++) {
-        if (!w->instance_there[i] || scene->nodes.data[w->instances[i].index].mesh != w->morphed_mesh) continue;
-        const float weights[2] = {number(w, 0, 1), number(w, 0, 1)};
-        const fnl_pose bent = {.morph_weights = weights, .morph_weight_count = 2};
-        assert_int_equal(fnl_scene_set_pose(scene, w->instances[i], &bent), FNL_OK);
-    }
-}
-
-/* Other positions, other colours, another material, or a sheet of another size. */
-static void edit_mesh(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    fnl_mesh_id id = w->meshes[pick(w, w->mesh_count)];
-    fnl_mesh_info info;
-    assert_int_equal(fnl_scene_query_mesh(scene, id.index, 0, &info), FNL_OK);
-    float *values = malloc(info.params.vertex_count * 16);
-    fnl_mesh_params changed = info.params;
-    switch (pick(w, id.index == w->morphed_mesh ? 3 : 4)) {
-    case 0:
-        for (uint32_t i = 0; i < 3 * info.params.vertex_count; i++) values[i] = info.params.positions[i] * number(w, 0.7f, 1.2f);
-        changed.positions = values;
-        break;
-    case 1:
-        for (uint32_t i = 0; i < 4 * info.params.vertex_count; i++) values[i] = number(w, 0.2f, 1);
-        changed.colors = values;
-        break;
-    case 2:
-        changed.material = w->materials[pick(w, w->mesh_count)];
-        break;
-    default:
-        changed = sheet(w, 1 + pick(w, 12));
-        changed.material = info.params.material;
-    }
-    assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &changed), FNL_OK);
-    if (changed.uv != info.params.uv) free_sheet(&changed);
-    free(values);
-}
-
-static void edit(struct world *w) {
-    fnl_scene *scene = w->stage.scene;
-    uint32_t what = pick(w, 20), mesh = pick(w, w->mesh_count);
-    fnl_material_params params = look(w, false);
-    if (what < 4)
-        edit_instance(w);
-    else if (what == 4)
-        move_several(w);
-    else if (what < 7)
-        edit_light(w);
-    else if (what == 7)
-        change_lights(w);
-    else if (what < 10)
-        edit_decal(w);
-    else if (what < 12)
-        edit_weights(w);
-    else if (what < 14)
-        assert_int_equal(fnl_scene_set_material(scene, w->materials[mesh], &params), FNL_OK);
-    else if (what < 17)
-        edit_mesh(w);
-    else if (what == 17 && w->image_count < IMAGES)
-        add_image(w);
-    else if (w->mesh_count < MESHES)
-        add_mesh(w, 1 + pick(w, 12), false);
-}
+#include "tests/edit_world.h"
 
 /* The lasting renderer and one that has just been made show the same, to the bit. */
 static void check_picture(struct world *w, uint32_t round) {
@@ -349,10 +29,10 @@ static void check_picture(struct world *w, uint32_t round) {
 
 static void test_random_edits_show_what_a_fresh_renderer_shows(void **state) {
     UNUSED(state);
-    struct world w = open_world();
+    struct world w = world_open();
     for (uint32_t round = 0; round < 45; round++) {
         check_picture(&w, round);
-        for (uint32_t i = 0; i < 1 + round % 9; i++) edit(&w);
+        for (uint32_t i = 0; i < 1 + round % 9; i++) world_edit(&w);
     }
     stage_close(&w.stage);
 }
@@ -373,11 +53,11 @@ static uint64_t cost(struct world *w) {
 
 static void test_an_edit_uploads_what_was_edited(void **state) {
     UNUSED(state);
-    struct world w = open_world();
+    struct world w = world_open();
     fnl_scene *scene = w.stage.scene;
-    add_mesh(&w, 60, true); /* heavy, and the last: its item is */
+    world_add_mesh(&w, 60, true); /* heavy, and the last: its item is */
     fnl_mesh_id heavy = w.meshes[w.mesh_count - 1];
-    fnl_material_params params = look(&w, true);
+    fnl_material_params params = world_look(&w, true);
     params.double_sided = true; /* drawn after all others */
     assert_int_equal(fnl_scene_set_material(scene, w.materials[w.mesh_count - 1], &params), FNL_OK);
     assert_true(cost(&w) > 61 * 61 * 44);
@@ -385,7 +65,7 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     const uint64_t sorts = w.stage.renderer->device_scene->sort_count;
     const uint64_t item = sizeof(struct gpu_item), group = sizeof(struct gpu_group), placed = sizeof(struct gpu_instance),
                    material = sizeof(struct gpu_material);
-    fnl_mat4 transform = pose(&w);
+    fnl_mat4 transform = world_pose(&w);
     if (mat4_determinant3(&transform) < 0) transform = mat4_mul(transform, mat4_scaling(vec3_make(-1, 1, 1))); /* items of mirrored ones lie elsewhere */
 
     /* Buffers grow once; then there is room. Items lie by mesh, so those behind one that comes or goes move along. */
@@ -415,10 +95,10 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
     params.base_color_image = w.images[1];
     assert_int_equal(fnl_scene_set_material(scene, w.materials[1], &params), FNL_OK);
     assert_int_equal(cost(&w), material + 16 * 16 * 4);
-    add_image(&w); /* of no material */
+    world_add_image(&w); /* of no material */
     assert_int_equal(cost(&w), 0);
 
-    add_mesh(&w, 25, true); /* its clusters come besides, and glTF's default material moves behind its own */
+    world_add_mesh(&w, 25, true); /* its clusters come besides, and glTF's default material moves behind its own */
     const struct scene_primitive *p = &scene->primitives.data[scene->primitives.count - 1];
     uint64_t mesh = p->vertex_count * (12 + sizeof(struct gpu_attributes)) + p->index_count * 4, cut = p->index_count / 3 * 20;
     uint64_t sent = cost(&w);
@@ -429,7 +109,7 @@ static void test_an_edit_uploads_what_was_edited(void **state) {
 /* Of a mesh only what differs is sent, whatever else there is; and its clusters take the places of the old ones. */
 static void test_a_changed_mesh_uploads_what_differs(void **state) {
     UNUSED(state);
-    struct world w = open_world();
+    struct world w = world_open();
     fnl_scene *scene = w.stage.scene;
     const struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_mesh_id id = w.meshes[1];
@@ -477,10 +157,10 @@ static void test_a_changed_mesh_uploads_what_differs(void **state) {
     long long host_bytes = 0;
     uint32_t ends[2] = {0};
     for (uint32_t round = 0; round < 40; round++) {
-        fnl_mesh_params other = sheet(&w, round % 2 ? 9 : 14);
+        fnl_mesh_params other = world_sheet(&w, round % 2 ? 9 : 14);
         other.material = changed.material;
         assert_int_equal(fnl_scene_set_mesh(scene, id, 0, &other), FNL_OK);
-        free_sheet(&other);
+        world_free_sheet(&other);
         shoot(&w);
         if (round == 9) {
             device_bytes = gpu_memory_stats(harness_device()).used_bytes;
@@ -528,14 +208,14 @@ static void check_lists(const struct device_scene *d, const struct device_scene 
 /* Instances that come, go, hide and move do not have all others sorted again, and stand in the lists where sorting would have them. */
 static void test_instances_are_edited_in_place(void **state) {
     UNUSED(state);
-    struct world w = open_world();
+    struct world w = world_open();
     fnl_scene *scene = w.stage.scene;
-    for (uint32_t i = 0; i < 8; i++) add_mesh(&w, 1 + i, false);
+    for (uint32_t i = 0; i < 8; i++) world_add_mesh(&w, 1 + i, false);
     for (uint32_t i = 0; i < w.mesh_count; i++) /* what deforms is sorted with all others */
         if (w.meshes[i].index == w.morphed_mesh) w.meshes[i] = w.meshes[0];
     for (uint32_t i = 0; i < INSTANCES; i++) {
         if (w.instance_there[i]) assert_int_equal(fnl_scene_remove_instance(scene, w.instances[i]), FNL_OK);
-        add_instance(&w, i);
+        world_add_instance(&w, i);
     }
     w.stage.frame.width = 17;
     w.stage.frame.height = 9;
@@ -544,7 +224,7 @@ static void test_instances_are_edited_in_place(void **state) {
     const uint64_t sorts = d->sort_count, structures = d->upload_count;
     w.keeps_handedness = true; /* else all are sorted */
     for (uint32_t round = 0; round < 150; round++) {
-        for (uint32_t i = 0; i < 1 + round % 5; i++) edit_instance(&w);
+        for (uint32_t i = 0; i < 1 + round % 5; i++) world_edit_instance(&w);
         if (round % 50 == 49) /* all of them */
             for (uint32_t i = 0; i < INSTANCES; i++)
                 if (w.instance_there[i]) assert_int_equal(fnl_scene_set_instance_visible(scene, w.instances[i], round == 99), FNL_OK);
@@ -559,7 +239,7 @@ static void test_instances_are_edited_in_place(void **state) {
     assert_int_equal(d->sort_count, sorts);
 
     /* So many that sorting is cheaper; then a renderer that has missed none goes on in place. */
-    for (uint32_t i = 0; i < 100; i++) add_instance(&w, i % INSTANCES);
+    for (uint32_t i = 0; i < 100; i++) world_add_instance(&w, i % INSTANCES);
     shoot(&w);
     assert_int_equal(d->sort_count, sorts + 1);
     assert_int_equal(fnl_scene_remove_instance(scene, w.instances[3]), FNL_OK);
@@ -584,8 +264,8 @@ static void come_and_go(struct world *w, uint32_t round) {
     fnl_scene *scene = w->stage.scene;
     uint32_t i = 12 + round % 8, l = 8 + round % 8;
     if (!w->instance_there[i]) {
-        add_instance(w, i);
-        add_light(w, l);
+        world_add_instance(w, i);
+        world_add_light(w, l);
     } else {
         assert_int_equal(fnl_scene_remove_instance(scene, w->instances[i]), FNL_OK);
         assert_int_equal(fnl_scene_remove_light(scene, w->lights[l]), FNL_OK);
@@ -605,7 +285,7 @@ static void come_and_go(struct world *w, uint32_t round) {
 static void test_memory_stays_flat(void **state) {
     UNUSED(state);
     uint32_t rounds = frames(300);
-    struct world w = open_world();
+    struct world w = world_open();
     w.stage.frame.width = 17;
     w.stage.frame.height = 9;
     shoot(&w);
@@ -645,8 +325,8 @@ static void test_no_frame_is_long(void **state) {
     UNUSED(state);
     enum { EVERY = 10, WARM = 20 };
     uint32_t count = frames(200);
-    struct world w = open_world();
-    add_mesh(&w, 100, true);
+    struct world w = world_open();
+    world_add_mesh(&w, 100, true);
     for (uint32_t i = 0; i < WARM; i++) shoot(&w);
     struct device_scene *d = w.stage.renderer->device_scene;
     const fnl_mat4 identity = mat4_identity();
