@@ -20,8 +20,8 @@ void main() {
     if (known) before = push.instances.at[item.instance];
     out_new = uint(!known || (before.rows[0] == vec4(0.0) && before.rows[1] == vec4(0.0) && before.rows[2] == vec4(0.0)));
     uint deformed = uint(gl_VertexIndex) - push.first_deformed; // a large number where the vertex comes before
-    bool deforms = deformed < push.deformed_count;
-    if (deforms) point_before = push.positions.at[deformed];
+    bool deforms = deformed < push.deformed_count && scene.scene.primitives.at[item.primitive].bind_offset != 0;
+    if (deforms && out_new == 0u) point_before = push.positions.at[deformed]; // of a new one nobody has written them
 
     precise vec3 position = transform_point(instance, point);
     precise vec4 clip = push.geometry.view.view.world_to_clip * vec4(position, 1.0);

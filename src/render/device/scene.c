@@ -145,6 +145,7 @@ static fnl_result prepare_structure(struct device_scene *d, uint64_t before, boo
             TRY(device_materials_upload(d));
         }
         TRY(device_geometry_upload(d));
+        if (before == UINT64_MAX) d->sent.transforms = scene->transform_version; /* all instances came as they stand */
         d->bounds = scene_bounds(scene);
         d->bounds_edits = 0;
     }
@@ -286,7 +287,7 @@ fnl_result device_scene_add(struct device_scene_user *user, struct graph *graph,
     graph_buffer vertices = graph_import_buffer(graph, "scene vertices", &d->positions);
     graph_buffer lights = graph_import_buffer(graph, "lights", &d->lights);
     TRY(device_lights_add(d, graph, lights));
-    device_users_add(user, graph, vertices, out);
+    TRY(device_users_add(user, graph, vertices, out));
     TRY(add_moves(d, graph, vertices));
     TRY(add_deforms(d, graph, vertices));
     out->geometry = (struct geometry_scene){.scene = d->table.buffer.address,

@@ -225,7 +225,8 @@ void device_users_lose(struct device_scene *d);
 /** Where instances have arrived: forgets arrivals that all users have drawn. */
 void device_users_trim(struct device_scene *d);
 /** In a user's frame, before instances or vertices change (d->overwrites: they do). */
-void device_users_add(struct device_scene_user *user, struct graph *graph, graph_buffer vertices, struct device_scene_frame *out);
+fnl_result device_users_add(struct device_scene_user *user, struct graph *graph, graph_buffer vertices,
+                            struct device_scene_frame *out);
 
 /** Makes a device buffer and fills it; of size 0 it is as small as can be. */
 fnl_result device_upload_array(struct device_scene *d, const char *name, struct gpu_buffer *buffer, const void *data,

@@ -112,50 +112,80 @@ static void keep(struct device_scene_user *user, struct graph *graph, graph_buff
 }
 
 struct arrived_data {
-    const struct device_scene_user *user;
-    uint32_t first, end; /* of the scene's arrived */
+    const struct gpu_buffer *previous;
+    const struct range *places; /* ascending, apart from each other */
+    uint32_t count;
 };
 
 static void execute_arrived(const struct graph_context *context, const void *data) {
     const struct arrived_data *a = data;
     const uint64_t size = sizeof(struct gpu_instance);
-    for (uint32_t i = a->first; i < a->end; i++) {
-        struct range range = a->user->scene->arrived.data[i];
-        if (range.first >= a->user->kept.instance_count) continue; /* known to be new */
-        range.count = MIN(range.count, a->user->kept.instance_count - range.first);
-        gpu_fill_buffer(context->commands, &a->user->previous, range.first * size, range.count * size, 0);
+    for (uint32_t i = 0; i < a->count; i++)
+        gpu_fill_buffer(context->commands, a->previous, a->places[i].first * size, a->places[i].count * size, 0);
+}
+
+static int compare_places(const void *a, const void *b) {
+    const struct range *x = a, *y = b;
+    return x->first < y->first ? -1 : x->first > y->first;
+}
+
+/* Places below `end` where an instance has arrived that the user has not drawn: in some, several one after the other. */
+static uint32_t list_arrived(const struct device_scene_user *user, uint32_t end, struct range *out) {
+    const struct device_scene *d = user->scene;
+    const uint32_t first = (uint32_t)(user->arrived - d->arrived_before);
+    uint32_t count = 0, kept = 0;
+    for (uint32_t i = first; i < d->arrived.count; i++) {
+        struct range place = d->arrived.data[i];
+        if (place.first >= end) continue;
+        place.count = MIN(place.count, end - place.first);
+        out[count++] = place;
     }
+    if (count) qsort(out, count, sizeof *out, compare_places);
+    for (uint32_t i = 0; i < count; i++) {
+        struct range *last = kept ? &out[kept - 1] : NULL;
+        if (last && out[i].first <= last->first + last->count)
+            last->count = MAX(last->count, out[i].first + out[i].count - last->first);
+        else
+            out[kept++] = out[i];
+    }
+    return kept;
 }
 
 /* For the user whose frame it is: what its last frame drew, with marks on what that did not draw. */
-static void add_own(struct device_scene_user *user, struct graph *graph, graph_buffer vertices, struct device_scene_frame *out) {
+static fnl_result add_own(struct device_scene_user *user, struct graph *graph, graph_buffer vertices,
+                          struct device_scene_frame *out) {
     const struct device_scene *d = user->scene;
-    const uint64_t end = d->arrived_before + d->arrived.count;
-    if (!user->wants_previous || out->lost || (!out->moved && user->arrived == end)) return;
+    const uint64_t arrived = d->arrived_before + d->arrived.count - user->arrived;
+    if (!user->wants_previous || out->lost || (!out->moved && arrived == 0)) return FNL_OK;
     if (user->last == DEVICE_LAST_THERE) keep(user, graph, vertices, 0);
     out->previous = import_previous(user, graph, 0);
     out->previous_layout = user->kept;
-    if (user->arrived == end) return;
-    const struct arrived_data arrived = {user, (uint32_t)(user->arrived - d->arrived_before), d->arrived.count};
+    if (arrived == 0) return FNL_OK;
+    struct gpu_slice places = gpu_frame_allocate(d->device, arrived * sizeof(struct range));
+    if (!places.data) return gpu_status(d->device);
+    const struct arrived_data data = {&user->previous, places.data,
+                                      list_arrived(user, user->kept.instance_count, places.data)};
     struct graph_pass *pass =
-        graph_add_pass(graph, "mark new instances", GRAPH_QUEUE_GRAPHICS, execute_arrived, &arrived, sizeof arrived);
+        graph_add_pass(graph, "mark new instances", GRAPH_QUEUE_GRAPHICS, execute_arrived, &data, sizeof data);
     graph_use_buffer(pass, out->previous, GRAPH_COPY_TO);
+    return FNL_OK;
 }
 
-void device_users_add(struct device_scene_user *user, struct graph *graph, graph_buffer vertices,
+fnl_result device_users_add(struct device_scene_user *user, struct graph *graph, graph_buffer vertices,
                       struct device_scene_frame *out) {
     struct device_scene *d = user->scene;
     out->moved = user->last == DEVICE_LAST_UNKNOWN || user->transform_version != d->scene->transform_version;
     out->lost = user->wants_previous && user->last == DEVICE_LAST_UNKNOWN;
     out->previous = (graph_buffer){0};
     out->previous_layout = (struct device_previous){0};
-    add_own(user, graph, vertices, out);
+    TRY(add_own(user, graph, vertices, out));
     uint32_t number = 0;
     for (struct device_scene_user *other = d->users; other; other = other->next) {
         other->keeping =
             other != user && d->overwrites && other->keeps_previous && other->last == DEVICE_LAST_THERE;
         if (other->keeping) keep(other, graph, vertices, ++number);
     }
+    return FNL_OK;
 }
 
 void device_scene_submitted(struct device_scene_user *user) {
