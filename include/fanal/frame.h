@@ -121,7 +121,8 @@ typedef enum fnl_output {
     /**
      * RGBA32F. XY: how many pixels right and down an opaque surface, or the background, was in the last frame. Z: its view depth then in metres,
      * 1e30 for an empty background. W: 1 plus the part of the motion in pixels that is not the camera's, or 0 where it was behind the camera,
-     * was not shown, or there was no last frame. No MSAA.
+     * was not shown, or there was no last frame. Where several renderers share a scene, the last frame of this one counts as none unless it
+     * had motion vectors too (this output, FNL_DEBUG_MOTION or temporal antialiasing) or nothing has moved since. No MSAA.
      */
     FNL_OUTPUT_MOTION = 32
 } fnl_output;

@@ -14,7 +14,12 @@ extern "C" {
 typedef struct fnl_renderer fnl_renderer;
 struct fnl_vulkan_target;
 
-/** The device and the scene must outlive the renderer. The first frame uploads the scene. */
+/**
+ * The device and the scene must outlive the renderer. The first frame uploads the scene. Renderers of one scene on one device share what is
+ * uploaded: geometry, images, materials, lights, decals, posed vertices. An edit is sent with the next frame of any of them, and each shows
+ * it; the last to be destroyed frees it. History is a renderer's own: motion is since its own last frame. Calls on a device and all its
+ * renderers must not overlap, on whatever threads.
+ */
 FNL_API fnl_result fnl_renderer_create(fnl_device *device, fnl_scene *scene, fnl_renderer **out);
 FNL_API void fnl_renderer_destroy(fnl_renderer **renderer);
 
