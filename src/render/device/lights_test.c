@@ -204,7 +204,7 @@ static void check_programs(struct stage *s, bool made, uint32_t shaped) {
     struct shot shot = stage_shoot(s, &s->frame);
     assert_int_equal(shot.stats.pipelines_made > 0, made);
     assert_int_equal(s->renderer->device_scene->shaped_count, shaped);
-    assert_int_equal(fnl_renderer_create(harness_device(), s->scene, &fresh.renderer), FNL_OK);
+    fresh.renderer = test_renderer(s->scene);
     struct shot other = stage_shoot(&fresh, &fresh.frame);
     assert_int_equal(count_differing(&shot.radiance, &other.radiance), 0);
     fnl_renderer_destroy(&fresh.renderer);
