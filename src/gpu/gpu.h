@@ -173,6 +173,9 @@ fnl_result gpu_upload_buffer(gpu_device *device, const struct gpu_buffer *buffer
 /** Fills mip 0 of layer 0 and, with `generate_mips`, the smaller ones by 2x2 blits; `color` averages through the sRGB view. Leaves the image in SHADER_READ_ONLY_OPTIMAL. Thread-safe. */
 fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
                             bool generate_mips, bool color);
+/** The same in parts, from the top down without gaps: `count` rows from `first` on. The last part makes the mips and leaves the layout; nobody may use the image before. */
+fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
+                                 uint32_t first, uint32_t count, bool generate_mips, bool color);
 /**
  * Makes a device buffer larger: its first `used` bytes are copied on the device, and the old memory goes when the frames under way are over.
  * `buffer` may have no handle; then it is created. On errors it stays what it was.

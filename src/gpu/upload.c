@@ -339,14 +339,14 @@ static void blit_mip(gpu_device *device, VkCommandBuffer commands, const struct 
                             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_LINEAR);
 }
 
-static fnl_result upload_image(gpu_device *device, const struct gpu_image *image, const char *pixels, uint64_t row_bytes,
-                               bool generate_mips) {
+static fnl_result upload_rows(gpu_device *device, const struct gpu_image *image, const char *pixels, uint64_t row_bytes,
+                              uint32_t first, uint32_t end, bool generate_mips) {
     const VkImageLayout to_write = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, to_read = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-    uint32_t height = image->params.height, mips = image->params.mips;
+    const uint32_t mips = image->params.mips;
     VkCommandBuffer commands = VK_NULL_HANDLE;
-    for (uint32_t row = 0; row < height;) {
+    for (uint32_t row = first; row < end;) {
         uint64_t piece, staging;
-        TRY(take_staging(device, (height - row) * row_bytes, row_bytes, &piece, &staging, &commands));
+        TRY(take_staging(device, (end - row) * row_bytes, row_bytes, &piece, &staging, &commands));
         if (row == 0) transition(device, commands, image, 0, mips, VK_IMAGE_LAYOUT_UNDEFINED, to_write);
         memcpy((char *)device->uploads.ring.mapped + staging, pixels + row * row_bytes, (size_t)piece);
         uint32_t rows = (uint32_t)(piece / row_bytes);
@@ -359,6 +359,7 @@ static fnl_result upload_image(gpu_device *device, const struct gpu_image *image
         device->vk.CmdCopyBufferToImage(commands, device->uploads.ring.handle, image->handle, to_write, 1, &region);
         row += rows;
     }
+    if (end < image->params.height) return FNL_OK;
     const VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     if (generate_mips && mips > 1) {
         for (uint32_t mip = 1; mip < mips; mip++) {
@@ -373,8 +374,8 @@ static fnl_result upload_image(gpu_device *device, const struct gpu_image *image
     return FNL_OK;
 }
 
-fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
-                            bool generate_mips, bool color) {
+fnl_result gpu_upload_image_rows(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
+                                 uint32_t first, uint32_t count, bool generate_mips, bool color) {
     const fnl_host *host = &device->host;
     const struct gpu_image_params *params = &image->params;
     uint64_t row_bytes = (uint64_t)params->width * texel_size(params->format);
@@ -383,6 +384,7 @@ fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, c
     REQUIRE(host, params->usage & VK_IMAGE_USAGE_SAMPLED_BIT);
     REQUIRE(host, params->samples == 1);
     REQUIRE(host, row_bytes > 0 && size == row_bytes * params->height);
+    REQUIRE(host, first < params->height && count > 0 && count <= params->height - first);
     if (generate_mips && params->mips > 1) {
         REQUIRE(host, params->usage & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
         REQUIRE(host, color == params->srgb_view); /* the image's own format decides how blits average */
@@ -394,7 +396,12 @@ fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, c
         }
     }
     pthread_mutex_lock(&device->uploads.mutex);
-    fnl_result result = upload_image(device, image, pixels, row_bytes, generate_mips);
+    fnl_result result = upload_rows(device, image, pixels, row_bytes, first, first + count, generate_mips);
     pthread_mutex_unlock(&device->uploads.mutex);
     return result;
+}
+
+fnl_result gpu_upload_image(gpu_device *device, const struct gpu_image *image, const void *pixels, uint64_t size,
+                            bool generate_mips, bool color) {
+    return gpu_upload_image_rows(device, image, pixels, size, 0, image->params.height, generate_mips, color);
 }
