@@ -70,6 +70,21 @@ typedef struct fnl_load_params {
      */
     fnl_result (*resolve)(void *user, const char *uri, fnl_resource *out);
     /**
+     * Frames do not wait for the images of this file. No image is decoded while a file is loaded, in any case: a renderer decodes those that
+     * it needs, before its first frame, on all threads. With `async` it does so in the background, from its first frame (or
+     * fnl_renderer_warm) on. Until an image is there, materials show their factors alone, without emission if it is that of an emissive texture, and a
+     * decal that uses it does not show. Each frame takes up at most 8 MiB of what was decoded, as RGBA8: a larger image comes over several frames.
+     * The counter "images.pending" (fnl_frame_stats) says how many were still missing; once it is 0, frames are equal to the bit to those of a file
+     * that was loaded without `async`. Temporal antialiasing starts anew whenever images arrive, and `auto` measures nothing before all
+     * have. A broken image is logged when it is decoded, by the thread that does; if memory runs out, the frame that would have taken the
+     * image up fails with FNL_ERROR_MEMORY.
+     *
+     * While images are pending there is a thread for them, which decodes on one thread fewer than the device's host has, or with the host's
+     * parallel_for, while frames may call that too. fnl_renderer_destroy waits for what is being decoded at that moment. Baked decals and
+     * fnl_scene_grow_metal decode the images that they change at once. Default false.
+     */
+    bool async;
+    /**
      * Called on the thread that loads, before the first part of the file, after each one, and at the end, when `done` is `total`: files that it
      * refers to, images (which are not decoded here), meshes, animations, and a few others. Returns whether to go on; false ends
      * the load with FNL_ERROR_CANCELLED, and nothing of it stays. Default NULL.

@@ -191,6 +191,7 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
 
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
+    counters_note(f, "images.pending", f->r->device_scene.images_coming);
     if (!f->drawn) shading_draw(f);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input, blend = input;
@@ -224,6 +225,7 @@ static bool find_forward_items(const struct counted *counted, uint64_t *value) {
 }
 
 static const struct counter counters[] = {
+    {"images.pending", "images", "images that are still being decoded (fnl_load_params.async); 0: the frame shows all", NOTED},
     {"lights.behind", "lights", "lights in view that are behind the surfaces of every tile they touch",
      COUNTED(lights_behind), .needs = "lists=backface"},
     {"gbuffer.bytes", "bytes", "memory of the G-buffer's targets; without depth and radiance", NOTED},

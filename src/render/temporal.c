@@ -16,6 +16,12 @@ static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
            s->view.size.x == view->size.x && s->view.size.y == view->size.y && s->view.orthographic == view->orthographic;
 }
 
+/* Is what frames have collected so far a picture of the same scene? Not if they had no textures yet. */
+static bool collects(const struct frame_state *f) {
+    const struct temporal_state *s = &f->kept->temporal;
+    return f->temporal.keeps && s->frame.aa == FNL_ANTIALIASING_TAA && s->image_arrivals == f->r->device_scene.image_arrivals;
+}
+
 /* Would the last frame, but for its jitter, have been this one? */
 static bool is_still(const struct frame_state *f, const struct gpu_view *view) {
     const struct temporal_state *s = &f->kept->temporal;
@@ -36,7 +42,7 @@ void temporal_begin(struct frame_state *f) {
     t->still = t->keeps && is_still(f, &t->view);
     t->jitter = f->frame->jitter;
     if (f->frame->aa != FNL_ANTIALIASING_TAA) return;
-    t->index = t->keeps && s->frame.aa == FNL_ANTIALIASING_TAA ? s->index + 1 : 0;
+    t->index = collects(f) ? s->index + 1 : 0;
     vec2 jitter = taa_jitter(t->index);
     t->jitter.x += jitter.x;
     t->jitter.y += jitter.y;
@@ -70,7 +76,7 @@ void temporal_add(struct frame_state *f) {
                                 .exposure = f->exposure,
                                 .factor = frame->exposure == FNL_EXPOSURE_EV ? 1 / (1.2f * exp2f(frame->ev)) : 1,
                                 .tonemap = (uint32_t)frame->tonemap,
-                                .keeps = t->keeps && f->kept->temporal.frame.aa == FNL_ANTIALIASING_TAA,
+                                .keeps = collects(f),
                                 .still = t->still};
     f->radiance = taa_add(f->graph, f->radiance, &params);
 }
@@ -81,6 +87,7 @@ void temporal_end(struct frame_state *f) {
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,
+                                                .image_arrivals = f->r->device_scene.image_arrivals,
                                                 .background = f->r->scene->background,
                                                 .frame = *f->frame,
                                                 .index = f->temporal.index};

@@ -11,7 +11,7 @@ struct frame_state;
 struct temporal_state {
     bool valid;                                     /* the last frame was rendered */
     struct gpu_view view;                           /* its view, without jitter */
-    uint64_t uploads, light_version, decal_version; /* of the scene then */
+    uint64_t uploads, light_version, decal_version, image_arrivals; /* of the scene then */
     vec3 background;
     fnl_frame frame;
     uint32_t index; /* of its jitter */

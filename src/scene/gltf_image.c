@@ -86,6 +86,7 @@ static void load_image(struct gltf *g, json_t *object, const struct at *at, stru
         image->file_kind = kind;
         image->width = info.width;
         image->height = info.height;
+        image->async = g->params.async;
     }
 }
 

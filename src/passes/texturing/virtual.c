@@ -19,14 +19,24 @@ void virtual_destroy(gpu_device *device, struct virtual_atlas *atlas) {
     *atlas = (struct virtual_atlas){.version = UINT64_MAX};
 }
 
+static fnl_result clear_buffer(gpu_device *device, const struct gpu_buffer *buffer) {
+    static const uint32_t zeros[4096];
+    for (uint64_t at = 0; at < buffer->size; at += sizeof zeros)
+        TRY(gpu_upload_buffer(device, buffer, at, zeros, MIN(buffer->size - at, sizeof zeros)));
+    return FNL_OK;
+}
+
 static fnl_result make_buffer(gpu_device *device, const char *name, const void *data, uint64_t size,
                               struct gpu_buffer *out) {
     TRY(gpu_buffer_create(device, name, size, GPU_MEMORY_DEVICE, out));
-    if (data) return gpu_upload_buffer(device, out, 0, data, size);
-    static const uint32_t zeros[4096];
-    for (uint64_t at = 0; at < size; at += sizeof zeros)
-        TRY(gpu_upload_buffer(device, out, at, zeros, MIN(size - at, sizeof zeros)));
-    return FNL_OK;
+    return data ? gpu_upload_buffer(device, out, 0, data, size) : clear_buffer(device, out);
+}
+
+/* What the last frame wanted is still wanted. */
+fnl_result virtual_empty(gpu_device *device, const struct virtual_atlas *atlas) {
+    TRY(clear_buffer(device, &atlas->table));
+    TRY(clear_buffer(device, &atlas->owners));
+    return gpu_upload_submit(device);
 }
 
 /* Pages along the side: as many as the scene needs and may have. */

@@ -19,7 +19,8 @@ struct virtual_atlas {
     uint32_t page_count, always, across;
     uint64_t bytes;   /* of the layers */
     bool fresh;       /* no frame has been drawn with it: what it wants is found by drawing the geometry once more */
-    uint64_t version; /* of the scene's structure; UINT64_MAX: there is none */
+    uint64_t version;  /* device_scene.texture_version; UINT64_MAX: there is none */
+    uint64_t arrivals; /* device_scene.image_arrivals */
     uint32_t asked;   /* side that was asked for */
 };
 
@@ -34,6 +35,8 @@ struct virtual_contents {
 };
 fnl_result virtual_create(gpu_device *device, const struct virtual_contents *contents, struct virtual_atlas *out);
 void virtual_destroy(gpu_device *device, struct virtual_atlas *atlas);
+/** Its pages are to be filled anew: their textures have other contents. Call outside of frames. */
+fnl_result virtual_empty(gpu_device *device, const struct virtual_atlas *atlas);
 
 /** The atlas in one frame. */
 struct virtual_frame {

@@ -43,36 +43,30 @@ static fnl_result upload_pixels(struct device_scene *d, struct decal_picture *pi
     return gpu_upload_image(d->device, &picture->gpu, pixels, (uint64_t)width * height * 4, true, color);
 }
 
-static fnl_result upload_picture(struct device_scene *d, struct decal_picture *picture) {
-    const struct scene_image *image = &d->scene->images.data[picture->image];
-    if (image->width == 0 || image->height == 0) return FNL_OK;
-    fnl_image decoded = {0};
-    const uint8_t *pixels = image->pixels;
-    uint32_t width = image->width, height = image->height;
-    if (!pixels) {
-        if (!image->encoded) return FNL_OK;
-        fnl_result result = image_decode(&d->host, image->encoded, image->encoded_size, image->name, true, &decoded);
-        if (result == FNL_ERROR_MEMORY) return result;
-        if (result != FNL_OK) return FNL_OK; /* reported by the decoder; shown without it */
-        pixels = decoded.pixels;
-        width = decoded.width;
-        height = decoded.height;
-    }
-    fnl_result result;
-    if (picture->kind == DECAL_PICTURE_PREMULTIPLIED) {
-        size_t bytes = (size_t)width * height * 4;
-        uint8_t *copy = host_allocate(&d->host, bytes);
-        if (copy) {
-            memcpy(copy, pixels, bytes);
-            premultiply(copy, (uint64_t)width * height);
-        }
-        result = copy ? upload_pixels(d, picture, width, height, copy) : FNL_ERROR_MEMORY;
-        host_free(&d->host, copy, bytes);
-    } else {
-        result = upload_pixels(d, picture, width, height, pixels);
-    }
-    if (decoded.pixels) fnl_image_free(&d->host, &decoded);
+static fnl_result upload_picture(struct device_scene *d, struct decal_picture *picture, uint32_t width, uint32_t height,
+                                 const void *pixels) {
+    if (picture->kind != DECAL_PICTURE_PREMULTIPLIED) return upload_pixels(d, picture, width, height, pixels);
+    size_t bytes = (size_t)width * height * 4;
+    uint8_t *copy = host_allocate(&d->host, bytes);
+    if (!copy) return FNL_ERROR_MEMORY;
+    memcpy(copy, pixels, bytes);
+    premultiply(copy, (uint64_t)width * height);
+    fnl_result result = upload_pixels(d, picture, width, height, copy);
+    host_free(&d->host, copy, bytes);
     return result;
+}
+
+/* A decal whose picture is broken shows without it. */
+fnl_result device_decals_deliver(struct device_scene *d, uint32_t image, const fnl_image *pixels) {
+    for (uint32_t i = 0; i < d->decals.pictures.count; i++) {
+        struct decal_picture *picture = &d->decals.pictures.data[i];
+        if (picture->image != image || !picture->coming) continue;
+        picture->coming = false;
+        d->decals.sent_version = UINT64_MAX; /* it has an index from now on */
+        if (pixels) TRY(upload_picture(d, picture, pixels->width, pixels->height, pixels->pixels));
+    }
+    if (!pixels) d->images.data[image].broken = true;
+    return FNL_OK;
 }
 
 static const struct decal_picture *find_picture(const struct device_scene *d, uint32_t image, enum decal_picture_kind kind) {
@@ -85,8 +79,13 @@ static const struct decal_picture *find_picture(const struct device_scene *d, ui
 static fnl_result need_picture(struct device_scene *d, fnl_image_id id, enum decal_picture_kind kind) {
     uint32_t image = decal_image(id);
     if (image == SCENE_NONE || find_picture(d, image, kind)) return FNL_OK;
-    struct decal_picture picture = {.image = image, .kind = kind, .version = d->scene->images.data[image].version};
-    fnl_result result = upload_picture(d, &picture);
+    const struct scene_image *source = &d->scene->images.data[image];
+    struct decal_picture picture = {.image = image, .kind = kind, .version = source->version};
+    fnl_result result = FNL_OK;
+    if (source->width && source->height && source->pixels)
+        result = upload_picture(d, &picture, source->width, source->height, source->pixels);
+    else
+        picture.coming = source->width && source->height && source->encoded && !d->images.data[image].broken;
     if (result == FNL_OK && !array_push(&d->host, &d->decals.pictures, picture)) result = FNL_ERROR_MEMORY;
     if (result != FNL_OK && picture.gpu.handle) gpu_image_destroy(d->device, &picture.gpu);
     return result;
@@ -163,6 +162,19 @@ static fnl_result find_order(struct device_scene *d) {
 
 static vec3 column(const mat4 *m, int i) { return vec3_make(m->m[i * 4], m->m[i * 4 + 1], m->m[i * 4 + 2]); }
 
+static bool picture_coming(const struct device_scene *d, fnl_image_id id, enum decal_picture_kind kind) {
+    const struct decal_picture *picture = find_picture(d, decal_image(id), kind);
+    return picture && picture->coming;
+}
+
+/* Until its pictures are there a decal does not show: as a plain box it would cover more than it ever will. */
+static bool waits(const struct device_scene *d, const fnl_decal_params *p) {
+    return d->images_coming && (picture_coming(d, p->color_image, color_kind(p)) ||
+                                picture_coming(d, p->normal_image, DECAL_PICTURE_DATA) ||
+                                picture_coming(d, p->metallic_roughness_image, DECAL_PICTURE_DATA) ||
+                                picture_coming(d, p->emissive_image, DECAL_PICTURE_COLOR));
+}
+
 static struct gpu_decal device_decal(const struct device_scene *d, const struct scene_decal *decal, const mat4 *transform) {
     const fnl_decal_params *p = &decal->params;
     mat4 m;
@@ -187,6 +199,7 @@ static struct gpu_decal device_decal(const struct device_scene *d, const struct 
                           .normal_image = picture_index(d, p->normal_image, DECAL_PICTURE_DATA),
                           .metallic_roughness_image = picture_index(d, p->metallic_roughness_image, DECAL_PICTURE_DATA),
                           .emissive_image = picture_index(d, p->emissive_image, DECAL_PICTURE_COLOR)};
+    if (waits(d, p)) g.color.w = 0;
     g.fade_offset = -low * g.fade_scale;
     for (int row = 0; row < 3; row++) g.rows[row] = (vec4){m.m[row], m.m[4 + row], m.m[8 + row], m.m[12 + row]};
     /* A picture plane stays one under any affine map: its normal is that of the cube's x and y, on the side of z. */
@@ -372,6 +385,26 @@ static fnl_result grow_buffer(struct device_scene *d, const char *name, struct g
     return gpu_buffer_create(d->device, name, wanted, GPU_MEMORY_DEVICE, buffer);
 }
 
+/* Those that are coming: now, or in the background. */
+static fnl_result decode_pictures(struct device_scene *d) {
+    const struct decal_picture *pictures = d->decals.pictures.data;
+    ARRAY(uint32_t) images = {0};
+    fnl_result result = FNL_OK;
+    for (uint32_t i = 0; i < d->decals.pictures.count && result == FNL_OK; i++) {
+        if (!pictures[i].coming) continue;
+        uint32_t before = 0; /* another kind of the same picture */
+        while (before < i && !(pictures[before].coming && pictures[before].image == pictures[i].image)) before++;
+        if (before < i) continue;
+        if (d->scene->images.data[pictures[i].image].async)
+            result = device_image_ask(d, pictures[i].image);
+        else if (!array_push(&d->host, &images, pictures[i].image))
+            result = FNL_ERROR_MEMORY;
+    }
+    if (result == FNL_OK) result = device_images_decode(d, images.data, images.count, device_decals_deliver);
+    array_free(&d->host, &images);
+    return result;
+}
+
 static fnl_result prepare_pictures(struct device_scene *d) {
     const struct device_decals *all = &d->decals;
     for (uint32_t i = 0; i < all->order.count; i++) {
@@ -381,7 +414,7 @@ static fnl_result prepare_pictures(struct device_scene *d) {
         TRY(need_picture(d, p->metallic_roughness_image, DECAL_PICTURE_DATA));
         TRY(need_picture(d, p->emissive_image, DECAL_PICTURE_COLOR));
     }
-    return FNL_OK;
+    return decode_pictures(d);
 }
 
 fnl_result device_decals_prepare(struct device_scene *d) {

@@ -4,20 +4,6 @@
 
 enum { BATCH = 16 }; /* decoded at once: bounds the memory that waits for upload */
 
-struct decode {
-    struct device_scene *d;
-    uint32_t indices[BATCH];
-    fnl_image pixels[BATCH];
-    fnl_result results[BATCH];
-};
-
-static void decode_one(void *context, uint32_t i) {
-    struct decode *decode = context;
-    const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
-    decode->results[i] =
-        image_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, &decode->pixels[i]);
-}
-
 static uint32_t mip_count(uint32_t width, uint32_t height) {
     uint32_t count = 1;
     for (uint32_t side = MAX(width, height); side > 1; side /= 2) count++;
@@ -30,7 +16,7 @@ static int16_t common_blue(const uint8_t *pixels, uint64_t count) {
     return pixels[2];
 }
 
-static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, const void *pixels) {
+static fnl_result create_image(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, struct gpu_image *out) {
     const struct scene_image *image = &d->scene->images.data[index];
     struct gpu_image_params params = {.name = image->name ? image->name : "image",
                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
@@ -42,65 +28,227 @@ static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t wi
                                       .srgb_view = image->color,
                                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                                VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-    TRY(gpu_image_create(d->device, &params, &d->images.data[index]));
-    d->image_upload_count++;
-    d->bytes_uploaded += (uint64_t)width * height * 4;
-    d->image_versions.data[index] = image->version;
-    d->image_blues.data[index] = common_blue(pixels, (uint64_t)width * height);
-    return gpu_upload_image(d->device, &d->images.data[index], pixels, (uint64_t)width * height * 4, true, image->color);
+    return gpu_image_create(d->device, &params, out);
 }
 
-/* A broken image was reported by the decoder; the material goes on without it. */
-static fnl_result upload_batch(struct decode *decode, uint32_t count, struct jobs *jobs) {
-    jobs_parallel_for(jobs, count, decode_one, decode);
+static fnl_result send_rows(struct device_scene *d, const struct gpu_image *gpu, const void *pixels, uint32_t first, uint32_t count) {
+    const struct gpu_image_params *params = &gpu->params;
+    d->bytes_uploaded += (uint64_t)params->width * count * 4;
+    return gpu_upload_image_rows(d->device, gpu, pixels, (uint64_t)params->width * params->height * 4, first, count, true,
+                                 params->srgb_view);
+}
+
+/* All its rows are sent. */
+static void put_image(struct device_scene *d, uint32_t index, const struct gpu_image *gpu, const void *pixels) {
+    struct device_image *own = &d->images.data[index];
+    own->gpu = *gpu;
+    own->version = d->scene->images.data[index].version;
+    own->blue = common_blue(pixels, (uint64_t)gpu->params.width * gpu->params.height);
+    d->image_upload_count++;
+}
+
+static fnl_result upload_one(struct device_scene *d, uint32_t index, uint32_t width, uint32_t height, const void *pixels) {
+    struct gpu_image gpu;
+    TRY(create_image(d, index, width, height, &gpu));
+    put_image(d, index, &gpu, pixels);
+    return send_rows(d, &gpu, pixels, 0, height);
+}
+
+/* A material goes on without a broken one. */
+static fnl_result deliver(struct device_scene *d, uint32_t index, const fnl_image *pixels) {
+    if (pixels) return upload_one(d, index, pixels->width, pixels->height, pixels->pixels);
+    d->images.data[index].broken = true;
+    return FNL_OK;
+}
+
+/* ---- now ---- */
+
+struct decode {
+    const struct device_scene *d;
+    const uint32_t *indices;
+    fnl_image pixels[BATCH];
+    fnl_result results[BATCH];
+};
+
+static void decode_one(void *context, uint32_t i) {
+    struct decode *decode = context;
+    const struct scene_image *image = &decode->d->scene->images.data[decode->indices[i]];
+    decode->results[i] =
+        image_decode(&decode->d->host, image->encoded, image->encoded_size, image->name, true, &decode->pixels[i]);
+}
+
+fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *to) {
     fnl_result result = FNL_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        if (decode->results[i] == FNL_ERROR_MEMORY && result == FNL_OK) result = FNL_ERROR_MEMORY;
-        if (decode->results[i] == FNL_OK && result == FNL_OK)
-            result = upload_one(decode->d, decode->indices[i], decode->pixels[i].width, decode->pixels[i].height,
-                                decode->pixels[i].pixels);
-        if (decode->results[i] == FNL_OK) fnl_image_free(&decode->d->host, &decode->pixels[i]);
+    for (uint32_t first = 0; first < count && result == FNL_OK; first += BATCH) {
+        struct decode decode = {.d = d, .indices = images + first};
+        uint32_t batch = MIN(count - first, (uint32_t)BATCH);
+        jobs_parallel_for(gpu_jobs(d->device), batch, decode_one, &decode);
+        for (uint32_t i = 0; i < batch; i++) {
+            bool decoded = decode.results[i] == FNL_OK;
+            if (decode.results[i] == FNL_ERROR_MEMORY && result == FNL_OK) result = FNL_ERROR_MEMORY;
+            if (result == FNL_OK) result = to(d, images[first + i], decoded ? &decode.pixels[i] : NULL);
+            if (decoded) fnl_image_free(&d->host, &decode.pixels[i]);
+        }
     }
     return result;
 }
 
-fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs) {
-    const fnl_scene *scene = d->scene;
-    if (!array_reserve(&d->host, &d->images, scene->images.count)) return FNL_ERROR_MEMORY;
-    if (!array_reserve(&d->host, &d->image_blues, scene->images.count)) return FNL_ERROR_MEMORY;
-    if (!array_reserve(&d->host, &d->image_versions, scene->images.count)) return FNL_ERROR_MEMORY;
-    for (uint32_t i = d->images.count; i < scene->images.count; i++) { /* scenes lose none */
-        d->images.data[i] = (struct gpu_image){0};
-        d->image_blues.data[i] = -1;
-    }
-    d->images.count = d->image_blues.count = d->image_versions.count = scene->images.count;
+/* ---- in the background ---- */
 
-    bool *used = host_allocate_zero(&d->host, MAX(scene->images.count, 1u));
-    if (!used) return FNL_ERROR_MEMORY;
+fnl_result device_image_ask(struct device_scene *d, uint32_t index) {
+    const struct scene_image *image = &d->scene->images.data[index];
+    struct device_image *own = &d->images.data[index];
+    if (own->coming) return FNL_OK;
+    uint32_t threads = jobs_thread_count(gpu_jobs(d->device)); /* one stays free for frames */
+    if (!d->image_queue) TRY(image_queue_create(&d->host, MAX(threads, 2u) - 1, &d->image_queue));
+    const struct image_request request = {.id = index,
+                                          .bytes = image->encoded,
+                                          .size = image->encoded_size,
+                                          .name = image->name,
+                                          .pixel_bytes = (uint64_t)image->width * image->height * 4};
+    TRY(image_queue_ask(d->image_queue, &request));
+    own->version = image->version;
+    own->coming = true;
+    d->images_coming++;
+    return FNL_OK;
+}
+
+static void arrived(struct device_scene *d, struct device_image *own) {
+    d->images_coming -= own->coming;
+    own->coming = false;
+}
+
+/* Sends what there is room for; false: some rows are missing. */
+static fnl_result send_arrival(struct device_scene *d, uint64_t *room, bool *out_whole) {
+    struct device_arrival *a = &d->arrival;
+    const fnl_image *pixels = &a->answer.pixels;
+    const struct device_image *own = &d->images.data[a->answer.id];
+    *out_whole = true;
+    if (a->answer.result != FNL_OK) return FNL_OK;
+    const uint64_t row_bytes = pixels->width * 4ull;
+    uint32_t count = pixels->height; /* pictures of decals are small, and go at once */
+    if (own->used) {
+        if (!a->gpu.handle) TRY(create_image(d, a->answer.id, pixels->width, pixels->height, &a->gpu));
+        count = (uint32_t)MIN(pixels->height - a->row_count, MAX(*room / row_bytes, 1));
+        TRY(send_rows(d, &a->gpu, pixels->pixels, a->row_count, count));
+        a->row_count += count;
+        *out_whole = a->row_count == pixels->height;
+    }
+    *room -= MIN(*room, count * row_bytes);
+    return FNL_OK;
+}
+
+static void end_arrival(struct device_scene *d) {
+    struct device_arrival *a = &d->arrival;
+    if (a->gpu.handle) gpu_image_destroy(d->device, &a->gpu);
+    if (a->busy && a->answer.result == FNL_OK) fnl_image_free(&d->host, &a->answer.pixels);
+    *a = (struct device_arrival){0};
+}
+
+static fnl_result put_arrival(struct device_scene *d) {
+    struct device_arrival *a = &d->arrival;
+    const uint32_t index = a->answer.id;
+    struct device_image *own = &d->images.data[index];
+    const fnl_image *pixels = a->answer.result == FNL_OK ? &a->answer.pixels : NULL;
+    arrived(d, own);
+    if (a->answer.result == FNL_ERROR_MEMORY) return FNL_ERROR_MEMORY;
+    if (!pixels) d->texture_version++; /* the textures that were expected are none */
+    if (a->gpu.handle && own->used) {
+        put_image(d, index, &a->gpu, pixels->pixels);
+        a->gpu = (struct gpu_image){0};
+    }
+    return device_decals_deliver(d, index, pixels);
+}
+
+static fnl_result show_arrivals(struct device_scene *d) {
+    bool regroup;
+    d->image_arrivals++;
+    TRY(device_materials_upload(d, &regroup));
+    if (!regroup) return FNL_OK;
+    TRY(device_items_upload(d));
+    return device_table_send(d);
+}
+
+fnl_result device_images_take(struct device_scene *d) {
+    struct device_arrival *a = &d->arrival;
+    bool any = false;
+    if (!d->image_queue) return FNL_OK;
+    for (uint64_t room = DEVICE_IMAGE_BYTES; room > 0;) {
+        bool whole;
+        if (!a->busy) a->busy = image_queue_take(d->image_queue, &a->answer);
+        if (!a->busy) break;
+        if (!d->images.data[a->answer.id].coming) { /* the scene has given it other pixels since */
+            end_arrival(d);
+            continue;
+        }
+        TRY(send_arrival(d, &room, &whole));
+        if (!whole) break;
+        fnl_result result = put_arrival(d);
+        end_arrival(d);
+        TRY(result);
+        any = true;
+    }
+    if (d->images_coming == 0) {
+        end_arrival(d);
+        image_queue_destroy(&d->image_queue);
+    }
+    return any ? show_arrivals(d) : FNL_OK;
+}
+
+void device_images_free(struct device_scene *d) {
+    end_arrival(d);
+    image_queue_destroy(&d->image_queue);
+    for (uint32_t i = 0; i < d->images.count; i++)
+        if (d->images.data[i].gpu.handle) gpu_image_destroy(d->device, &d->images.data[i].gpu);
+    d->images.count = d->images_coming = 0;
+}
+
+/* ---- what materials use ---- */
+
+static void find_used(struct device_scene *d) {
+    const fnl_scene *scene = d->scene;
+    for (uint32_t i = 0; i < d->images.count; i++) d->images.data[i].used = false;
     for (uint32_t m = 0; m < scene->materials.count; m++)
         for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
             uint32_t image = scene->materials.data[m].textures[slot].image;
-            if (image != SCENE_NONE) used[image] = true;
+            if (image != SCENE_NONE) d->images.data[image].used = true;
         }
-    struct decode decode = {.d = d};
-    uint32_t count = 0;
+}
+
+/* The image of before is of no more use. */
+static void forget_changed(struct device_scene *d, struct device_image *own, uint32_t version) {
+    if (own->version == version) return;
+    if (own->gpu.handle) gpu_image_destroy(d->device, &own->gpu);
+    arrived(d, own);
+    own->broken = false;
+    own->version = version;
+    own->blue = -1;
+}
+
+/* Uploads an image, or asks for it, or adds it to `encoded`, of those to be decoded now. */
+static fnl_result need_image(struct device_scene *d, uint32_t index, uint32_t *encoded, uint32_t *encoded_count) {
+    const struct scene_image *image = &d->scene->images.data[index];
+    struct device_image *own = &d->images.data[index];
+    forget_changed(d, own, image->version);
+    if (!own->used || own->gpu.handle || own->broken || image->width == 0 || image->height == 0) return FNL_OK;
+    if (image->pixels) return upload_one(d, index, image->width, image->height, image->pixels);
+    if (image->encoded && image->async) return device_image_ask(d, index);
+    if (image->encoded) encoded[(*encoded_count)++] = index;
+    return FNL_OK;
+}
+
+fnl_result device_images_upload(struct device_scene *d) {
+    const uint32_t count = d->scene->images.count;
+    if (!array_reserve(&d->host, &d->images, count)) return FNL_ERROR_MEMORY;
+    for (uint32_t i = d->images.count; i < count; i++) /* scenes lose none */
+        d->images.data[i] = (struct device_image){.version = d->scene->images.data[i].version, .blue = -1};
+    d->images.count = count;
+    find_used(d);
+    uint32_t *encoded = host_allocate(&d->host, MAX(count, 1u) * sizeof *encoded), encoded_count = 0;
+    if (!encoded) return FNL_ERROR_MEMORY;
     fnl_result result = FNL_OK;
-    for (uint32_t i = 0; i < scene->images.count && result == FNL_OK; i++) {
-        const struct scene_image *image = &scene->images.data[i];
-        if (d->images.data[i].handle && d->image_versions.data[i] != image->version)
-            gpu_image_destroy(d->device, &d->images.data[i]);
-        if (!used[i] || d->images.data[i].handle || image->width == 0 || image->height == 0) continue;
-        if (image->pixels) {
-            result = upload_one(d, i, image->width, image->height, image->pixels);
-        } else if (image->encoded) {
-            decode.indices[count++] = i;
-            if (count == BATCH) {
-                result = upload_batch(&decode, count, jobs);
-                count = 0;
-            }
-        }
-    }
-    if (count && result == FNL_OK) result = upload_batch(&decode, count, jobs);
-    host_free(&d->host, used, MAX(scene->images.count, 1u));
+    for (uint32_t i = 0; i < count && result == FNL_OK; i++) result = need_image(d, i, encoded, &encoded_count);
+    if (result == FNL_OK) result = device_images_decode(d, encoded, encoded_count, deliver);
+    host_free(&d->host, encoded, MAX(count, 1u) * sizeof *encoded);
     return result;
 }

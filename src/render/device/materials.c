@@ -27,23 +27,23 @@ static vec3 dielectric_f0(const struct scene_material *m) {
     return vec3_scale(m->specular_color, r * r);
 }
 
-static bool has_texture(const struct device_scene *d, const struct scene_material *m, enum scene_texture_slot slot) {
+bool device_has_texture(const struct device_scene *d, const struct scene_material *m, enum scene_texture_slot slot) {
     uint32_t image = m->textures[slot].image;
-    return image != SCENE_NONE && d->images.data[image].handle;
+    return image != SCENE_NONE && (d->images.data[image].gpu.handle || d->images.data[image].coming);
 }
 
 static struct gbuffer_material gbuffer_material(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
     /* A texture of one metalness is as good as a factor: roughness often comes with a blue of nothing but 0. */
-    bool textured = has_texture(d, m, SCENE_TEXTURE_METALLIC_ROUGHNESS);
-    int16_t blue = textured ? d->image_blues.data[m->textures[SCENE_TEXTURE_METALLIC_ROUGHNESS].image] : 255;
+    bool textured = device_has_texture(d, m, SCENE_TEXTURE_METALLIC_ROUGHNESS);
+    int16_t blue = textured ? d->images.data[m->textures[SCENE_TEXTURE_METALLIC_ROUGHNESS].image].blue : 255;
     return (struct gbuffer_material){.id = id,
                                      .metallic = blue < 0 ? m->metallic : m->metallic * (float)blue / 255,
                                      .dielectric_f0 = dielectric_f0(m),
                                      .specular = m->specular,
                                      .unlit = m->unlit,
                                      .metallic_texture = blue < 0,
-                                     .specular_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR),
-                                     .specular_color_texture = has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR)};
+                                     .specular_texture = device_has_texture(d, m, SCENE_TEXTURE_SPECULAR),
+                                     .specular_color_texture = device_has_texture(d, m, SCENE_TEXTURE_SPECULAR_COLOR)};
 }
 
 uint32_t device_material_forward_layouts(const struct device_scene *d, const struct scene_material *m, uint32_t id) {
@@ -58,8 +58,8 @@ uint32_t device_material_forward_layouts(const struct device_scene *d, const str
 static uint32_t material_class(const struct device_scene *d, const struct scene_material *m) {
     uint32_t bits = m->unlit ? 0 : GPU_CLASS_LIT | (m->metallic > 0 ? GPU_CLASS_METAL : 0);
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++)
-        if (has_texture(d, m, (enum scene_texture_slot)slot)) bits |= GPU_CLASS_TEXTURES;
-    return bits | (has_texture(d, m, SCENE_TEXTURE_NORMAL) ? GPU_CLASS_NORMAL_MAP : 0);
+        if (device_has_texture(d, m, (enum scene_texture_slot)slot)) bits |= GPU_CLASS_TEXTURES;
+    return bits | (device_has_texture(d, m, SCENE_TEXTURE_NORMAL) ? GPU_CLASS_NORMAL_MAP : 0);
 }
 
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
@@ -82,11 +82,14 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
         const struct scene_texture *t = &m->textures[slot];
         struct gpu_texture *out = &g.textures[slot];
         out->image = GPU_TEXTURE_NONE;
-        if (!has_texture(d, m, (enum scene_texture_slot)slot)) continue;
+        if (!device_has_texture(d, m, (enum scene_texture_slot)slot)) continue;
         bool color =
             slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR;
-        const struct gpu_image *image = &d->images.data[t->image];
-        out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
+        const struct gpu_image *image = &d->images.data[t->image].gpu;
+        if (image->handle) /* until it has come the material shows its factors */
+            out->image = color && image->srgb_index != GPU_NO_INDEX ? image->srgb_index : image->sampled_index;
+        else if (slot == SCENE_TEXTURE_EMISSIVE)
+            g.emissive = (vec3){0, 0, 0}; /* most of such a picture is black: its factor would make everything glow */
         out->sampler_index = sampler_index(d, t->sampler);
         out->uv_set = t->uv_set;
         if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
@@ -95,7 +98,16 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
     return g;
 }
 
-fnl_result device_materials_upload(struct device_scene *d) {
+/* By what device_items_upload() sorts. The last ones sent are those before. */
+static bool moves_buckets(const struct device_scene *d, const struct gpu_material *materials, uint32_t count) {
+    const struct gpu_material *before = (const struct gpu_material *)(const void *)d->materials.sent.data;
+    if (d->materials.sent.count != count * sizeof *before) return true;
+    for (uint32_t i = 0; i < count; i++)
+        if (before[i].forward_layouts != materials[i].forward_layouts) return true;
+    return false;
+}
+
+fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup) {
     uint32_t count = d->scene->materials.count + 1;
     struct scene_material standard = scene_material_default();
     struct gpu_material *materials = host_allocate(&d->host, count * sizeof *materials);
@@ -110,6 +122,7 @@ fnl_result device_materials_upload(struct device_scene *d) {
         struct gbuffer_material held = gbuffer_material(d, m, i);
         entries[i] = gbuffer_entry(&held);
     }
+    *out_regroup = result == FNL_OK && moves_buckets(d, materials, count);
     if (result == FNL_OK) result = device_array_set(d, "materials", &d->materials, materials, count, sizeof *materials);
     if (result == FNL_OK)
         result = device_array_set(d, "material entries", &d->material_entries, entries, count, sizeof *entries);

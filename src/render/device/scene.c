@@ -75,24 +75,16 @@ static void free_structure(struct device_scene *d) {
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
-static void free_images(struct device_scene *d) {
-    for (uint32_t i = 0; i < d->images.count; i++)
-        if (d->images.data[i].handle) gpu_image_destroy(d->device, &d->images.data[i]);
-    d->images.count = d->image_blues.count = d->image_versions.count = 0;
-}
-
 void device_scene_finish(struct device_scene *d) {
     free_structure(d);
-    free_images(d);
+    device_images_free(d);
     device_decals_finish(d);
     device_lights_finish(d);
-    array_free(&d->host, &d->image_blues);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->group_list);
     array_free(&d->host, &d->item_list);
     array_free(&d->host, &d->item_nodes);
-    array_free(&d->host, &d->image_versions);
     array_free(&d->host, &d->primitive_places);
     array_free(&d->host, &d->nodes);
     array_free(&d->host, &d->arrived);
@@ -135,14 +127,16 @@ static fnl_result prepare_structure(struct device_scene *d, uint64_t before, boo
     bool done = false;
     if (before == UINT64_MAX) {
         free_structure(d);
-        free_images(d);
+        device_images_free(d);
         d->material_version = UINT64_MAX;
     }
     if (before != UINT64_MAX && before >= scene->edited_since && !mirrors) TRY(device_nodes_edit(d, before, &done));
     if (!done) {
         if (d->material_version != scene->material_version) {
-            TRY(device_images_upload(d, gpu_jobs(d->device)));
-            TRY(device_materials_upload(d));
+            bool regroup; /* everything is sorted below */
+            TRY(device_images_upload(d));
+            TRY(device_materials_upload(d, &regroup));
+            d->texture_version++;
         }
         TRY(device_geometry_upload(d));
         if (before == UINT64_MAX) d->sent.transforms = scene->transform_version; /* all instances came as they stand */
@@ -172,6 +166,7 @@ static fnl_result prepare(struct device_scene *d) {
         d->structure_version = UINT64_MAX; /* until it is whole */
         TRY(prepare_structure(d, before, mirrors));
     }
+    TRY(device_images_take(d));
     TRY(device_decals_prepare(d));
     TRY(device_users_prepare(d));
     TRY(device_lights_prepare(d));

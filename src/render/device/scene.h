@@ -11,6 +11,7 @@
 #define FNL_RENDER_DEVICE_SCENE_H
 
 #include "base/ranges.h"
+#include "image/image_queue.h"
 #include "passes/geometry/geometry.h"
 #include "passes/geometry/skin.h"
 #include "passes/texturing/virtual.h"
@@ -53,13 +54,32 @@ struct device_group {
     uint32_t bucket, primitive, mirrored, first, count;
 };
 
+/** An image of the scene, as materials use it. */
+struct device_image {
+    struct gpu_image gpu; /* handle 0: not there */
+    uint32_t version;     /* of the scene's image, when it was uploaded or asked for */
+    int16_t blue;         /* of all its pixels, or -1 where it varies or is not known */
+    bool used;            /* by a material */
+    bool coming;          /* it is being decoded in the background */
+    bool broken;          /* it cannot be decoded */
+};
+
+/** An image on its way to the device, a part in each frame. */
+struct device_arrival {
+    bool busy;
+    struct image_answer answer;
+    struct gpu_image gpu; /* handle 0: none is made yet, or no material uses it */
+    uint32_t row_count;   /* that it has already */
+};
+
 /** A picture of a decal: images of materials serve them not, as alpha is multiplied in before mips are made. */
 enum decal_picture_kind { DECAL_PICTURE_DATA, DECAL_PICTURE_COLOR, DECAL_PICTURE_PREMULTIPLIED };
 struct decal_picture {
     uint32_t image; /* of the scene */
     enum decal_picture_kind kind;
     uint32_t version; /* of the scene's image */
-    struct gpu_image gpu; /* handle 0: missing or broken */
+    struct gpu_image gpu; /* handle 0: missing, broken or coming */
+    bool coming;          /* to be decoded: the decal does not show until then */
 };
 
 /** The decals on the device (decals.c). */
@@ -106,9 +126,12 @@ struct device_scene {
     struct ranges vertices_taken, indices_taken, instances_taken, clusters_taken, words_taken;
     ARRAY(struct device_primitive) primitive_places;
     ARRAY(struct device_node) nodes;
-    ARRAY(struct gpu_image) images;  /* one per scene image; handle 0: missing */
-    ARRAY(uint32_t) image_versions;  /* of each, when it was uploaded */
-    ARRAY(int16_t) image_blues;      /* of each: the blue of all its pixels, or -1 where it varies */
+    ARRAY(struct device_image) images; /* one per scene image */
+    struct image_queue *image_queue;   /* while some are coming */
+    struct device_arrival arrival;
+    uint32_t images_coming;
+    uint64_t image_arrivals;           /* how often some have come that frames were not to wait for */
+    uint64_t texture_version;          /* grows when materials get other textures; not when those come that were expected */
     ARRAY(struct geometry_bucket) buckets;
     ARRAY(struct device_group) group_list;
     ARRAY(struct gpu_item) item_list; /* by group, and within one as nodes follow */
@@ -277,11 +300,31 @@ struct gpu_entity_bounds device_decal_bounds(const mat4 *transform, uint32_t ind
 /** Sends what changed. */
 fnl_result device_decals_add(struct device_scene *d, struct graph *graph, struct device_decals_frame *out);
 
-/** Decodes on all threads and uploads the images that materials use (images.c). */
-fnl_result device_images_upload(struct device_scene *d, struct jobs *jobs);
+/** Uploads the images that materials use, decoded on all threads; those that may come later are only asked for (images.c). */
+fnl_result device_images_upload(struct device_scene *d);
+/**
+ * Sends so many bytes of what was decoded since, and gives materials and decals the images that are whole now. A quarter of the upload ring:
+ * nobody waits for room in it.
+ */
+#define DEVICE_IMAGE_BYTES (8ull << 20)
+fnl_result device_images_take(struct device_scene *d);
+/** Frees all, and waits for those that are being decoded. */
+void device_images_free(struct device_scene *d);
+/** Has a picture decoded in the background, unless it is already. */
+fnl_result device_image_ask(struct device_scene *d, uint32_t image);
+/** Decodes pictures on all threads. `deliver` is called for each, on this one; its pixels are NULL where it is broken, which is logged. */
+typedef fnl_result device_image_deliver(struct device_scene *d, uint32_t image, const fnl_image *pixels);
+fnl_result device_images_decode(struct device_scene *d, const uint32_t *images, uint32_t count, device_image_deliver *deliver);
+/** Of a scene's image that is encoded, for the pictures of decals that wait for it (decals.c). */
+device_image_deliver device_decals_deliver;
 
-/** After the images; the last material is glTF's default, for primitives without one (materials.c). */
-fnl_result device_materials_upload(struct device_scene *d);
+/**
+ * After the images; the last material is glTF's default, for primitives without one (materials.c). `out_regroup`: whether items have to be
+ * sorted anew, because a material is in other buckets than the last time.
+ */
+fnl_result device_materials_upload(struct device_scene *d, bool *out_regroup);
+/** Whether a material's texture is there, or will come. */
+bool device_has_texture(const struct device_scene *d, const struct scene_material *material, enum scene_texture_slot slot);
 /**
  * Makes the atlas of virtual texturing, `side` texels at most, unless it is there (virtual.c). The atlas cannot hold materials whose
  * textures differ in coordinates or wraps, or are not filtered smoothly.

@@ -8,11 +8,6 @@ _Static_assert((int)SCENE_WRAP_REPEAT == VIRTUAL_REPEAT && (int)SCENE_WRAP_MIRRO
                    (int)SCENE_WRAP_CLAMP == VIRTUAL_CLAMP,
                "virtual_shared.h has the values of enum scene_wrap");
 
-static bool has_texture(const struct device_scene *d, const struct scene_material *m, int slot) {
-    uint32_t image = m->textures[slot].image;
-    return image != SCENE_NONE && d->images.data[image].handle;
-}
-
 static bool is_smooth(const struct scene_sampler *s) {
     return s->mag == SCENE_FILTER_LINEAR && s->min == SCENE_FILTER_LINEAR && s->mip == SCENE_FILTER_LINEAR && s->mipmapped;
 }
@@ -20,7 +15,7 @@ static bool is_smooth(const struct scene_sampler *s) {
 bool device_virtual_holds(const struct device_scene *d, const struct scene_material *m) {
     const struct scene_texture *first = NULL;
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
-        if (!has_texture(d, m, slot)) continue;
+        if (!device_has_texture(d, m, (enum scene_texture_slot)slot)) continue;
         const struct scene_texture *t = &m->textures[slot];
         const struct scene_sampler *s = &d->scene->samplers.data[t->sampler];
         if (!is_smooth(s)) return false;
@@ -44,10 +39,10 @@ static struct gpu_virtual_material describe(const struct device_scene *d, const 
     struct gpu_virtual_material g = {.width = 1, .height = 1, .transform = {1, 0, 0, 0, 1, 0}};
     if (m->alpha_mode == FNL_ALPHA_BLEND || !device_virtual_holds(d, m)) return g;
     for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
-        if (!has_texture(d, m, slot)) continue;
+        if (!device_has_texture(d, m, (enum scene_texture_slot)slot)) continue;
         const struct scene_texture *t = &m->textures[slot];
         const struct scene_sampler *s = &d->scene->samplers.data[t->sampler];
-        const struct gpu_image_params *image = &d->images.data[t->image].params;
+        const struct scene_image *image = &d->scene->images.data[t->image];
         g.width = MAX(g.width, image->width);
         g.height = MAX(g.height, image->height);
         g.wrap = (uint32_t)s->wrap_u | (uint32_t)s->wrap_v << 2;
@@ -85,7 +80,10 @@ static uint32_t number_all(struct gpu_virtual_material *materials, uint32_t mate
 }
 
 fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct virtual_atlas *atlas) {
-    if (atlas->version == d->material_version && atlas->asked == side) return FNL_OK;
+    const uint64_t arrivals = atlas->arrivals;
+    atlas->arrivals = d->image_arrivals;
+    if (atlas->version == d->texture_version && atlas->asked == side)
+        return arrivals == d->image_arrivals ? FNL_OK : virtual_empty(d->device, atlas);
     virtual_destroy(d->device, atlas);
     uint32_t count = d->scene->materials.count + 1;
     struct scene_material standard = scene_material_default();
@@ -106,6 +104,7 @@ fnl_result device_virtual_prepare(struct device_scene *d, uint32_t side, struct 
         host_free(&d->host, pages, size);
     }
     host_free(&d->host, materials, count * sizeof *materials);
-    if (result == FNL_OK) atlas->version = d->material_version;
+    if (result == FNL_OK) atlas->version = d->texture_version;
+    atlas->arrivals = d->image_arrivals;
     return result;
 }
