@@ -12,6 +12,8 @@ hello) # lights the scene itself
     scene='builtin:spheres?lights=0' options=(--lights 200 --ambient 0.3,0.3,0.3) ;;
 import_device) # takes the first device
     scene='builtin:spheres' options=(--device 0) ;;
+async_load) # a file with images; they are all there in the end
+    scene=$(dirname "$0")/decals.gltf options=(--lights 20) ;;
 esac
 "$build/examples/$example" "$scene" "$work/example.png"
 "$build/fanal" render "$scene" --size 640x360 "${options[@]}" -q -o "$work/command.png"
