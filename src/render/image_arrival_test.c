@@ -366,7 +366,7 @@ static void test_frames_go_on_without_images(void **state) {
         struct stage stage = open_stage(scene);
         stage.frame.shading = ways[w].shading;
         if (ways[w].key && fnl_frame_set(NULL, &stage.frame, ways[w].key, ways[w].value) != FNL_OK) fail();
-        const struct device_scene *d = &stage.renderer->device_scene;
+        const struct device_scene *d = stage.renderer->device_scene;
         for (int i = 0; i < 2; i++) assert_int_equal(pending(&stage), IMAGES);
         fnl_image shown = picture(&stage);
         assert_int_equal(d->image_upload_count, 0);
@@ -438,7 +438,7 @@ static void test_a_frame_takes_up_little(void **state) {
         const uint64_t device_bytes = gpu_memory_stats(harness_device()).used_bytes;
         fnl_scene *scene = load(&whole, false);
         struct stage stage = open_stage(scene);
-        const struct device_scene *d = &stage.renderer->device_scene;
+        const struct device_scene *d = stage.renderer->device_scene;
         assert_int_equal(pending(&stage), 0);
         const uint32_t material = add_late_images(scene, &small, &large) + LARGE;
         assert_int_equal(pending(&stage), LATE);
@@ -524,7 +524,7 @@ static void meet_broken_image(const struct broken_case *c, bool async, struct br
     memcpy(out->lines, host_state.log.text, sizeof out->lines);
     host_state.log.count = 0;
     out->picture = picture(&stage);
-    out->uploads = stage.renderer->device_scene.image_upload_count;
+    out->uploads = stage.renderer->device_scene->image_upload_count;
     stage_close(&stage);
 }
 
@@ -689,7 +689,7 @@ static void test_a_scene_without_images(void **state) {
     assert_int_equal(fnl_scene_load(&host, "builtin:spheres", &params, &scene), FNL_OK);
     struct stage stage = open_stage(scene);
     assert_int_equal(pending(&stage), 0);
-    assert_null(stage.renderer->device_scene.image_queue); /* and no thread */
+    assert_null(stage.renderer->device_scene->image_queue); /* and no thread */
     stage_close(&stage);
     scene = load(&whole, false);
     add_decals(scene, true);
@@ -701,7 +701,7 @@ static void test_a_scene_without_images(void **state) {
     assert_int_equal(pending(&stage), 0);
     const int recorded = host_state.handed - first; /* every frame records */
     assert_int_equal(first - recorded, IMAGES + 3); /* for materials; and three for decals, whatever their kinds */
-    assert_int_equal(stage.renderer->device_scene.image_upload_count, IMAGES);
+    assert_int_equal(stage.renderer->device_scene->image_upload_count, IMAGES);
     assert_int_equal(jobs_done(), 0);
     stage_close(&stage);
 }
@@ -752,7 +752,7 @@ static void test_warming_starts_it(void **state) {
     struct stage stage = open_stage(load(&whole, true));
     fnl_image last = picture_of(load(&whole, false), &stage.frame);
     assert_int_equal(fnl_renderer_warm(stage.renderer, &stage.frame, NULL, true, NULL), FNL_OK);
-    assert_int_equal(stage.renderer->device_scene.images_coming, IMAGES);
+    assert_int_equal(stage.renderer->device_scene->images_coming, IMAGES);
     permit(OPEN);
     await_jobs(IMAGES, true);
     assert_int_equal(pending(&stage), 0);

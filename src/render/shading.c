@@ -191,7 +191,7 @@ void shading_take_layer(struct frame_state *f, const struct frame_state *togethe
 
 void shading_add(struct frame_state *f) {
     const struct order *order = orders[f->frame->shading];
-    counters_note(f, "images.pending", f->r->device_scene.images_coming);
+    counters_note(f, "images.pending", f->r->device_scene->images_coming);
     if (!f->drawn) shading_draw(f);
     const struct shade_input input = input_of(f);
     struct shade_input opaque = input, blend = input;

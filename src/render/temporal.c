@@ -19,7 +19,7 @@ static bool keeps(const struct frame_state *f, const struct gpu_view *view) {
 /* Is what frames have collected so far a picture of the same scene? Not if they had no textures yet. */
 static bool collects(const struct frame_state *f) {
     const struct temporal_state *s = &f->kept->temporal;
-    return f->temporal.keeps && s->frame.aa == FNL_ANTIALIASING_TAA && s->image_arrivals == f->r->device_scene.image_arrivals;
+    return f->temporal.keeps && s->frame.aa == FNL_ANTIALIASING_TAA && s->image_arrivals == f->r->device_scene->image_arrivals;
 }
 
 /* Would the last frame, but for its jitter, have been this one? */
@@ -87,7 +87,7 @@ void temporal_end(struct frame_state *f) {
                                                 .uploads = f->r->device_scene->upload_count,
                                                 .light_version = f->r->scene->light_version,
                                                 .decal_version = f->r->scene->decal_version,
-                                                .image_arrivals = f->r->device_scene.image_arrivals,
+                                                .image_arrivals = f->r->device_scene->image_arrivals,
                                                 .background = f->r->scene->background,
                                                 .frame = *f->frame,
                                                 .index = f->temporal.index};

@@ -62,7 +62,7 @@ fnl_result device_decals_deliver(struct device_scene *d, uint32_t image, const f
         struct decal_picture *picture = &d->decals.pictures.data[i];
         if (picture->image != image || !picture->coming) continue;
         picture->coming = false;
-        d->decals.sent_version = UINT64_MAX; /* it has an index from now on */
+        d->sent.decals = UINT64_MAX; /* it has an index from now on */
         if (pixels) TRY(upload_picture(d, picture, pixels->width, pixels->height, pixels->pixels));
     }
     if (!pixels) d->images.data[image].broken = true;
