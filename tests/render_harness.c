@@ -320,15 +320,15 @@ struct stage stage_open_scene(fnl_scene *scene) {
     assert_int_equal(fnl_renderer_create(test_device, scene, &stage.renderer), FNL_OK);
     harness_hooks(stage.renderer)->poison = true; /* nobody may read what nobody wrote */
     open_stages[place] = stage;
-    stage.frame.width = 161;
-    stage.frame.height = 91;
+    stage.frame.width = 113;
+    stage.frame.height = 65;
     stage.frame.exposure = FNL_EXPOSURE_EV;
     stage.frame.ev = 5;
     stage.frame.outputs = FNL_OUTPUT_COLOR | FNL_OUTPUT_RADIANCE;
     stage.frame.timers = false;
     fnl_result result = fnl_scene_count(scene, FNL_ENTITY_CAMERA)
                             ? fnl_scene_query_camera(scene, 0, &stage.frame.camera)
-                            : fnl_scene_query_framing_camera(scene, 161 / 91.0f, &stage.frame.camera);
+                            : fnl_scene_query_framing_camera(scene, 113 / 65.0f, &stage.frame.camera);
     assert_int_equal(result, FNL_OK);
     return stage;
 }

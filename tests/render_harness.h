@@ -37,7 +37,7 @@ struct renderer_tests *harness_hooks(fnl_renderer *renderer);
 struct stage {
     fnl_scene *scene;
     fnl_renderer *renderer;
-    fnl_frame frame; /* 161x91, the scene's first camera, EV100 5, colour and radiance, no timers */
+    fnl_frame frame; /* 113x65, the scene's first camera, EV100 5, colour and radiance, no timers */
 };
 
 /**

@@ -77,7 +77,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         SCENE("hall", "builtin:hall?lights=256", 3, 3),
         SCENE("interior", "builtin:interior", 5, 2),
-        SCENE("city", "builtin:city?lights=512", 3, 1),
+        SCENE("city", "builtin:city?lights=160", 3, 1),
         SCENE("spheres", "builtin:spheres", 5, 2),
         SCENE("pole", "builtin:pole", 5, 2),
         SCENE("grass", "builtin:grass", 5, 3),

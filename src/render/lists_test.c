@@ -18,8 +18,8 @@ static void test_scene(void **state) {
     struct stage stage = stage_open(c->source, c->scattered);
     fnl_frame frame = stage.frame;
     frame.ev = c->ev;
-    frame.width = 113;
-    frame.height = 65;
+    frame.width = 81;
+    frame.height = 47;
     pairs_check_orders(&stage, frame, 1);
     stage_close(&stage);
 }
@@ -59,8 +59,8 @@ static void test_odd_size(void **state) {
 
 static fnl_frame small_frame(const struct stage *stage) {
     fnl_frame frame = stage->frame;
-    frame.width = 97;
-    frame.height = 55;
+    frame.width = 65;
+    frame.height = 37;
     return frame;
 }
 

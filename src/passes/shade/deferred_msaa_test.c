@@ -331,6 +331,8 @@ static void test_rough(void **state) {
     for (uint32_t samples = 4; samples <= 8; samples *= 2) {
         if (!msaa_has(samples)) continue;
         fnl_frame frame = msaa_frame(&stage, samples);
+        frame.width = 161; /* the decibels below are of this size */
+        frame.height = 91;
         struct shot all = shoot_method(&stage, frame, FNL_MSAA_ALL),
                     coverage = shoot_method(&stage, frame, FNL_MSAA_COVERAGE);
         struct shot two = shoot_method(&stage, frame, FNL_MSAA_AGGREGATE);

@@ -154,6 +154,8 @@ static void test_low_res_edges(void **state) {
     for (int near = 0; near < 2; near++) {
         struct stage stage = stage_open("builtin:pole?lights=0", 0);
         stage.frame.outputs |= FNL_OUTPUT_NORMAL;
+        stage.frame.width = 161; /* edges a few pixels apart */
+        stage.frame.height = 91;
         struct shot dark = order_shoot(&stage, FNL_SHADING_DEFERRED, FNL_LISTS_ALL);
         fnl_light_params light = fnl_light_params_default();
         fnl_light_id id;

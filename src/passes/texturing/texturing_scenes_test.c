@@ -30,6 +30,8 @@ static void test_scene(void **state) {
     struct stage stage = stage_open(c->source, c->scattered);
     assert_int_equal(fnl_scene_set_anisotropy(stage.scene, 1), FNL_OK);
     if (c->time >= 0) assert_int_equal(fnl_scene_set_time(stage.scene, 0, c->time), FNL_OK);
+    stage.frame.width = 161; /* the decibels below are of this size */
+    stage.frame.height = 91;
     stage.frame.ev = c->ev;
     stage.frame.lists = FNL_LISTS_CLUSTERED;
     stage.frame.count_lights = true;

@@ -182,6 +182,8 @@ static fnl_scene *squares(uint32_t count, uint32_t across, uint32_t side, bool p
 static struct stage open_squares(uint32_t count, uint32_t across, uint32_t side, bool plain) {
     struct stage stage = stage_open_scene(squares(count, across, side, plain));
     fnl_frame *frame = &stage.frame;
+    frame->width = 161; /* pages and levels are counted */
+    frame->height = 91;
     frame->camera = fnl_camera_default();
     frame->camera.target = (vec3){(float)across * 0.5f, (float)(count / across) * 0.5f, 0};
     frame->camera.position = vec3_add(frame->camera.target, (vec3){0, 0, (float)across});
