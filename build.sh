@@ -21,7 +21,7 @@ usage: ./build.sh VERB [OPTIONS]
        --record       instead, the experiments of bench/experiments.txt, kept in bench/results/ and shown in docs/performance.md
   shaders           what GPUs' compilers make of the shaders, without a GPU: registers, occupancy, spills; and what changed since the last record
        --record       keeps it in bench/results/ and docs/performance.md
-  fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60)
+  fuzz [SECONDS]    setup, builds the fuzzers into build/fuzz (clang, sanitizers), runs them that long together (60), two at once
   bundle            as demo, but makes build/bundle/fanal-VERSION: a folder that runs on other Linux machines
   clean             removes build/ and demo.png
   help              this text
