@@ -523,11 +523,11 @@ static void test_rows_write_addresses(void **state) {
 /* Each with its own constants, size, push constants and rows; the one without groups does nothing. */
 static void test_dispatches_of_one_pass(void **state) {
     struct world *world = *state;
-    struct graph *graph = world->graph;
-    assert_int_equal(gpu_frame_begin(world->device), FNL_OK);
+    struct graph *graph = world->base.graph;
+    assert_int_equal(gpu_frame_begin(world->base.device), FNL_OK);
     graph_begin(graph);
     graph_buffer values = graph_create_buffer(graph, "values", BYTES), groups = graph_create_buffer(graph, "groups", 64);
-    graph_buffer output = graph_import_buffer(graph, "output", &world->readback);
+    graph_buffer output = graph_import_buffer(graph, "output", &world->base.readback);
     graph_image image = float_image(graph, "image", 1);
     add_dispatch(graph, "values", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = FILL, .to = values, .value = 100});
     add_dispatch(graph, "image", GRAPH_QUEUE_GRAPHICS, &(struct dispatch){.mode = TO_IMAGE, .from = values, .to_image = image});
@@ -548,13 +548,13 @@ static void test_dispatches_of_one_pass(void **state) {
     graph_use_buffer(pass, output, GRAPH_READ_HOST);
     assert_int_equal(graph_compile(graph), FNL_OK);
     assert_int_equal(graph_execute_frame(graph, NULL), FNL_OK);
-    assert_int_equal(gpu_wait_idle(world->device), FNL_OK);
-    const float *out = world->readback.mapped;
+    assert_int_equal(gpu_wait_idle(world->base.device), FNL_OK);
+    const float *out = world->base.readback.mapped;
     for (uint32_t i = 0; i < 192; i++) {
         const float first[] = {0, 100, 2};
         assert_true(out[i] == first[i / 64] + (float)(i % 64));
     }
-    for (uint32_t i = 192; i < 256; i++) assert_int_equal(((const uint32_t *)world->readback.mapped)[i], 1);
+    for (uint32_t i = 192; i < 256; i++) assert_int_equal(((const uint32_t *)world->base.readback.mapped)[i], 1);
 }
 
 static void test_pipelines_of_dispatches_can_be_asked_for(void **state) {
