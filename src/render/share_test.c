@@ -105,7 +105,7 @@ static uint64_t geometry_bytes(const struct device_scene *d) {
     uint64_t bytes = 0;
     for (uint32_t i = 0; i < COUNT_OF(buffers); i++) bytes += buffers[i]->size;
     for (uint32_t i = 0; i < d->images.count; i++)
-        if (d->images.data[i].handle) bytes += d->images.data[i].params.width * d->images.data[i].params.height * 4ull;
+        if (d->images.data[i].gpu.handle) bytes += d->images.data[i].gpu.params.width * d->images.data[i].gpu.params.height * 4ull;
     return bytes;
 }
 
