@@ -227,7 +227,7 @@ static void make_reference(struct bench_run *run, struct lane *lane, uint32_t po
     bench_ways_reset_lists(&frame);
     /* Vertex and mesh shaders may differ in the last bits of places, so the latter are compared with their own. */
     frame.culling = frame.geometry == FNL_GEOMETRY_VERTEX ? usual.culling : FNL_CULLING_CLUSTERS;
-    frame.occlusion = usual.occlusion;
+    frame.occlusion = FNL_OCCLUSION_OFF;
     frame.outputs |= FNL_OUTPUT_RADIANCE;
     out->made = render(run, &drawn, &frame, &stats) && read_pictures(run, &drawn, &out->radiance, &out->color);
     if (!out->made) snprintf(out->reason, sizeof out->reason, "%.255s", drawn.reason);

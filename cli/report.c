@@ -81,7 +81,7 @@ void report_print(const struct render_report *r) {
                (double)s->triangles_outside * whole, (double)s->triangles_back * whole, (double)s->triangles_small * whole,
                s->clusters_drawn, s->clusters_total, s->items_whole, fnl_value_name(FNL_ENUM_GEOMETRY, s->geometry));
     }
-    if (r->frame.occlusion)
+    if (s->occlusion)
         printf("  items hidden by others %" PRIu64 "; triangles, by clusters and items: %" PRIu64 "\n", s->items_occluded,
                s->triangles_occluded);
     printf("  images: %.2f MiB read, %.2f MiB written by passes; %.2f MiB of attachments in tile memory%s\n",

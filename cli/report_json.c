@@ -59,7 +59,7 @@ static json_t *make_lights(const struct render_report *r) {
 
 static json_t *make_culling(const struct render_report *r) {
     const fnl_frame_stats *s = &r->stats;
-    bool parts = r->frame.culling != FNL_CULLING_INSTANCES, hides = r->frame.occlusion;
+    bool parts = r->frame.culling != FNL_CULLING_INSTANCES, hides = r->stats.occlusion;
     json_t *culling = json_pack("{s:o,s:o,s:o,s:s,s:o,s:o,s:o}", "items", integer(s->items), "items_visible",
                                 integer(s->items_visible), "triangles_visible",
                                 counted(s->evaluations_counted, s->triangles_visible), "kind",

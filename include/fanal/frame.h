@@ -26,6 +26,14 @@ typedef enum fnl_geometry {
     FNL_GEOMETRY_COUNT
 } fnl_geometry;
 
+/** Whether occluded surfaces are culled. The picture is the same. docs/techniques/culling.md says what it costs and gains. */
+typedef enum fnl_occlusion {
+    FNL_OCCLUSION_OFF = 0,
+    FNL_OCCLUSION_ON,
+    FNL_OCCLUSION_AUTO, /**< on for scenes of a million triangles or more in 256 parts or more, in frames of one view without a debug view */
+    FNL_OCCLUSION_COUNT
+} fnl_occlusion;
+
 /** Whether a frame draws several of its views at once (multiview). Pictures stay the same. docs/techniques/views.md compares the values. */
 typedef enum fnl_multiview {
     FNL_MULTIVIEW_AUTO = 0, /**< neighbours of the array that see almost the same, as two eyes do; not in forward-prepass */
@@ -196,14 +204,15 @@ typedef struct fnl_frame {
         ignores it; light-prepass, pre-lighting, low-res, zioma, multipass lists and mobile.lights=volumes do for opaque surfaces. Default 0. */
     uint32_t shade_cost;
 
-    /** Of opaque and alpha-masked surfaces. Default instances, which adds no passes. Large scenes gain from triangles, most with occlusion. */
+    /** Of opaque and alpha-masked surfaces. Default instances, which adds no passes. Large scenes gain from triangles. */
     fnl_culling culling;
     /** Default vertex. A frame with a pass that needs vertex shaders uses them for everything: motion and taa, stored barycentrics of visibility, the
         lists batches and multipass, mesh decals. fnl_frame_stats.geometry says what was used. */
     fnl_geometry geometry;
     /** Culls occluded surfaces too, by the depths of this very frame. The picture is the same; the debug view overdraw shows less. No effect in low-res,
-        inferred and with visibility.grid, nor with MSAA where a debug view or an output looks at pixel centres. Default false. */
-    bool occlusion;
+        inferred and with visibility.grid, nor with MSAA where a debug view or an output looks at pixel centres. Default auto;
+        fnl_frame_stats.occlusion says what was done. */
+    fnl_occlusion occlusion;
     /** Default lists. */
     fnl_decals decals;
     /** FNL_DECALS_GBUFFER: chooses mip levels by the slope of the surface, not by how positions differ between pixels, which draws fringes at

@@ -83,6 +83,8 @@ typedef struct fnl_frame_stats {
     uint64_t clusters_total, clusters_drawn;
     /** What drew the clusters: vertex or mesh. */
     fnl_geometry geometry;
+    /** Whether occluded surfaces were culled. */
+    bool occlusion;
 
     /* ---- what the techniques of the frame did ---- */
 

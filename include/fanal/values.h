@@ -26,6 +26,7 @@ typedef enum fnl_enum {
     FNL_ENUM_DECALS,           /**< fnl_decals */
     FNL_ENUM_CULLING,          /**< fnl_culling */
     FNL_ENUM_GEOMETRY,         /**< fnl_geometry */
+    FNL_ENUM_OCCLUSION,        /**< fnl_occlusion */
     FNL_ENUM_MULTIVIEW,        /**< fnl_multiview */
     FNL_ENUM_ANTIALIASING,     /**< fnl_antialiasing */
     FNL_ENUM_DEFERRED_PASS,    /**< fnl_deferred_pass */

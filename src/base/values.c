@@ -72,6 +72,7 @@ static const struct names enums[] = {
     [FNL_ENUM_DECALS] = NAMES(fnl_decals, FNL_DECALS_COUNT, "lists", "gbuffer", "off"),
     [FNL_ENUM_CULLING] = NAMES(fnl_culling, FNL_CULLING_COUNT, "instances", "clusters", "triangles"),
     [FNL_ENUM_GEOMETRY] = NAMES(fnl_geometry, FNL_GEOMETRY_COUNT, "vertex", "mesh", "auto"),
+    [FNL_ENUM_OCCLUSION] = NAMES(fnl_occlusion, FNL_OCCLUSION_COUNT, "off", "on", "auto"),
     [FNL_ENUM_MULTIVIEW] = NAMES(fnl_multiview, FNL_MULTIVIEW_COUNT, "auto", "off", "on"),
     [FNL_ENUM_ANTIALIASING] = NAMES(fnl_antialiasing, FNL_ANTIALIASING_COUNT, "none", "mlaa", "smaa", "taa"),
     [FNL_ENUM_DEFERRED_PASS] = NAMES(fnl_deferred_pass, FNL_DEFERRED_PASS_COUNT, "compute", "fragment"),

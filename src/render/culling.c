@@ -6,8 +6,20 @@
 #include "render/shading.h"
 
 /* What hides a sample is known for the samples of the frame's own pixels alone. */
-static bool culls_hidden(const fnl_frame *frame) {
-    return frame->occlusion && frame_is(frame, SHADING_FULL_RASTER) && (frame->msaa == 1 || !frame_shows_surfaces(frame));
+bool frame_culls_hidden(const fnl_frame *frame) {
+    return frame->occlusion == FNL_OCCLUSION_ON && frame_is(frame, SHADING_FULL_RASTER) && (frame->msaa == 1 || !frame_shows_surfaces(frame));
+}
+
+/*
+ * The test draws in two parts and makes a pyramid of depths, which takes the same time in all scenes: it pays where there is much to hide, in parts
+ * that can be hidden one by one. Debug views show what is drawn without it; several views may be drawn together, which it rules out.
+ */
+fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *frame) {
+    enum { TRIANGLES = 1000000, PARTS = 256 };
+    if (frame->occlusion != FNL_OCCLUSION_AUTO) return frame->occlusion;
+    const struct device_scene *d = r->device_scene;
+    bool pays = d->triangle_count >= TRIANGLES && d->item_count >= PARTS && frame_view_count(frame) == 1 && frame->debug == FNL_DEBUG_NONE;
+    return pays ? FNL_OCCLUSION_ON : FNL_OCCLUSION_OFF;
 }
 
 /*
@@ -29,7 +41,7 @@ void frame_cull(struct frame_state *f) {
     const struct renderer_tests tests = renderer_tests(f->r);
     const struct geometry_scene *scene = &f->scene->geometry;
     struct hierarchy occluders = {0};
-    if (culls_hidden(frame))
+    if (frame_culls_hidden(frame))
         f->draws = occlusion_add(f->graph, f->r->device, scene, &f->view, f->kept->temporal.valid ? &f->kept->temporal.view : NULL,
                                  f->view_address, frame->msaa, &occluders);
     else

@@ -8,7 +8,7 @@ static bool is_possible(const fnl_renderer *r, const fnl_frame *frame) {
     const struct device_scene *scene = r->device_scene;
     bool decals = frame->decals != FNL_DECALS_OFF && scene->decals.order.count > 0;
     return gpu_info(r->device)->multiview && frame_is(frame, SHADING_MULTIVIEW) &&
-           frame->culling == FNL_CULLING_INSTANCES && !frame->occlusion && !decals;
+           frame->culling == FNL_CULLING_INSTANCES && frame->occlusion == FNL_OCCLUSION_OFF && !decals;
 }
 
 static vec3 direction_of(const fnl_camera *camera) { return vec3_normalize(vec3_sub(camera->target, camera->position)); }

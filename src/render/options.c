@@ -80,7 +80,7 @@ static const struct row rows[] = {
     NAME("geometry", geometry, FNL_ENUM_GEOMETRY, EVERY, EVERY, "what draws the clusters that culling leaves"),
     NAME("multiview", multiview, FNL_ENUM_MULTIVIEW, PATH(FORWARD_PREPASS) | PATH(DEFERRED) | PATH(VISIBILITY), EVERY,
          "which views of a frame with several are drawn at once", EXACT),
-    SWITCH("occlusion", occlusion, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
+    NAME("occlusion", occlusion, FNL_ENUM_OCCLUSION, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
     SWITCH("decal-mip-fix", decal_mip_fix, EVERY, EVERY, "decals=gbuffer: no fringes where depth jumps"),
 
@@ -331,6 +331,7 @@ fnl_frame fnl_frame_default(void) {
                        .exposure = FNL_EXPOSURE_AUTO,
                        .outputs = FNL_OUTPUT_COLOR,
                        .timers = true,
+                       .occlusion = FNL_OCCLUSION_AUTO,
                        .decals = FNL_DECALS_LISTS,
                        .decal_mip_fix = true,
                        .list = {.frustum_cull = true, .cone_tests = true, .tree_hybrid = true, .normal_cones = true},

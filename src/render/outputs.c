@@ -112,6 +112,7 @@ void frame_note_stats(struct frame_state *f) {
                            .triangles_total = scene->triangle_count,
                            .clusters_total = scene->cluster_count,
                            .geometry = f->draws.mesh_draws.id ? FNL_GEOMETRY_MESH : FNL_GEOMETRY_VERTEX,
+                           .occlusion = frame_culls_hidden(f->frame),
                            .lists = f->drawn_lists};
     bool second = f->blend_lights.header != f->lights.header;
     s->list_bytes = f->lights.byte_count + (second ? f->blend_lights.byte_count : 0);

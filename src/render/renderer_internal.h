@@ -140,6 +140,10 @@ struct frame_target {
 
 /** Whether mesh shaders draw the clusters that culling leaves. The scene is prepared, nothing of the frame is auto. */
 bool frame_draws_meshes(const fnl_renderer *r, const fnl_frame *frame);
+/** What the frame's occlusion is in place of auto. The scene is prepared. */
+fnl_occlusion frame_choose_occlusion(const fnl_renderer *r, const fnl_frame *frame);
+/** Whether occluded surfaces are culled; nothing of the frame is auto. */
+bool frame_culls_hidden(const fnl_frame *frame);
 
 /** Declares the whole frame (frame.c). */
 fnl_result frame_declare(fnl_renderer *r, const fnl_frame *frame, const struct frame_target *target);

@@ -79,7 +79,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     }
     renderer_settle_views(&frame);
     TRY(frame_check(call, r, &frame));
-    const fnl_frame whole = frame;
+    fnl_frame whole = frame;
     if (frame.view_count) frame.camera = frame.views[0];
     frame.view_count = 0;
     frame.pin_choice = true; /* nothing is measured */
@@ -100,6 +100,7 @@ fnl_result fnl_renderer_warm(fnl_renderer *r, const fnl_frame *given, const fnl_
     const struct frame_target frame_target = {&image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL};
     uint64_t ticket = 0;
     fnl_result result = renderer_prepare(r, &frame);
+    frame.occlusion = whole.occlusion = frame_choose_occlusion(r, &whole); /* it goes by the number of views */
     const uint32_t counts = result == FNL_OK ? multiview_counts(r, &whole) : 0;
     for (uint32_t together = 1; counts >> together && result == FNL_OK; together++) {
         if (!(counts >> together & 1)) continue;

@@ -153,7 +153,7 @@ fanal=$patient
 
 # Settings of another order are harmless, but not passed over in silence.
 expect 0 'coarse.size has no effect with --shading deferred' render builtin:spheres $small --lists all --set coarse.size=4 -o "$work/unused.png"
-expect 0 'occlusion has no effect with --shading low-res' render builtin:spheres $small --lists all --shading low-res --occlusion -o "$work/unused.png"
+expect 0 'occlusion has no effect with --shading low-res' render builtin:spheres $small --lists all --shading low-res --occlusion on -o "$work/unused.png"
 expect 0 '' render builtin:spheres $small --lists all --set coarse.size=4 -q -o "$work/unused.png"
 [ ! -s "$work/out" ] || fail 'a quiet command warns'
 

@@ -91,7 +91,7 @@ spheres="builtin:spheres --lists clustered"
     run 0 '' $spheres -q --shading visibility --set visibility.sort=class --stats visibility.json
     run 0 '' $spheres -q --shading virtual-texturing --stats atlas.json
     run 0 '' $spheres -q --shading mobile --stats mobile.json
-    run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion --set deferred.class-blocks=0 --stats msaa.json
+    run 0 '' $spheres -q --shading deferred --msaa 4 --cull clusters --occlusion on --set deferred.class-blocks=0 --stats msaa.json
     run 0 '' builtin:hall --lists clustered -q --views all --stats views.json -o view-%d.png
 }
 "$check_schema" "$source/docs/stats.schema.json" still.json walk.json dais.json coarse.json visibility.json atlas.json mobile.json msaa.json views.json ||
