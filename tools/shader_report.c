@@ -6,7 +6,7 @@
  * The library gets the device by import, through functions of ours: those that take memory, record, submit or wait do nothing, and those that make
  * pipelines also ask what was made (VK_KHR_pipeline_executable_properties). Then fnl_renderer_warm() goes through shading paths, light lists, sample
  * counts and options. Prints a row for each shader: how many different programs it was compiled to, and the worst of each number
- * among them. With --all, each program has a row.
+ * among them. With --all, each program has a row. With --only TEXT, only shaders whose names hold the text are compiled.
  */
 #include <fanal/fanal.h>
 #include <fanal/vulkan.h>
@@ -65,6 +65,7 @@ static struct {
     uint32_t row_count, row_capacity, pipeline_count, refused_count;
     struct module *modules;
     uint32_t module_count, module_capacity;
+    const char *only; /* NULL: all */
 } report = {.mutex = PTHREAD_MUTEX_INITIALIZER};
 
 static void *grow(void *data, uint32_t count, uint32_t *capacity, size_t size) {
@@ -94,6 +95,14 @@ static const char *name_of(VkShaderModule module) {
     for (uint32_t i = 0; i < report.module_count; i++)
         if (report.modules[i].handle == module) return report.modules[i].name;
     return "?";
+}
+
+static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t count) {
+    bool wanted = !report.only;
+    pthread_mutex_lock(&report.mutex);
+    for (uint32_t i = 0; i < count; i++) wanted = wanted || strstr(name_of(stages[i].module), report.only);
+    pthread_mutex_unlock(&report.mutex);
+    return wanted;
 }
 
 static void add_row(const struct row *row) {
@@ -127,6 +136,12 @@ static void print_constants(const VkSpecializationInfo *info, char *out, size_t 
     }
 }
 
+/* Objects that are nothing but a handle. */
+static uint64_t some_handle(void) {
+    static uint64_t next;
+    return ++next;
+}
+
 /* Executables of one pipeline, each for one or several of its stages. */
 static void add_pipeline(VkPipeline pipeline, const VkPipelineShaderStageCreateInfo *stages, uint32_t stage_count) {
     VkPipelineExecutablePropertiesKHR executables[8];
@@ -158,10 +173,16 @@ static void add_pipeline(VkPipeline pipeline, const VkPipelineShaderStageCreateI
     }
 }
 
+static VkResult skip_pipeline(VkPipeline *out) {
+    *out = (VkPipeline)some_handle();
+    return VK_SUCCESS;
+}
+
 static VkResult VKAPI_CALL create_compute(VkDevice device, VkPipelineCache cache, uint32_t count, const VkComputePipelineCreateInfo *infos,
                                           const VkAllocationCallbacks *allocator, VkPipeline *out) {
     (void)count; /* the library makes one at a time */
     VkComputePipelineCreateInfo info = *infos;
+    if (!is_wanted(&info.stage, 1)) return skip_pipeline(out);
     info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkResult result = report.create_compute(device, cache, 1, &info, allocator, out);
     pthread_mutex_lock(&report.mutex);
@@ -175,6 +196,7 @@ static VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cach
                                            const VkAllocationCallbacks *allocator, VkPipeline *out) {
     (void)count;
     VkGraphicsPipelineCreateInfo info = *infos;
+    if (!is_wanted(info.pStages, info.stageCount)) return skip_pipeline(out);
     info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkResult result = report.create_graphics(device, cache, 1, &info, allocator, out);
     pthread_mutex_lock(&report.mutex);
@@ -186,11 +208,6 @@ static VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cach
 
 /* ---- a device that runs nothing ---- */
 
-/* Objects that are nothing but a handle. */
-static uint64_t some_handle(void) {
-    static uint64_t next;
-    return ++next;
-}
 static VkResult VKAPI_CALL create_semaphore(VkDevice device, const VkSemaphoreCreateInfo *info, const VkAllocationCallbacks *allocator, VkSemaphore *out) {
     (void)device, (void)info, (void)allocator;
     *out = (VkSemaphore)some_handle();
@@ -280,6 +297,7 @@ static PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char
                 {"vkCreateGraphicsPipelines", (PFN_vkVoidFunction)create_graphics}};
     for (size_t i = 0; i < COUNT_OF(ours); i++)
         if (strcmp(name, ours[i].name) == 0) return ours[i].function;
+    if (report.only && strcmp(name, "vkDestroyPipeline") == 0) return (PFN_vkVoidFunction)do_nothing; /* most are not there */
     if (strncmp(name, "vkCmd", 5) == 0) return (PFN_vkVoidFunction)do_nothing;
     return report.get_proc(device, name);
 }
@@ -494,8 +512,12 @@ static void print_rows(bool all) {
 }
 
 int main(int argc, char **argv) {
-    bool all = argc == 2 && strcmp(argv[1], "--all") == 0;
-    if (argc > 1 && !all) fail("usage: shader_report [--all]");
+    bool all = false;
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--all") == 0) all = true;
+        else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) report.only = argv[++i];
+        else fail("usage: shader_report [--all] [--only TEXT]");
+    }
     char name[800];
     fnl_device *device = open_device(name, sizeof name);
     warm_scene(device, "builtin:glass?lights=10", false);
