@@ -6,44 +6,53 @@
 
 #include "passes/geometry/radix_shared.h"
 
-// counts[digit * threads + thread]: first items of the thread with the digit, then how many lie before them in the block.
-shared uint radix_counts[RADIX_DIGITS * RADIX_THREADS];
-shared uint radix_quarters[RADIX_THREADS]; // of each digit's row
+// Halves of words for two digits, even and odd: few words, for shared memory limits how many groups run at a time. Word
+// [digit / 2 * threads + thread]: first items of the thread with the digit, then how many lie before them in the block.
+const uint RADIX_LIMIT = 32768u; // items between radix_clear() and radix_sum(): their numbers fit into halves
+const uint RADIX_RUN = RADIX_DIGITS / 2u, RADIX_RUNS = RADIX_THREADS / RADIX_RUN; // words of a row that a thread sums, and how many in a row
+shared uint radix_counts[RADIX_DIGITS / 2u * RADIX_THREADS];
+shared uint radix_runs[RADIX_THREADS];
 
 uint radix_digit(uint key, uint shift) { return key >> shift & (RADIX_DIGITS - 1u); }
+uint radix_half(uint word, uint digit) { return word >> (digit & 1u) * 16u & 0xffffu; }
 
 void radix_clear() {
-    for (uint d = 0u; d < RADIX_DIGITS; d++) radix_counts[d * RADIX_THREADS + gl_LocalInvocationIndex] = 0u;
+    for (uint d = 0u; d < RADIX_DIGITS / 2u; d++) radix_counts[d * RADIX_THREADS + gl_LocalInvocationIndex] = 0u;
 }
 
-void radix_count(uint digit) { radix_counts[digit * RADIX_THREADS + gl_LocalInvocationIndex]++; }
-
 // The next place of the calling thread for a digit, in the block.
-uint radix_take(uint digit) { return radix_counts[digit * RADIX_THREADS + gl_LocalInvocationIndex]++; }
+uint radix_take(uint digit) {
+    uint at = digit / 2u * RADIX_THREADS + gl_LocalInvocationIndex, word = radix_counts[at];
+    radix_counts[at] = word + (1u << (digit & 1u) * 16u);
+    return radix_half(word, digit);
+}
 
-// Sums the quarter rows; after it, radix_total() of any digit is known. For all threads of the group.
+void radix_count(uint digit) { radix_take(digit); }
+
+// Sums the runs; after it, radix_total() of any digit is known. For all threads of the group.
 void radix_sum() {
     barrier();
-    uint thread = gl_LocalInvocationIndex, first = thread * RADIX_DIGITS, sum = 0u;
-    for (uint i = 0u; i < RADIX_DIGITS; i++) {
+    uint thread = gl_LocalInvocationIndex, first = thread * RADIX_RUN, sum = 0u;
+    for (uint i = 0u; i < RADIX_RUN; i++) {
         uint count = radix_counts[first + i];
         radix_counts[first + i] = sum;
         sum += count;
     }
-    radix_quarters[thread] = sum;
+    radix_runs[thread] = sum;
     barrier();
 }
 
 uint radix_total(uint digit) {
-    uint q = digit * 4u;
-    return radix_quarters[q] + radix_quarters[q + 1u] + radix_quarters[q + 2u] + radix_quarters[q + 3u];
+    uint sum = 0u;
+    for (uint i = 0u; i < RADIX_RUNS; i++) sum += radix_runs[digit / 2u * RADIX_RUNS + i];
+    return radix_half(sum, digit);
 }
 
 // Makes radix_take() right. For all threads of the group, after radix_sum().
 void radix_spread() {
     uint thread = gl_LocalInvocationIndex, before = 0u;
-    for (uint q = thread & ~3u; q < thread; q++) before += radix_quarters[q];
-    for (uint i = 0u; i < RADIX_DIGITS; i++) radix_counts[thread * RADIX_DIGITS + i] += before;
+    for (uint q = thread / RADIX_RUNS * RADIX_RUNS; q < thread; q++) before += radix_runs[q];
+    for (uint i = 0u; i < RADIX_RUN; i++) radix_counts[thread * RADIX_RUN + i] += before;
     barrier();
 }
 

@@ -9,32 +9,35 @@
 layout(local_size_x = BVH_SORT_THREADS) in;
 layout(push_constant, scalar) uniform push_block { gpu_bvh_sort_push push; };
 
-const uint RANKED = 2u * BVH_SORT_THREADS;
-shared uint list[RANKED];
+const uint RANKED = 2u * BVH_SORT_THREADS; // they lie where the counts of the other way would
 shared uint bases[RADIX_DIGITS];
 
 // An id's place is the number of smaller ones.
 void sort_by_rank(uint first, uint count) {
     uint thread = gl_LocalInvocationIndex;
-    for (uint i = thread; i < count; i += BVH_SORT_THREADS) list[i] = push.first.at[first + i];
+    for (uint i = thread; i < count; i += BVH_SORT_THREADS) radix_counts[i] = push.first.at[first + i];
     barrier();
     for (uint i = thread; i < count; i += BVH_SORT_THREADS) {
-        uint id = list[i], rank = 0u;
-        for (uint k = 0u; k < count; k++) rank += list[k] < id ? 1u : 0u;
+        uint id = radix_counts[i], rank = 0u;
+        for (uint k = 0u; k < count; k++) rank += radix_counts[k] < id ? 1u : 0u;
         push.target.at[first + rank] = id;
     }
 }
 
 void move_digits(coherent_uint_array from, coherent_uint_array to, uint first, uint count, uint shift) {
     uint thread = gl_LocalInvocationIndex;
-    radix_clear();
-    for (uint i = thread; i < count; i += RADIX_THREADS) radix_count(radix_digit(from.at[first + i], shift));
-    radix_sum();
-    if (thread < RADIX_DIGITS) {
-        uint before = 0u;
-        for (uint d = 0u; d < thread; d++) before += radix_total(d);
-        bases[thread] = before;
+    uint total = 0u, before = 0u;
+    for (uint part = 0u; part < count; part += RADIX_LIMIT) {
+        radix_clear();
+        for (uint i = part + thread; i < min(part + RADIX_LIMIT, count); i += RADIX_THREADS) radix_count(radix_digit(from.at[first + i], shift));
+        radix_sum();
+        if (thread < RADIX_DIGITS) total += radix_total(thread);
     }
+    if (thread < RADIX_DIGITS) bases[thread] = total;
+    barrier();
+    for (uint d = 0u; d < min(thread, RADIX_DIGITS); d++) before += bases[d];
+    barrier();
+    if (thread < RADIX_DIGITS) bases[thread] = before;
     barrier();
     for (uint block = 0u; block < count; block += RADIX_BLOCK) {
         uint begin = min(block + thread * RADIX_ITEMS, count), end = min(begin + RADIX_ITEMS, count);
