@@ -105,16 +105,22 @@ void main() {
             for (uint i = thread; i < count; i += 64u) firsts[i] = lasts[i] = RASTER_UNSET;
             barrier();
             for (uint i = thread; i < mesh.triangle_count; i += 64u) {
+                vec3 a, b, c;
+                bool front = !s.cut_by_near;
                 if (own) {
                     uint at = (mesh.first_triangle + i) * 3u;
                     // Meshes of their own need not be convex: where they reach behind the near plane they begin there.
-                    draw(s, to_view(RASTER.points.at[at]), to_view(RASTER.points.at[at + 1u]), to_view(RASTER.points.at[at + 2u]),
-                         !s.cut_by_near, first, last);
-                    continue;
+                    a = to_view(RASTER.points.at[at]);
+                    b = to_view(RASTER.points.at[at + 1u]);
+                    c = to_view(RASTER.points.at[at + 2u]);
+                } else {
+                    uvec3 corners = mesh_triangle(mesh, i);
+                    a = vertices[corners.x];
+                    b = vertices[corners.y];
+                    c = vertices[corners.z];
+                    front = front || faces_viewer(a, b, c, inside);
                 }
-                uvec3 corners = mesh_triangle(mesh, i);
-                vec3 a = vertices[corners.x], b = vertices[corners.y], c = vertices[corners.z];
-                draw(s, a, b, c, !s.cut_by_near || faces_viewer(a, b, c, inside), first, last);
+                draw(s, a, b, c, front, first, last);
             }
             barrier();
             for (uint i = thread; i < count; i += 64u) {
