@@ -234,6 +234,7 @@ static void add_fine(struct lists_context *c) {
     struct lights_in_view visible = in_view(c, false);
     struct fine_params params = fine_params_default();
     params.tile_size = c->frame->tiles.size;
+    params.group_side = gpu_info(c->device)->type == FNL_DEVICE_CPU ? 8 : 16;
     params.pruning = c->frame->fine.pruning;
     params.mask_size = c->frame->fine.masks;
     params.packed = c->frame->fine.packed;

@@ -7,22 +7,24 @@
 
 /* Larger masks are made coarser, or left out; more marks get larger blocks. */
 enum { MASK_BYTES = 256 << 20, MARK_BYTES = 64 << 20, BLOCK_PIXELS = 64 };
+/* Of masks the count keeps up to so many words for each square of pixels while all take no more than this. */
+enum { KEPT_WORDS = 3, KEPT_BYTES = 64 << 20 };
 
 struct fine_params fine_params_default(void) {
     return (struct fine_params){
-        .tile_size = 16, .pruning = true, .mask_size = 1, .exact_positions = true, .pool_capacity = 1u << 20};
+        .tile_size = 16, .group_side = 16, .pruning = true, .mask_size = 1, .exact_positions = true, .pool_capacity = 1u << 20};
 }
 
 struct fine_data {
     graph_image depth, front;
     graph_buffer boxes, ranges, marks, found, sums, overflow, cells, ids, extra;
-    uint32_t list_count, lists, block, samples;
+    uint32_t list_count, lists, block, samples, kept_words;
 };
 
 /* How large the squares are that share a mask. */
 static uint32_t mask_size_of(const struct fine_params *params, uint32_t cell_count) {
     uint32_t size = params->pruning && !params->packed ? params->mask_size : 0;
-    if (size > params->tile_size / 8) size = params->tile_size / 8; /* no more than what a thread owns */
+    if (size > params->tile_size / 8) size = params->tile_size / 8; /* no more than 8 x 8 squares at least */
     for (; size && size <= 2; size *= 2) {
         uint64_t side = params->tile_size / size;
         if ((params->pool_capacity / 32ull + cell_count) * side * side * 4 <= MASK_BYTES && size <= params->tile_size / 8)
@@ -65,6 +67,8 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
     masked.pruning = prunes;
     uint32_t cell_count = tile_count * all.list_count;
     uint32_t mask_size = mask_size_of(&masked, cell_count), side = mask_size ? params->tile_size / mask_size : 0;
+    const uint64_t kept_bytes = (uint64_t)cell_count * side * side * 4; /* for each word of masks */
+    if (params->tile_size <= 16 && side) all.kept_words = kept_bytes * KEPT_WORDS <= KEPT_BYTES ? KEPT_WORDS : 1;
     bool compares = !params->exact_positions && (prunes || several);
     uint32_t pool = params->packed ? 0 : params->pool_capacity,
              cell_bytes = params->packed ? GPU_PACKED_WORDS * 4 : sizeof(struct gpu_cell);
@@ -98,7 +102,7 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
         all.ranges =
             graph_create_buffer(graph, "fine ranges", tile_count * (all.front.id ? 2 : 1) * sizeof(struct gpu_fine_range));
     all.marks = graph_create_buffer(graph, "fine marks", block_bytes);
-    all.found = graph_create_buffer(graph, "fine found", (uint64_t)cell_count * (FINE_FOUND + side * side) * 4);
+    all.found = graph_create_buffer(graph, "fine found", cell_count * (FINE_FOUND * 4ull) + kept_bytes * all.kept_words);
     all.sums = graph_create_buffer(graph, "fine sums", (cell_count + 1) * 4ull);
     all.overflow = graph_create_buffer(graph, "fine overflow", 4);
     all.cells = graph_create_buffer(graph, "fine cells", (uint64_t)cell_count * cell_bytes);
@@ -120,9 +124,12 @@ struct fine_lists fine_add(struct graph *graph, gpu_device *device, const struct
                                          .block = all.block,
                                          .lists = all.lists};
     struct gpu_fine_push push = common;
+    const uint32_t list_bits = input->simple && input->kinds == 1u << GPU_ENTITY_LIGHT ? GPU_LIST_ALL | GPU_LIST_SIMPLE : GPU_LIST_ALL;
+    const uint32_t group_side = MIN(params->tile_size, params->group_side);
     const uint32_t blocks = DIVIDE_UP(tiles_x, all.block) * DIVIDE_UP(tiles_y, all.block);
 #define STEP(name_, shader_, ...)                                                                                           \
-    .name = name_, .queue = input->queue, .pipeline = {&shader_, 3, {GPU_LIST_ALL, all.samples, params->tile_size}},        \
+    .name = name_, .queue = input->queue,                                                                                   \
+    .pipeline = {&shader_, 6, {list_bits, all.samples, params->tile_size, group_side, all.front.id != 0, all.kept_words}},  \
     .groups = {__VA_ARGS__}
 #define ADD_STEP(step, ...)                                                                                                 \
     push = common;                                                                                                          \

@@ -23,6 +23,9 @@
 
 struct fine_params {
     uint32_t tile_size; /* pixels: 8, 16, 32 or 64; default 16 */
+    /* Threads along the side of the group that a tile gets, 8 or 16, and no more than pixels; default 16. With few pixels for each a GPU holds
+     * many groups at a time; CPU drivers pay for each thread at each barrier. */
+    uint32_t group_side;
     bool pruning;       /* test pixels; false: boxes alone, and no masks; default true */
     uint32_t mask_size; /* side of the squares of pixels that share a mask: 1, 2, or 0: no masks; default 1 */
     bool

@@ -7,16 +7,21 @@
 #include "passes/lights/fine_steps.glsl"
 #include "passes/lights/fine_tile.glsl"
 
-void make_masks(uint first, uint count) {
-    uint words = (count + 31u) / 32u;
+void make_masks(uint to, uint first, uint count) {
+    uint words = (count + 31u) / 32u, step = joined_pixels();
     for (uint w = 0u; w < words; w++) {
-        for (uint i = 0u; i < OWN; i++) masks[i] = 0u;
         uint end = min(32u, count - w * 32u);
-        if (thread < end) staged[thread] = fine_volume_of(push.list.list.directional_count + push.ids.at[first + w * 32u + thread]);
+        if (thread == 0u) whole_bits = 0u;
         barrier();
-        for (uint b = 0u; b < end; b++) add_to_masks(b);
+        for (uint b = thread; b < end; b += THREADS) stage(b, push.list.list.directional_count + push.ids.at[first + w * 32u + b]);
         barrier();
-        store_masks(push.extra, fine_masks_of(push.list, cell, first), words, w);
+        test_staged(end);
+        for (uint i = 0u; i < OWN; i++) {
+            if (i % step != 0u) continue;
+            uint square = join_masks(i);
+            if (square < fine_squares()) push.extra.at[to + square * words + w] = masks[i];
+        }
+        barrier();
     }
 }
 
@@ -52,16 +57,18 @@ void main() {
     bool has_words = (flags & FINE_PIXELS) != 0u && push.list.list.mask_size != 0u, found = count < FINE_FOUND;
     uint from = fine_found_of(cell), to = fine_masks_of(push.list, cell, first);
     bool copies = has_words && push.found.at[from + FINE_FOUND - 1u] == 1u;
-    if ((has_words && !copies) || ((flags & FINE_PIXELS) != 0u && !found)) take_positions();
+    if ((flags & FINE_PIXELS) != 0u && !copies) take_positions();
     if (found) {
+        if (has_words && !copies && (flags & FINE_BLENDED) == 0u) bound_tile();
         for (uint i = thread; i < count; i += THREADS) push.ids.at[first + i] = push.found.at[from + i];
     } else {
         walk(push.ids, first, last);
     }
     if (copies)
-        for (uint i = thread; i < fine_squares(); i += THREADS) push.extra.at[to + i] = push.found.at[from + FINE_FOUND + i];
+        for (uint i = thread; i < fine_squares() * ((count + 31u) / 32u); i += THREADS)
+            push.extra.at[to + i] = push.found.at[from + FINE_FOUND + i];
     if (!has_words || copies) return;
     memoryBarrierBuffer();
     barrier();
-    make_masks(first, count);
+    make_masks(to, first, count);
 }

@@ -25,7 +25,7 @@ struct gpu_fine_range {
 
 /*
  * What the count keeps of a tile for the fill: the survivors, up to FINE_FOUND - 1 of them (longer lists are found again); a word that
- * says whether it keeps masks as well, as it does where 32 lights at most had to be tested; and those, a word each.
+ * says whether it keeps masks as well, as it does where few enough lights had to be tested; and room for those.
  */
 #define FINE_FOUND 128u
 /* Positions are known to this part of their distance from the world's origin and from the eye. */

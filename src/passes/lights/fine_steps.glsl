@@ -31,7 +31,6 @@ uint fine_squares() { // of a tile that have masks of their own
     uint side = push.list.list.mask_size == 0u ? 0u : push.list.list.tile_size / push.list.list.mask_size;
     return side * side;
 }
-uint fine_found_of(uint cell) { return cell * (FINE_FOUND + fine_squares()); }
 
 gpu_fine_range fine_range_of(uint flags, uvec2 tile) {
     uint index = tile.y * push.list.list.tiles_x + tile.x;

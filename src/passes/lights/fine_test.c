@@ -99,6 +99,30 @@ static void test_camera_inside_FP_11(void **state) {
     }
 }
 
+/* Groups of 64 and of 256 threads, with masks of pixels and of squares, that the count keeps or the fill makes: the same lists. */
+static void test_groups_are_equal(void **state) {
+    UNUSED(state);
+    struct random_state random = {21};
+    const uint32_t counts[] = {30, 80, 500};
+    for (uint32_t i = 0; i < 3 * 3 * 2; i++) {
+        struct gpu_view view = list_random_view(i % LIST_VIEWS, &random, 70, 52);
+        fine_random_lights(&view, &random, counts[i % 3]);
+        float *depth = list_random_depth(&view, &random);
+        struct fine_params p = fine_params_default();
+        p.tile_size = 8u << i / 3 % 3;
+        p.mask_size = 1 + i / 9;
+        struct fine_copy many = fine_build(&view, counts[i % 3], depth, NULL, &p);
+        p.group_side = 8;
+        struct fine_copy few = fine_build(&view, counts[i % 3], depth, NULL, &p);
+        fine_check_form(&many, counts[i % 3]);
+        if (p.mask_size == 1) fine_check_sets(&view, depth, counts[i % 3], &many);
+        assert_true(fine_is_equal(&many, &few, &view));
+        fine_copy_free(&many);
+        fine_copy_free(&few);
+        free(depth);
+    }
+}
+
 /* One light's broken numbers do not take others along. */
 static void test_broken_lights(void **state) {
     UNUSED(state);
@@ -488,6 +512,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_sizes_and_sky_FP_11, harness_check),
         cmocka_unit_test_teardown(test_camera_inside_FP_11, harness_check),
         cmocka_unit_test_teardown(test_broken_lights, harness_check),
+        cmocka_unit_test_teardown(test_groups_are_equal, harness_check),
         cmocka_unit_test_teardown(test_boxes_FP_4, harness_check),
         cmocka_unit_test_teardown(test_tiles_by_boxes_FP_3, harness_check),
         cmocka_unit_test_teardown(test_blocks_FP_3, harness_check),
