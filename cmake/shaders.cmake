@@ -6,7 +6,7 @@ set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
 # A second build of the same sources, by another compiler or with sanitizers, can take the shaders from the first, whose target
 # fanal_shader_files makes them: they take as long to compile as the library.
 set(FANAL_SHADERS "" CACHE PATH "The folder 'generated' of a build to take the shaders from; empty: they are compiled")
-target_include_directories(fanal_options INTERFACE ${FANAL_GENERATED} ${FANAL_SHADERS})
+target_include_directories(fanal_options INTERFACE ${FANAL_SHADERS} ${FANAL_GENERATED}) # its own may have older ones
 
 # Programs of the build itself: never sanitised.
 add_executable(fanal_spirv_embed ${PROJECT_SOURCE_DIR}/tools/spirv_embed.c)
