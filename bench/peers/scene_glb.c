@@ -182,8 +182,8 @@ static int material_of(struct glb *g, uint32_t index) {
 
 static int mesh_of(struct glb *g, uint32_t index) {
     const struct scene_mesh *mesh = &g->scene->meshes.data[index];
-    json_t *primitives = json_array();
     if (g->mesh_of[index] >= 0) return g->mesh_of[index];
+    json_t *primitives = json_array();
     for (uint32_t i = 0; i < mesh->primitive_count; i++) {
         const struct scene_primitive *p = &g->scene->primitives.data[mesh->first_primitive + i];
         if (p->topology != SCENE_TOPOLOGY_TRIANGLES || p->joint_count || p->morph_target_count) fail("a mesh has joints, morph targets, lines or points");
