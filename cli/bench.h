@@ -247,6 +247,8 @@ char *bench_page_create(const struct bench_data *data, size_t *size);
  * lists; and `over_ideal`, the ratio of its own frame to that. Neither, unless one of those results has lists that name hardly a light too many.
  */
 void bench_add_ideals(struct bench_data *data);
+/** Whether two results differ in nothing but their lists. */
+bool bench_same_frame(const json_t *a, const json_t *b);
 
 /* ---- what follows from them (bench_conclude.c) ---- */
 

@@ -113,24 +113,16 @@ void bench_conclude(struct bench_data *data) {
 
 /* ---- for the terminal ---- */
 
-/* What the frame of a result is besides its lists; a file that is read again may lack the options. */
-static void frame_of(const json_t *result, char *text, size_t capacity) {
-    const char *options = json_string_value(json_object_get(result, "options"));
-    bench_ways_without_lists(options ? options : "", text, capacity);
-}
-
-/* A row for each ideal of a case: the paths and options, whatever their lists. */
+/* A row for each ideal of a case: the paths and options, whatever their lists. A file that is read again may lack the options. */
 static void print_ideals(const json_t **sorted, size_t count, int width) {
     for (size_t i = 0; i < count; i++) {
         const json_t *r = sorted[i];
-        char frame[1024], other[1024], name[1200];
+        const char *options = json_string_value(json_object_get(r, "options"));
+        char frame[1024], name[1200];
         bool shown = !json_object_get(r, "ideal_ms");
-        frame_of(r, frame, sizeof frame);
-        for (size_t k = 0; k < i && !shown; k++) {
-            frame_of(sorted[k], other, sizeof other);
-            shown = json_equal(json_object_get(sorted[k], "shading"), json_object_get(r, "shading")) && strcmp(frame, other) == 0;
-        }
+        for (size_t k = 0; k < i && !shown; k++) shown = bench_same_frame(sorted[k], r);
         if (shown) continue;
+        bench_ways_without_lists(options ? options : "", frame, sizeof frame);
         snprintf(name, sizeof name, "%s, ideal%s%s%s", json_string_value(json_object_get(r, "shading")), *frame ? " (" : "", frame, *frame ? ")" : "");
         printf("  %-*s %10.3f\n", width, name, bench_number(r, "ideal_ms", NAN));
     }

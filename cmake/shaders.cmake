@@ -6,6 +6,9 @@ set(FANAL_GENERATED ${PROJECT_BINARY_DIR}/generated)
 # A second build of the same sources, by another compiler or with sanitizers, can take the shaders from the first, whose target
 # fanal_shader_files makes them: they take as long to compile as the library.
 set(FANAL_SHADERS "" CACHE PATH "The folder 'generated' of a build to take the shaders from; empty: they are compiled")
+if(FANAL_SHADERS AND FANAL_TESTS)
+  message(FATAL_ERROR "FANAL_SHADERS goes without tests, which have shaders of their own: add -DFANAL_TESTS=OFF")
+endif()
 target_include_directories(fanal_options INTERFACE ${FANAL_SHADERS} ${FANAL_GENERATED}) # its own may have older ones
 
 # Programs of the build itself: never sanitised.
