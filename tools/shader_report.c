@@ -6,7 +6,8 @@
  * The library gets the device by import, through functions of ours: those that take memory, record, submit or wait do nothing, and those that make
  * pipelines also ask what was made (VK_KHR_pipeline_executable_properties). Then fnl_renderer_warm() goes through shading paths, light lists, sample
  * counts and options. Prints a row for each shader: how many different programs it was compiled to, and the worst of each number
- * among them. With --all, each program has a row. With --only TEXT, only shaders whose names hold the text are compiled.
+ * among them. With --all, each program has a row. With --only TEXT, only shaders whose names hold the text are compiled. The first line ends in a number
+ * that stands for all that goes into the pipelines; with --inputs it is all that is printed, and nothing is compiled.
  */
 #include <fanal/fanal.h>
 #include <fanal/vulkan.h>
@@ -50,6 +51,7 @@ struct row {
 struct module {
     VkShaderModule handle;
     char name[64];
+    uint64_t code; /* hash of the SPIR-V */
 };
 
 static struct {
@@ -58,6 +60,7 @@ static struct {
     PFN_vkGetDeviceProcAddr get_proc;
     PFN_vkGetPipelineExecutablePropertiesKHR properties;
     PFN_vkGetPipelineExecutableStatisticsKHR statistics;
+    PFN_vkCreateShaderModule create_module;
     PFN_vkCreateComputePipelines create_compute;
     PFN_vkCreateGraphicsPipelines create_graphics;
     PFN_vkGetDeviceBufferMemoryRequirements buffer_needs;
@@ -66,6 +69,9 @@ static struct {
     struct module *modules;
     uint32_t module_count, module_capacity;
     const char *only; /* NULL: all */
+    bool inputs_alone;
+    uint64_t *inputs; /* what describe_…() gave, each once: pipelines are made in any order, and some again */
+    uint32_t input_count, input_capacity;
 } report = {.mutex = PTHREAD_MUTEX_INITIALIZER};
 
 static void *grow(void *data, uint32_t count, uint32_t *capacity, size_t size) {
@@ -76,17 +82,37 @@ static void *grow(void *data, uint32_t count, uint32_t *capacity, size_t size) {
     return data;
 }
 
-/* A handle may be used again for another module. */
+/* The entry of a module, new unless there is one. A handle may be used again for another module. The mutex is held. */
+static struct module *module_of(uint64_t handle) {
+    uint32_t i = 0;
+    while (i < report.module_count && (uint64_t)report.modules[i].handle != handle) i++;
+    report.modules = grow(report.modules, i, &report.module_capacity, sizeof *report.modules);
+    if (i == report.module_count) report.modules[report.module_count++] = (struct module){.handle = (VkShaderModule)handle};
+    return &report.modules[i];
+}
+
+/* FNV-1a. */
+static uint64_t hash(const void *data, size_t size, uint64_t seed) {
+    for (size_t i = 0; i < size; i++) seed = (seed ^ ((const unsigned char *)data)[i]) * 0x100000001b3;
+    return seed;
+}
+#define HASH_VALUE(value, seed) hash(&(value), sizeof(value), seed)
+
+static VkResult VKAPI_CALL create_module(VkDevice device, const VkShaderModuleCreateInfo *info, const VkAllocationCallbacks *allocator, VkShaderModule *out) {
+    VkResult result = report.create_module(device, info, allocator, out);
+    if (result != VK_SUCCESS) return result;
+    pthread_mutex_lock(&report.mutex);
+    module_of((uint64_t)*out)->code = hash(info->pCode, info->codeSize, 0xcbf29ce484222325);
+    pthread_mutex_unlock(&report.mutex);
+    return result;
+}
+
 static VkResult VKAPI_CALL set_name(VkDevice device, const VkDebugUtilsObjectNameInfoEXT *info) {
     (void)device;
     if (info->objectType != VK_OBJECT_TYPE_SHADER_MODULE) return VK_SUCCESS;
     pthread_mutex_lock(&report.mutex);
-    uint32_t i = 0;
-    while (i < report.module_count && (uint64_t)report.modules[i].handle != info->objectHandle) i++;
-    report.modules = grow(report.modules, i, &report.module_capacity, sizeof *report.modules);
-    report.modules[i].handle = (VkShaderModule)info->objectHandle;
-    snprintf(report.modules[i].name, sizeof report.modules[i].name, "%s", info->pObjectName);
-    if (i == report.module_count) report.module_count++;
+    struct module *module = module_of(info->objectHandle);
+    snprintf(module->name, sizeof module->name, "%s", info->pObjectName);
     pthread_mutex_unlock(&report.mutex);
     return VK_SUCCESS;
 }
@@ -186,16 +212,56 @@ static void add_pipeline(VkPipeline pipeline, const VkPipelineShaderStageCreateI
     }
 }
 
+static uint64_t describe_stages(const VkPipelineShaderStageCreateInfo *stages, uint32_t count) {
+    uint64_t sum = 0xcbf29ce484222325;
+    pthread_mutex_lock(&report.mutex);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct module *module = module_of((uint64_t)stages[i].module);
+        const VkSpecializationInfo *info = stages[i].pSpecializationInfo;
+        sum = HASH_VALUE(module->code, hash(module->name, strlen(module->name), sum));
+        if (info) sum = hash(info->pData, info->dataSize, hash(info->pMapEntries, info->mapEntryCount * sizeof *info->pMapEntries, sum));
+    }
+    pthread_mutex_unlock(&report.mutex);
+    return sum;
+}
+
+/* What drivers compile into the code. */
+static uint64_t describe_graphics(const VkGraphicsPipelineCreateInfo *info) {
+    uint64_t sum = describe_stages(info->pStages, info->stageCount);
+    sum = HASH_VALUE(info->pMultisampleState->rasterizationSamples, sum);
+    if (info->pInputAssemblyState) sum = HASH_VALUE(info->pInputAssemblyState->topology, sum);
+    if (info->pColorBlendState)
+        sum = hash(info->pColorBlendState->pAttachments, info->pColorBlendState->attachmentCount * sizeof *info->pColorBlendState->pAttachments, sum);
+    for (const VkBaseInStructure *next = info->pNext; next; next = next->pNext) {
+        if (next->sType != VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO) continue;
+        const VkPipelineRenderingCreateInfo *rendering = (const VkPipelineRenderingCreateInfo *)next;
+        sum = hash(rendering->pColorAttachmentFormats, rendering->colorAttachmentCount * sizeof *rendering->pColorAttachmentFormats, sum);
+        sum = HASH_VALUE(rendering->depthAttachmentFormat, HASH_VALUE(rendering->viewMask, sum));
+    }
+    return sum;
+}
+
 static VkResult skip_pipeline(VkPipeline *out) {
     *out = (VkPipeline)some_handle();
     return VK_SUCCESS;
+}
+
+/* Also false where nothing is to be compiled. */
+static bool is_compiled(const VkPipelineShaderStageCreateInfo *stages, uint32_t count, uint64_t description) {
+    pthread_mutex_lock(&report.mutex);
+    uint32_t i = 0;
+    while (i < report.input_count && report.inputs[i] != description) i++;
+    report.inputs = grow(report.inputs, i, &report.input_capacity, sizeof *report.inputs);
+    if (i == report.input_count) report.inputs[report.input_count++] = description;
+    pthread_mutex_unlock(&report.mutex);
+    return !report.inputs_alone && is_wanted(stages, count);
 }
 
 static VkResult VKAPI_CALL create_compute(VkDevice device, VkPipelineCache cache, uint32_t count, const VkComputePipelineCreateInfo *infos,
                                           const VkAllocationCallbacks *allocator, VkPipeline *out) {
     (void)count; /* the library makes one at a time */
     VkComputePipelineCreateInfo info = *infos;
-    if (!is_wanted(&info.stage, 1)) return skip_pipeline(out);
+    if (!is_compiled(&info.stage, 1, describe_stages(&info.stage, 1))) return skip_pipeline(out);
     info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkResult result = report.create_compute(device, cache, 1, &info, allocator, out);
     pthread_mutex_lock(&report.mutex);
@@ -209,7 +275,7 @@ static VkResult VKAPI_CALL create_graphics(VkDevice device, VkPipelineCache cach
                                            const VkAllocationCallbacks *allocator, VkPipeline *out) {
     (void)count;
     VkGraphicsPipelineCreateInfo info = *infos;
-    if (!is_wanted(info.pStages, info.stageCount)) return skip_pipeline(out);
+    if (!is_compiled(info.pStages, info.stageCount, describe_graphics(&info))) return skip_pipeline(out);
     info.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkResult result = report.create_graphics(device, cache, 1, &info, allocator, out);
     pthread_mutex_lock(&report.mutex);
@@ -306,11 +372,12 @@ static PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char
                 {"vkGetDeviceBufferMemoryRequirements", (PFN_vkVoidFunction)buffer_needs},
                 {"vkGetDeviceImageMemoryRequirements", (PFN_vkVoidFunction)image_needs},
                 {"vkSetDebugUtilsObjectNameEXT", (PFN_vkVoidFunction)set_name},
+                {"vkCreateShaderModule", (PFN_vkVoidFunction)create_module},
                 {"vkCreateComputePipelines", (PFN_vkVoidFunction)create_compute},
                 {"vkCreateGraphicsPipelines", (PFN_vkVoidFunction)create_graphics}};
     for (size_t i = 0; i < COUNT_OF(ours); i++)
         if (strcmp(name, ours[i].name) == 0) return ours[i].function;
-    if (report.only && strcmp(name, "vkDestroyPipeline") == 0) return (PFN_vkVoidFunction)do_nothing; /* most are not there */
+    if ((report.only || report.inputs_alone) && strcmp(name, "vkDestroyPipeline") == 0) return (PFN_vkVoidFunction)do_nothing; /* most are not there */
     if (strncmp(name, "vkCmd", 5) == 0) return (PFN_vkVoidFunction)do_nothing;
     return report.get_proc(device, name);
 }
@@ -376,6 +443,7 @@ static fnl_device *open_device(char *name, size_t capacity) {
     report.get_proc = LOAD(instance, vkGetDeviceProcAddr);
     report.properties = (PFN_vkGetPipelineExecutablePropertiesKHR)report.get_proc(report.device, "vkGetPipelineExecutablePropertiesKHR");
     report.statistics = (PFN_vkGetPipelineExecutableStatisticsKHR)report.get_proc(report.device, "vkGetPipelineExecutableStatisticsKHR");
+    report.create_module = (PFN_vkCreateShaderModule)report.get_proc(report.device, "vkCreateShaderModule");
     report.create_compute = (PFN_vkCreateComputePipelines)report.get_proc(report.device, "vkCreateComputePipelines");
     report.create_graphics = (PFN_vkCreateGraphicsPipelines)report.get_proc(report.device, "vkCreateGraphicsPipelines");
     report.buffer_needs = (PFN_vkGetDeviceBufferMemoryRequirements)report.get_proc(report.device, "vkGetDeviceBufferMemoryRequirements");
@@ -397,8 +465,10 @@ static fnl_device *open_device(char *name, size_t capacity) {
 
 /* ---- everything that frames are made of ---- */
 
+static bool waits; /* for the pipelines of each frame */
+
 /* Combinations that a path or the device does not support are refused: nothing to compile. */
-static void warm(fnl_renderer *renderer, const fnl_frame *frame) { fnl_renderer_warm(renderer, frame, NULL, false, NULL); }
+static void warm(fnl_renderer *renderer, const fnl_frame *frame) { fnl_renderer_warm(renderer, frame, NULL, waits, NULL); }
 
 static const fnl_host quiet = {.log = log_nothing};
 
@@ -488,8 +558,10 @@ static void warm_scene(fnl_device *device, const char *source, bool decals, bool
     if (decals) add_decals(scene);
     if (shapes) add_capsule(scene);
     if (fnl_renderer_create(device, scene, &renderer) != FNL_OK) fail(source);
-    warm_all(renderer, scene, !decals && !shapes);
-    if (fnl_renderer_warm(renderer, NULL, NULL, true, NULL) != FNL_OK) fail("the last frame was refused"); /* all are there now */
+    for (int turn = 0; turn < 2; turn++) { /* all frames ask at once, so that the threads are busy; then what is missing is waited for */
+        waits = turn;
+        warm_all(renderer, scene, !decals && !shapes);
+    }
     fnl_renderer_destroy(&renderer);
     fnl_scene_destroy(&scene);
 }
@@ -538,7 +610,8 @@ int main(int argc, char **argv) {
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--all") == 0) all = true;
         else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) report.only = argv[++i];
-        else fail("usage: shader_report [--all] [--only TEXT]");
+        else if (strcmp(argv[i], "--inputs") == 0) report.inputs_alone = true;
+        else fail("usage: shader_report [--all] [--only TEXT] [--inputs]");
     }
     char name[800];
     fnl_device *device = open_device(name, sizeof name);
@@ -546,7 +619,10 @@ int main(int argc, char **argv) {
     warm_scene(device, "builtin:glass?lights=10", false, true);
     warm_scene(device, "builtin:grass?lights=10", true, true);
     fnl_device_destroy(&device);
-    printf("# %s; %u pipelines\n", name, report.pipeline_count);
+    unsigned long long inputs = 0;
+    for (uint32_t i = 0; i < report.input_count; i++) inputs += report.inputs[i];
+    if (report.inputs_alone) return printf("# %s; inputs %016llx\n", name, inputs) < 0;
+    printf("# %s; %u pipelines; inputs %016llx\n", name, report.pipeline_count, inputs);
     print_rows(all);
     if (report.refused_count) fail("the driver refused pipelines");
     return 0;

@@ -4,7 +4,8 @@
 #   shaders.sh show SHADER_REPORT     compiles for both families; a table, the least occupied first, and what differs from the files
 #   shaders.sh record SHADER_REPORT   the same, and replaces the files
 #   shaders.sh check SHADER_REPORT    one family; fails if a shader lost occupancy or got more spills or scratch memory than in the file,
-#                                     or if shaders were added or removed. Exit status 77: this machine has no driver to compile with
+#                                     or if shaders were added or removed. Nothing is compiled when the file was made of the same pipelines by
+#                                     the same compilers. Exit status 77: this machine has no driver to compile with
 set -euo pipefail
 verb=$1 report=$(realpath "$2")
 cd "$(dirname "$0")/.."
@@ -16,13 +17,14 @@ trap 'rm -rf "$work"' EXIT
 # What the shaders were compiled with before the driver got them: other versions give other code.
 tools="glslang $(glslangValidator --version | sed -n 's/^Glslang Version: //p'), spirv-opt $(spirv-opt --version 2>&1 | grep -oE 'v[0-9]+\.[0-9]+[^ ]*' | head -n 1)"
 
-compile() { # FAMILY: into $work/FAMILY.csv
-    RADV_FORCE_FAMILY=$1 VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver MESA_SHADER_CACHE_DISABLE=true "$report" >"$work/$1.csv" 2>"$work/log" ||
+compile() { # FAMILY [OPTION]: into $work/FAMILY.csv
+    RADV_FORCE_FAMILY=$1 VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver MESA_SHADER_CACHE_DISABLE=true "$report" "${@:2}" >"$work/$1.csv" 2>"$work/log" ||
         { cat "$work/log" >&2; exit 1; }
     sed -i "1s|\$|; $tools|" "$work/$1.csv"
 }
 
-compilers() { sed -n -E '1s/.*(Mesa [0-9.]+)[^;]*;[^;]*;(.*)/\1\2/p' "$1"; } # of a file
+compilers() { sed -n -E '1s/.*(Mesa [0-9.]+)[^;]*;.*(; glslang.*)/\1\2/p' "$1"; } # of a file
+inputs() { sed -n -E '1s/.*; (inputs [0-9a-f]+);.*/\1/p' "$1"; }
 
 # compare OLD NEW: what differs; fails where something became worse. Other versions of the compilers
 # give other code: then only spills and scratch count.
@@ -57,6 +59,13 @@ families='navi31 navi21'
 status=0
 for family in $families; do
     file=bench/results/radv-$family/pipelines.csv
+    if [ "$verb" = check ] && [ -n "$(inputs "$file")" ]; then
+        compile $family --inputs
+        if [ "$(inputs "$file")$(compilers "$file")" = "$(inputs "$work/$family.csv")$(compilers "$work/$family.csv")" ]; then
+            echo "$file was made of the same pipelines, by the same compilers"
+            continue
+        fi
+    fi
     compile $family
     if [ "$verb" = show ]; then
         echo "$(sed -n 's/^# //p' "$work/$family.csv"): the 40 shaders with the fewest waves"
