@@ -86,25 +86,50 @@ function(fanal_test name)
   fanal_shaders(test_${name} ${test_SHADERS})
   target_link_libraries(test_${name} PRIVATE fanal_options PkgConfig::cmocka ${test_LINKS} m)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
-  add_test(NAME ${name} COMMAND test_${name} ${test_ARGUMENTS} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  # cmocka's exit status leaves out what the group's own functions find: messages of the validation layers, memory not given back.
-  set_tests_properties(${name} PROPERTIES FAIL_REGULAR_EXPRESSION "FAILED  . GROUP (SETUP|TEARDOWN)")
-  if(FANAL_SANITIZE)
-    target_sources(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/keep_loaded.c)
-    target_link_options(test_${name} PRIVATE -Wl,--export-dynamic-symbol=dlclose)
-    set_tests_properties(${name} PROPERTIES
-      ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
-  endif()
-  fanal_test_costs(${name})
+  fanal_test_entry(${name} test_${name} ${test_ARGUMENTS})
   if(test_TIMEOUT)
     set_tests_properties(${name} PROPERTIES TIMEOUT ${test_TIMEOUT})
   endif()
 endfunction()
 
-# fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h).
+# A CTest entry that runs a cmocka program.
+function(fanal_test_entry name program)
+  add_test(NAME ${name} COMMAND ${program} ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  # cmocka's exit status leaves out what the group's own functions find: messages of the validation layers, memory not given back.
+  set_tests_properties(${name} PROPERTIES FAIL_REGULAR_EXPRESSION "FAILED  . GROUP (SETUP|TEARDOWN)")
+  if(FANAL_SANITIZE)
+    target_sources(${program} PRIVATE ${PROJECT_SOURCE_DIR}/tests/keep_loaded.c)
+    target_link_options(${program} PRIVATE -Wl,--export-dynamic-symbol=dlclose)
+    set_tests_properties(${name} PROPERTIES
+      ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
+  endif()
+  fanal_test_costs(${name})
+endfunction()
+
+# fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h). It is a part of
+# the program tests/test_render, whose parts share one device: making pipelines takes longer than all they draw. The CTest entries of
+# tests/CMakeLists.txt each run the parts of a few folders; `test_render tiled` runs this one alone. OWN_DEVICE: a program of its own, for tests
+# that make the device in their own way, or must see how its objects are made.
 function(fanal_render_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "HELPERS")
-  fanal_test(${name} ${test_UNPARSED_ARGUMENTS} HELPERS render_harness ${test_HELPERS} LAYERS base image scene gpu graph passes render)
+  if(NOT FANAL_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(PARSE_ARGV 1 test "OWN_DEVICE" "" "SOURCES;HELPERS;SHADERS")
+  if(test_OWN_DEVICE)
+    fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness ${test_HELPERS} SHADERS ${test_SHADERS}
+      LAYERS base image scene gpu graph passes render)
+    return()
+  endif()
+  add_library(part_${name} OBJECT EXCLUDE_FROM_ALL ${test_SOURCES})
+  fanal_shaders(part_${name} ${test_SHADERS})
+  target_compile_definitions(part_${name} PRIVATE main=part_${name})
+  set_source_files_properties(${test_SOURCES} PROPERTIES COMPILE_OPTIONS -Wno-missing-prototypes) # of what is called main there
+  target_link_libraries(part_${name} PRIVATE fanal_options PkgConfig::cmocka)
+  target_include_directories(part_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
+  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  set_property(GLOBAL APPEND PROPERTY fanal_render_parts ${name})
+  set_property(GLOBAL APPEND PROPERTY fanal_render_parts_${folder} ${name})
+  set_property(GLOBAL APPEND PROPERTY fanal_render_helpers ${test_HELPERS})
 endfunction()
 
 # fanal_fuzz(image SOURCES fuzz_image.c LAYERS base image) makes the libFuzzer program fuzz/fuzz_image when FANAL_FUZZ

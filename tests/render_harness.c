@@ -52,18 +52,25 @@ static uint64_t messages_seen;
 static void forget_kept(void);
 static struct stage open_stages[8]; /* those of a test that fails are closed after it */
 
+static bool shares_device; /* the device outlasts a group of tests */
+
+static int begin(bool loud) {
+    test_device_memory.loud = loud;
+    if (!test_device) test_device = create_device(&test_device_memory, 4);
+    return 0;
+}
+
 int test_group_begin(void **state) {
     UNUSED(state);
-    test_device = create_device(&test_device_memory, 2);
-    return 0;
+    return begin(false);
 }
 
 int harness_begin(void **state) {
     UNUSED(state);
-    test_device_memory.loud = true;
-    test_device = create_device(&test_device_memory, 4);
-    return 0;
+    return begin(true);
 }
+
+void harness_share_device(void) { shares_device = true; }
 
 int harness_check(void **state) {
     UNUSED(state);
@@ -79,13 +86,18 @@ int harness_check(void **state) {
 
 int harness_end(void **state) {
     bool good = gpu_wait_idle(test_device) == FNL_OK;
-    good = harness_check(state) == 0 && good;
-    good = fnl_device_validation_count(test_device) == 0 && good; /* of all tests, also those that do not check */
+    good = harness_check(state) == 0 && good; /* also what tests that do not check left behind */
+    return (shares_device || harness_finish()) && good ? 0 : -1;
+}
+
+bool harness_finish(void) {
+    if (!test_device) return true;
+    bool good = fnl_device_validation_count(test_device) == 0;
     fnl_device_destroy(&test_device);
     long long left = test_device_memory.live_bytes;
     if (left != 0) print_error("%lld bytes of host memory are left\n", left);
     if (test_device_memory.wrong_sizes) print_error("blocks came back with a wrong size\n");
-    return good && left == 0 && test_device_memory.wrong_sizes == 0 ? 0 : -1;
+    return good && left == 0 && test_device_memory.wrong_sizes == 0;
 }
 
 int test_group_end(void **state) { return harness_end(state); }

@@ -25,8 +25,12 @@
 
 /** Set-up and tear-down of the group: the device. Four threads, no cache folder. Warnings and errors are printed. */
 int harness_begin(void **state);
-/** Checks that validation was silent and that no host memory is left. */
+/** Checks that validation was silent and, unless the device is shared, that no host memory is left. */
 int harness_end(void **state);
+/** The groups of this program share the device. */
+void harness_share_device(void);
+/** Destroys it. False, and says why, if validation spoke or host memory is left. */
+bool harness_finish(void);
 /** Tear-down of a test: closes the stages that a failure left open; fails it if validation has spoken since the last. */
 int harness_check(void **state);
 fnl_device *harness_device(void);

@@ -226,8 +226,7 @@ static void test_many_decals_over_one_another_MB_12(void **state) {
     stage_close(&stage);
 }
 
-int main(int count, char **arguments) {
-    if (count > 1) cmocka_set_test_filter(arguments[1]);
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_decals_rewrite_the_targets_MB_12, harness_check),
         cmocka_unit_test_teardown(test_untouched_channels_keep_their_bits_MB_12, harness_check),

@@ -356,8 +356,7 @@ static void test_gamma_of_colours_MB_11(void **state) {
     }
 }
 
-int main(int count, char **arguments) {
-    if (count > 1) cmocka_set_test_filter(arguments[1]);
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_metallic_and_specular_layouts_agree_MB_5, harness_check),
         cmocka_unit_test_teardown(test_white_furnace_MB_7, harness_check),

@@ -488,8 +488,7 @@ static void test_without_inputs_the_passes_are_separate_MB_18(void **state) {
     stage_close(&stage);
 }
 
-int main(int count, char **arguments) {
-    if (count > 1) cmocka_set_test_filter(arguments[1]);
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_merged_and_separate_are_equal_MB_1, harness_check),
         cmocka_unit_test_teardown(test_odd_frames_MB_1, harness_check),
