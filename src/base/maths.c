@@ -140,3 +140,18 @@ vec3 octahedral_decode(vec2 e) {
     }
     return vec3_normalize(n);
 }
+
+/* ---- places in a pixel ---- */
+
+static float radical_inverse(uint32_t index, uint32_t base) {
+    double value = 0, digit = 1.0 / base;
+    for (; index; index /= base, digit /= base) value += digit * (index % base);
+    return (float)value;
+}
+
+vec2 pixel_jitter(uint32_t index) {
+    /* The first point is (1/2, 1/3): y is turned by 1/6, and stays in the unit square. */
+    uint32_t i = index % 4096 + 1;
+    float y = radical_inverse(i, 3) + 1 / 6.0f;
+    return (vec2){radical_inverse(i, 2) - 0.5f, (y < 1 ? y : y - 1) - 0.5f};
+}

@@ -129,4 +129,8 @@ float half_to_float(uint16_t half);
 vec2 octahedral_encode(vec3 n);
 vec3 octahedral_decode(vec2 e);
 
+/** Where frame `index` of a sequence samples pixels: right of and below their centres, pixels, in [-0.5, 0.5). Halton's sequence in bases 2
+    and 3, moved so that frame 0 samples the centres. */
+vec2 pixel_jitter(uint32_t index);
+
 #endif

@@ -89,7 +89,7 @@ static void feed_chooser(fnl_renderer *r) {
     save_choices(r);
 }
 
-fnl_vec2 fnl_jitter(uint32_t index) { return taa_jitter(index); }
+fnl_vec2 fnl_jitter(uint32_t index) { return pixel_jitter(index); }
 
 /* ---- life ---- */
 

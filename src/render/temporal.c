@@ -43,7 +43,7 @@ void temporal_begin(struct frame_state *f) {
     t->jitter = f->frame->jitter;
     if (f->frame->aa != FNL_ANTIALIASING_TAA) return;
     t->index = collects(f) ? s->index + 1 : 0;
-    vec2 jitter = taa_jitter(t->index);
+    vec2 jitter = pixel_jitter(t->index);
     t->jitter.x += jitter.x;
     t->jitter.y += jitter.y;
 }

@@ -108,8 +108,8 @@ static void test_history_counts_as_it_should_ES_21(void **state) {
             frame.camera.position.x = frame.camera.target.x = (float)(-right / 32);
             frame.camera.position.y = frame.camera.target.y = (float)(down / 32);
             test_render_frame(renderer, &frame);
-            wires += phase == 0 && fabsf(taa_jitter(index).x) < 0.1f;
-            for (int y = 0; y < ROWS; y++) now[y] = level * greys[bar_of(y, (double)taa_jitter(index).y - down)];
+            wires += phase == 0 && fabsf(pixel_jitter(index).x) < 0.1f;
+            for (int y = 0; y < ROWS; y++) now[y] = level * greys[bar_of(y, (double)pixel_jitter(index).y - down)];
             collect_rows(&rows, now, -dy, hypot(dx, dy), still);
             fnl_image image = test_read(renderer, FNL_OUTPUT_RADIANCE);
             for (uint32_t y = 0; y < ROWS; y++)
@@ -239,7 +239,7 @@ static void test_history_survives_edits_ES_21(void **state) {
         fnl_image other = test_read(without.renderer, FNL_OUTPUT_RADIANCE), other_motion = test_read(without.renderer, FNL_OUTPUT_MOTION);
         fnl_frame plain = fence_frame(FNL_OUTPUT_RADIANCE);
         plain.camera = frame.camera;
-        plain.jitter = taa_jitter(EDITED);
+        plain.jitter = pixel_jitter(EDITED);
         fnl_image raw = test_render(with.scene, &plain, FNL_OUTPUT_RADIANCE);
         uint32_t fresh = 0, kept = 0, averaged = 0, moving = 0;
         for (uint32_t y = 1; y < HEIGHT - 1; y++)

@@ -41,7 +41,7 @@ static double mean_difference(const fnl_image *a, const fnl_image *b) {
 
 static void test_jitter_fills_the_pixel_ES_21(void **state) {
     UNUSED(state);
-    assert_true(fabsf(taa_jitter(0).x) < 1e-6f && fabsf(taa_jitter(0).y) < 1e-6f);
+    assert_true(fabsf(pixel_jitter(0).x) < 1e-6f && fabsf(pixel_jitter(0).y) < 1e-6f);
     uint32_t cells[8][8] = {{0}}, empty = 0;
     double x = 0, y = 0;
     for (uint32_t i = 0; i < 64; i++) {
@@ -198,7 +198,7 @@ static void test_motion_of_the_camera_ES_21(void **state) {
         frame.camera.position = (vec3){0.6f, 0.5f, 5.7f};
         frame.camera.target = (vec3){0.05f, 0, 0};
         frame.camera.vertical_fov *= 1.05f;
-        vec2 jitter = projection == 0 ? taa_jitter(1) : (vec2){0, 0};
+        vec2 jitter = projection == 0 ? pixel_jitter(1) : (vec2){0, 0};
         test_render_frame(renderer, &frame);
         fnl_image motion = test_read(renderer, FNL_OUTPUT_MOTION), position = test_read(renderer, FNL_OUTPUT_POSITION);
         double worst = 0, fastest = 0;
@@ -391,7 +391,7 @@ static void test_uncovered_wall_has_no_history_ES_21(void **state) {
     test_render_frame(renderer, &frame);
     fnl_image radiance = test_read(renderer, FNL_OUTPUT_RADIANCE), now = test_read(renderer, FNL_OUTPUT_POSITION);
     frame.aa = FNL_ANTIALIASING_NONE;
-    frame.jitter = taa_jitter(1);
+    frame.jitter = pixel_jitter(1);
     test_render_frame(plain, &frame);
     fnl_image sample = test_read(plain, FNL_OUTPUT_RADIANCE);
     uint32_t uncovered = 0, kept = 0;

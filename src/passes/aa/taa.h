@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Temporal antialiasing. Every frame samples its pixels at another place (taa_jitter); the samples of a surface are collected along its
+ * Temporal antialiasing. Every frame samples its pixels at another place (pixel_jitter); the samples of a surface are collected along its
  * motion.
  *
  * While nothing moves, a pixel is the plain mean of all frames since then. Otherwise what was collected is fetched from where the
@@ -19,10 +19,6 @@ taken of what the tone mapper makes of radiance, so that bright edges stay smoot
 
 #include "base/maths.h"
 #include "graph/graph.h"
-
-/** Where frame `index` of a sequence samples pixels: right of and below their centres, pixels, in [-0.5, 0.5). Halton's sequence in bases 2
-    and 3, moved so that frame 0 samples the centres. */
-vec2 taa_jitter(uint32_t index);
 
 struct taa_params {
     VkDeviceAddress view;
