@@ -79,3 +79,11 @@ bool argument_light_shapes(const char *option, const char *text, fnl_scatter_par
     }
     return true;
 }
+
+bool argument_exposure(const char *option, const char *text, fnl_exposure *out, float *out_ev) {
+    double ev = 0;
+    *out = strcmp(text, "auto") == 0 ? FNL_EXPOSURE_AUTO : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE : FNL_EXPOSURE_EV;
+    if (*out == FNL_EXPOSURE_EV && !argument_number(option, text, &ev)) return false;
+    *out_ev = (float)ev;
+    return true;
+}

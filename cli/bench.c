@@ -347,11 +347,11 @@ static bool has_results(const struct bench_data *data) {
 
 static int run(struct bench_options *o, const struct bench_plan *plan, uint32_t width, uint32_t height, struct bench_data *data) {
     const struct bench_settings *s = &o->settings;
-    bench_catch_interrupts(true);
+    interrupt_catch(true);
     enum bench_end end = bench_measure(s, plan, data);
     if (end == BENCH_DONE && o->suite) end = bench_suite_measure(o->suite, s, width, height, data);
-    if (end == BENCH_DONE && bench_interrupted()) end = BENCH_INTERRUPTED;
-    bench_catch_interrupts(false);
+    if (end == BENCH_DONE && interrupt_seen()) end = BENCH_INTERRUPTED;
+    interrupt_catch(false);
     if (end == BENCH_REFUSED) return 2;
     if (end != BENCH_DONE && !has_results(data)) {
         fprintf(stderr, "fanal: %s before anything was measured: nothing was written\n", end == BENCH_INTERRUPTED ? "interrupted" : "ended");

@@ -3,6 +3,8 @@
 #ifndef FNL_CLI_BENCH_H
 #define FNL_CLI_BENCH_H
 
+#include "interrupt.h"
+
 #include "fanal/fanal.h"
 
 #include <jansson.h>
@@ -139,12 +141,6 @@ bool bench_scene_path(const fnl_scene *scene, const struct bench_settings *setti
 bool bench_scene_check(const struct bench_settings *settings, const char *name, const char *camera, uint32_t *lights);
 /** Lights of a scene that has `own` when a case asks for so many. */
 uint32_t bench_scene_lights(const char *name, uint32_t own, int64_t asked);
-
-/* ---- ending early (bench_interrupt.c) ---- */
-
-/** While on, Ctrl-C and SIGTERM only set what bench_interrupted tells; the second one ends the program at once. */
-void bench_catch_interrupts(bool on);
-bool bench_interrupted(void);
 
 /* ---- measuring (bench_run.c) ---- */
 

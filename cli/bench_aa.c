@@ -98,7 +98,7 @@ static void measure(struct subject *subjects, const struct bench_settings *setti
         }
         if (s->failed || fnl_renderer_read(s->renderer, FNL_OUTPUT_COLOR, &s->picture) != FNL_OK) s->failed = true;
     }
-    for (uint32_t i = 0; i < settings->warm_up + settings->frames && !bench_interrupted(); i++)
+    for (uint32_t i = 0; i < settings->warm_up + settings->frames && !interrupt_seen(); i++)
         for (int m = 0; m < METHOD_COUNT; m++)
             if (render(&subjects[m], &stats) && i >= settings->warm_up) {
                 subjects[m].own[subjects[m].count] = own_time(&stats);
@@ -157,7 +157,7 @@ static bool run_scene(fnl_device *device, const char *source, uint32_t width, ui
     }
     if (good) {
         measure(subjects, settings);
-        if (!bench_interrupted()) add_rows(rows, source, subjects, &reference);
+        if (!interrupt_seen()) add_rows(rows, source, subjects, &reference);
     }
     for (int m = 0; m < METHOD_COUNT; m++) {
         fnl_image_free(NULL, &subjects[m].picture);
@@ -176,7 +176,7 @@ bool bench_aa_measure(const struct bench_settings *settings, uint32_t width, uin
     fnl_device *device = NULL;
     json_t *rows = json_array();
     bool good = bench_create_device(settings, NULL, &device);
-    for (int i = 0; i < SCENE_COUNT && good && !bench_interrupted(); i++) {
+    for (int i = 0; i < SCENE_COUNT && good && !interrupt_seen(); i++) {
         if (!settings->quiet) fprintf(stderr, "scene %d of %d: %s\n", i + 1, SCENE_COUNT, scenes[i]);
         good = run_scene(device, scenes[i], width ? width : 640, height ? height : 360, settings, rows);
     }

@@ -87,7 +87,7 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
         for (int i = 0; i < SUBJECT_COUNT; i++) {
             struct coarse_subject *s = &subjects[i];
             s->frame.shade_cost = cost;
-            if (bench_interrupted() || fnl_renderer_render(renderer, &s->frame) != FNL_OK ||
+            if (interrupt_seen() || fnl_renderer_render(renderer, &s->frame) != FNL_OK ||
                 fnl_renderer_query_stats(renderer, &s->stats) != FNL_OK)
                 return false;
             if (!s->picture.pixels && fnl_renderer_read(renderer, FNL_OUTPUT_COLOR, &s->picture) != FNL_OK) return false;

@@ -82,7 +82,7 @@ static bool measure(fnl_renderer *renderer, const struct bench_settings *setting
             int turns = 0;
             if (k == 0) subjects[i].count = 0;
             do {
-                if (bench_interrupted() || !render(renderer, &subjects[i])) return false;
+                if (interrupt_seen() || !render(renderer, &subjects[i])) return false;
             } while (k == 0 && counters_overflow(&subjects[i].stats) && ++turns < GROWTH_MOST);
             double done = (part->index + (double)(k + 1) / rounds) / part->count;
             progress_tell(progress_seconds() * (1 - done) / done, "part %d of %d: %s, MSAA %u, frame %u of %u", part->index + 1,

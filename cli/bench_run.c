@@ -51,7 +51,7 @@ struct bench_run {
     bool failed;
 };
 
-static bool stopped(const struct bench_run *run) { return bench_interrupted() || run->failed; }
+static bool stopped(const struct bench_run *run) { return interrupt_seen() || run->failed; }
 
 /* ---- progress ---- */
 
@@ -576,7 +576,7 @@ enum bench_end bench_measure(const struct bench_settings *settings, const struct
         for (run.case_index = 0; run.case_index < plan->case_count && !stopped(&run); run.case_index++)
             run_case(&run, &plan->cases[run.case_index]);
         progress_end();
-        end = run.failed ? BENCH_FAILED : bench_interrupted() ? BENCH_INTERRUPTED : BENCH_DONE;
+        end = run.failed ? BENCH_FAILED : interrupt_seen() ? BENCH_INTERRUPTED : BENCH_DONE;
         if (settings->validate && fnl_device_validation_count(run.device)) {
             fprintf(stderr, "fanal: error: Vulkan validation sent %llu messages\n",
                     (unsigned long long)fnl_device_validation_count(run.device));

@@ -170,7 +170,7 @@ const char *const *bench_suite_option(const struct bench_suite *suite, int index
 enum bench_end bench_suite_measure(const struct bench_suite *suite, const struct bench_settings *settings, uint32_t width,
                                    uint32_t height, struct bench_data *data) {
     bool good = !suite->measure || suite->measure(settings, width, height, data);
-    return bench_interrupted() ? BENCH_INTERRUPTED : good ? BENCH_DONE : BENCH_FAILED;
+    return interrupt_seen() ? BENCH_INTERRUPTED : good ? BENCH_DONE : BENCH_FAILED;
 }
 
 /* ---- plan ---- */

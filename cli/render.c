@@ -6,7 +6,6 @@
 #include "bench.h" /* camera paths */
 #include "commands.h"
 #include "counters.h"
-#include "loading.h"
 #include "options.h"
 #include "output.h"
 #include "views.h"
@@ -57,7 +56,7 @@ static void print_help(void) {
          "  -o, --output FILE|-        the file to write, - for stdout; can be given several times\n"
          "  --format KIND              what -o - writes: png exr raw y4m (png; for a sequence y4m)\n"
          "  --size WxH                 pixels (1280x720)\n"
-         "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
+         WORLD_CAMERA_HELP
          "  --camera-path KIND|FILE    a sequence along a path: orbit or turntable, each with :N pictures per turn, or a "
          "file\n"
          "                             of lines 'seconds eye.x eye.y eye.z target.x target.y target.z'\n"
@@ -65,25 +64,14 @@ static void print_help(void) {
          "square\n"
          "                             --size), all cameras of the scene, or some of them by name or index, with commas;\n"
          "                             each output has one %d, or as %02d, for the number of the view\n"
-         "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
+         WORLD_EYE_HELP
          "  --exposure EV|auto|none    EV100 (auto)\n"
-         "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"
-         "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light gets some, and a sun)\n"
-         "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
+         WORLD_SURROUNDINGS_HELP
          "  --aov LIST                 more channels in the .exr: depth,normal,albedo,roughness,id,position,motion\n"
          "  --supersample N            averages N frames with different sample positions: a reference for antialiasing\n"
          "\n"
          "Scene\n"
-         "  --lights N                 adds N point and spot lights at random places in the scene\n"
-         "  --light-seed S             the random seed for their places (1)\n"
-         "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal "
-         "(point=3,spot=1)\n"
-         "  --light-scale X            multiplies their radius (1)\n"
-         "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "
-         "visible (1)\n"
-         "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"
-         "  --time SECONDS             time of the animation (0)\n"
-         "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP "\n"
+         WORLD_SCENE_HELP "\n"
          "Method (with --msaa and without --shading: forward-prepass)");
     print_named();
     puts("  --set KEY=VALUE            any option of a frame; can be given several times. 'fanal render --options' prints\n"
@@ -134,16 +122,6 @@ static bool parse_aov(const char *text, uint32_t *aovs) {
     return true;
 }
 
-static bool parse_exposure(const char *text, fnl_frame *frame) {
-    double ev = 0;
-    frame->exposure = strcmp(text, "auto") == 0   ? FNL_EXPOSURE_AUTO
-                      : strcmp(text, "none") == 0 ? FNL_EXPOSURE_NONE
-                                                  : FNL_EXPOSURE_EV;
-    if (frame->exposure == FNL_EXPOSURE_EV && !argument_number("exposure", text, &ev)) return false;
-    frame->ev = (float)ev;
-    return true;
-}
-
 static bool add_output(struct render_options *o, const char *path) {
     if (!render_is_stdout(path) && !render_has_extension(path, "png") && !render_has_extension(path, "exr"))
         return argument_bad("output", path, "a file that ends in .png or .exr, nor -");
@@ -154,32 +132,17 @@ static bool add_output(struct render_options *o, const char *path) {
 
 enum {
     O_SIZE = 256,
-    O_CAMERA,
     O_VIEWS,
-    O_EYE,
-    O_LOOK_AT,
-    O_FOV,
     O_SET,
     O_OPTIONS,
     O_COUNTERS,
     O_JSON,
     O_MARKDOWN,
-    O_GROW_METAL,
     O_TRAFFIC,
     O_SUPERSAMPLE,
     O_FRAME_TIME,
-    O_LIGHTS,
-    O_LIGHT_SEED,
-    O_LIGHT_SHAPES,
-    O_LIGHT_SCALE,
-    O_RANGE_ROUGHNESS,
     O_CHOOSE_SECONDS,
     O_EXPOSURE,
-    O_BACKGROUND,
-    O_AMBIENT,
-    O_ANISOTROPY,
-    O_TIME,
-    O_ANIMATION,
     O_FRAMES,
     O_DEVICE,
     O_VALIDATE,
@@ -229,26 +192,8 @@ static bool parse_option(struct render_options *o, int option, const char *value
         return true;
     case O_SIZE:
         return argument_size("size", value, &o->frame.width, &o->frame.height);
-    case O_CAMERA:
-        o->camera = value;
-        return true;
     case O_VIEWS:
         o->views = value;
-        return true;
-    case O_EYE:
-        o->has_eye = true;
-        return argument_vector("eye", value, &o->eye);
-    case O_LOOK_AT:
-        o->has_look_at = true;
-        return argument_vector("look-at", value, &o->look_at);
-    case O_FOV:
-        if (!argument_number("fov", value, &number)) return false;
-        if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
-        o->fov = (float)(number * 3.14159265358979323846 / 180);
-        return true;
-    case O_GROW_METAL:
-        if (!argument_integer("grow-metal", value, 0, 64, &integer)) return false;
-        o->grow_metal = (uint32_t)integer;
         return true;
     case O_TRAFFIC:
         o->traffic = true;
@@ -260,51 +205,13 @@ static bool parse_option(struct render_options *o, int option, const char *value
     case O_FRAME_TIME:
         if (!argument_number("frame-time", value, &o->frame_time)) return false;
         return (o->has_frame_time = o->frame_time >= 0) || argument_bad("frame-time", value, "a number of seconds");
-    case O_LIGHTS:
-        if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
-        o->scatter.count = (uint32_t)integer;
-        return true;
-    case O_LIGHT_SEED:
-        if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
-        o->scatter.seed = (uint64_t)integer;
-        return true;
-    case O_LIGHT_SHAPES:
-        return argument_light_shapes("light-shapes", value, &o->scatter);
-    case O_LIGHT_SCALE:
-        if (!argument_number("light-scale", value, &number)) return false;
-        if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
-        o->scatter.radius_scale = (float)number;
-        return true;
     case O_CHOOSE_SECONDS:
         if (!argument_number("choose-seconds", value, &number)) return false;
         if (!(number >= 0 && number <= 1e6)) return argument_bad("choose-seconds", value, "a number of seconds");
         o->choose_seconds = number;
         return true;
-    case O_RANGE_ROUGHNESS:
-        if (!argument_number("range-roughness", value, &number)) return false;
-        if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
-        o->has_range_roughness = true;
-        o->range_roughness = (float)number;
-        return true;
     case O_EXPOSURE:
-        return parse_exposure(value, &o->frame);
-    case O_ANISOTROPY:
-        if (!argument_number("anisotropy", value, &number)) return false;
-        if (!(number >= 1 && number <= 16)) return argument_bad("anisotropy", value, "a number from 1 to 16");
-        o->has_anisotropy = true;
-        o->anisotropy = (float)number;
-        return true;
-    case O_BACKGROUND:
-        o->has_background = true;
-        return argument_vector("background", value, &o->background);
-    case O_AMBIENT:
-        o->has_ambient = true;
-        return argument_vector("ambient", value, &o->ambient);
-    case O_TIME:
-        return argument_number("time", value, &o->time);
-    case O_ANIMATION:
-        o->animation = value;
-        return true;
+        return argument_exposure("exposure", value, &o->frame.exposure, &o->frame.ev);
     case O_FRAMES:
         if (!argument_integer("frames", value, 0, 1000000, &integer)) return false;
         o->frame_count = (uint32_t)integer;
@@ -349,32 +256,17 @@ static const struct option own_options[] = {
     {"quiet", no_argument, NULL, 'q'},
     {"help", no_argument, NULL, 'h'},
     {"size", required_argument, NULL, O_SIZE},
-    {"camera", required_argument, NULL, O_CAMERA},
     {"views", required_argument, NULL, O_VIEWS},
-    {"eye", required_argument, NULL, O_EYE},
-    {"look-at", required_argument, NULL, O_LOOK_AT},
-    {"fov", required_argument, NULL, O_FOV},
     {"set", required_argument, NULL, O_SET},
     {"options", no_argument, NULL, O_OPTIONS},
     {"counters", no_argument, NULL, O_COUNTERS},
     {"json", no_argument, NULL, O_JSON},
     {"markdown", no_argument, NULL, O_MARKDOWN},
-    {"grow-metal", required_argument, NULL, O_GROW_METAL},
     {"traffic", no_argument, NULL, O_TRAFFIC},
     {"supersample", required_argument, NULL, O_SUPERSAMPLE},
     {"frame-time", required_argument, NULL, O_FRAME_TIME},
-    {"lights", required_argument, NULL, O_LIGHTS},
-    {"light-seed", required_argument, NULL, O_LIGHT_SEED},
-    {"light-shapes", required_argument, NULL, O_LIGHT_SHAPES},
-    {"light-scale", required_argument, NULL, O_LIGHT_SCALE},
-    {"range-roughness", required_argument, NULL, O_RANGE_ROUGHNESS},
     {"choose-seconds", required_argument, NULL, O_CHOOSE_SECONDS},
     {"exposure", required_argument, NULL, O_EXPOSURE},
-    {"background", required_argument, NULL, O_BACKGROUND},
-    {"ambient", required_argument, NULL, O_AMBIENT},
-    {"anisotropy", required_argument, NULL, O_ANISOTROPY},
-    {"time", required_argument, NULL, O_TIME},
-    {"animation", required_argument, NULL, O_ANIMATION},
     {"frames", required_argument, NULL, O_FRAMES},
     {"device", required_argument, NULL, O_DEVICE},
     {"validate", no_argument, NULL, O_VALIDATE},
@@ -385,7 +277,7 @@ static const struct option own_options[] = {
     {"camera-path", required_argument, NULL, O_CAMERA_PATH},
     {"start-frame", required_argument, NULL, O_START_FRAME},
     {"format", required_argument, NULL, O_FORMAT},
-    LOADING_OPTIONS,
+    WORLD_OPTIONS,
 };
 enum { OWN_COUNT = sizeof own_options / sizeof *own_options };
 
@@ -407,7 +299,7 @@ static bool check_files(const struct render_options *o) {
     for (; count < o->output_count; count++) files[count] = o->outputs[count];
     if (o->stats) files[count++] = o->stats;
     int written = count;
-    files[count++] = o->scene;
+    files[count++] = o->world.scene;
     for (int i = 0; i < written; i++)
         for (int k = i + 1; k < count; k++) {
             if (!is_same_file(files[i], files[k])) continue;
@@ -441,15 +333,14 @@ static bool check_options(struct render_options *o) {
         problem = "no output was asked for: give -o FILE, --stats FILE, --plan or --traffic";
     if (o->has_format && !has_stdout) problem = "--format is for -o -: files have it in their names";
     if (has_stdout && o->stats && render_is_stdout(o->stats)) problem = "stdout takes the picture or --stats, not both";
-    if (o->has_eye != o->has_look_at) problem = "--eye and --look-at belong together";
-    if (o->camera && o->has_eye) problem = "--camera and --eye exclude one another";
+    if (world_problem(&o->world)) problem = world_problem(&o->world);
     if (o->views && sequence) problem = "--views and --camera-path exclude one another";
-    if (o->views && !views_are_cube(o->views) && (o->camera || o->has_eye || o->fov > 0))
+    if (o->views && !views_are_cube(o->views) && (o->world.camera || o->world.has_eye || o->world.fov > 0))
         problem = "--camera, --eye and --fov do not go with --views, but for the place of --views cube";
-    if (o->views && views_are_cube(o->views) && o->fov > 0) problem = "the faces of --views cube have 90 degrees: --fov does not go with them";
+    if (o->views && views_are_cube(o->views) && o->world.fov > 0) problem = "the faces of --views cube have 90 degrees: --fov does not go with them";
     if (o->views && views_are_cube(o->views) && o->frame.width != o->frame.height)
         problem = "the faces of --views cube are square: give, for example, --size 1024x1024";
-    if (o->camera_path && o->has_eye) problem = "--camera-path and --eye exclude one another";
+    if (o->camera_path && o->world.has_eye) problem = "--camera-path and --eye exclude one another";
     if (o->camera_path && !o->has_frames && bench_path_is_circle(o->camera_path, &circle) && circle == 0)
         problem = "--camera-path orbit and turntable need --frames, or as orbit:N the pictures once round";
     if (o->aovs && !has_exr) problem = "--aov needs an .exr output";
@@ -477,8 +368,7 @@ static void warn_of_unused(const struct render_options *o) {
 
 int command_render(int argc, char **argv) {
     struct render_options o = {.frame = fnl_frame_default(),
-                               .scatter = fnl_scatter_params_default(),
-                               .loading = fnl_load_params_default(),
+                               .world = world_options_default(),
                                .frame_count = 1,
                                .frame_time = 1 / 30.0,
                                .choose_seconds = 20};
@@ -503,7 +393,7 @@ int command_render(int argc, char **argv) {
         if (option == O_JSON) form = OPTIONS_JSON;
         if (option == O_MARKDOWN) form = OPTIONS_MARKDOWN;
         if (option == O_OPTIONS || option == O_COUNTERS || option == O_JSON || option == O_MARKDOWN) continue;
-        if (!(loading_has(option) ? loading_parse(option, optarg, &o.loading) : parse_option(&o, option, optarg))) return 2;
+        if (!(world_has(option) ? world_parse(option, optarg, &o.world) : parse_option(&o, option, optarg))) return 2;
     }
     if (prints) {
         prints(form);
@@ -519,7 +409,7 @@ int command_render(int argc, char **argv) {
         fprintf(stderr, "fanal: error: one scene is needed, %d were given; see 'fanal render --help'\n", argc - optind);
         return 2;
     }
-    o.scene = argv[optind];
+    o.world.scene = argv[optind];
     if (!check_options(&o) || !check_files(&o)) return 2;
     if (!was_given(&o, "shading") && o.frame.msaa > 1) o.frame.shading = FNL_SHADING_FORWARD_PREPASS;
     warn_of_unused(&o);

@@ -3,7 +3,7 @@
 #ifndef FNL_CLI_RENDER_H
 #define FNL_CLI_RENDER_H
 
-#include "fanal/fanal.h"
+#include "world.h"
 
 enum { RENDER_MAX_OUTPUTS = 16, RENDER_MAX_GIVEN = 128 };
 enum render_aov {
@@ -20,24 +20,16 @@ enum render_aov {
 enum render_format { RENDER_PNG, RENDER_EXR, RENDER_RAW, RENDER_Y4M };
 
 struct render_options {
-    const char *scene, *outputs[RENDER_MAX_OUTPUTS], *camera, *views, *camera_path, *animation, *device, *stats;
+    struct world_options world;
+    const char *outputs[RENDER_MAX_OUTPUTS], *views, *camera_path, *device, *stats;
     int output_count;
     const char *given[RENDER_MAX_GIVEN]; /* keys of the options of the frame that were set */
     int given_count;
     fnl_frame frame;
-    bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, validate, no_cache, quiet, plan, traffic;
-    fnl_vec3 eye, look_at, background, ambient;
-    float anisotropy;
-    float fov;                  /* radians; 0: the camera's */
+    bool validate, no_cache, quiet, plan, traffic;
     double choose_seconds;      /* that auto may take before the frames */
     uint32_t frame_count;       /* timed ones; 0: the picture alone */
     uint32_t aovs;              /* bits 1 << enum render_aov */
-    fnl_scatter_params scatter;
-    uint32_t grow_metal; /* texels */
-    fnl_load_params loading;
-    bool has_range_roughness;
-    float range_roughness;
-    double time;
     bool has_frames, has_frame_time, has_format;
     enum render_format format; /* of the output "-", which is stdout */
     uint32_t start_frame;      /* of a sequence: the first picture that is wanted */
@@ -93,7 +85,6 @@ char *report_text(const struct render_report *report, bool line);
 /* ---- parts of a run ---- */
 
 struct supersample;
-bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
 /**
  * Renders again until all pools (counters of kind FNL_COUNTER_OVERFLOW) hold what the frame needs: they learn by a frame how large they have
  * to be. What is saved is exact if memory lasts.

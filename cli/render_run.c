@@ -2,7 +2,6 @@
 #include "render.h"
 
 #include "counters.h"
-#include "loading.h"
 #include "output.h"
 #include "progress.h"
 #include "stream.h"
@@ -16,72 +15,6 @@
 #include <time.h>
 #include <strings.h>
 #include <unistd.h>
-
-/* ---- scene ---- */
-
-bool render_find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
-    fnl_scene_info info;
-    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
-    *out = 0;
-    if (!name) return true;
-    char *end;
-    unsigned long index = strtoul(name, &end, 10);
-    if (*name && !*end && index < info.animation_count) {
-        *out = (uint32_t)index;
-        return true;
-    }
-    for (uint32_t i = 0; i < info.animation_count; i++) {
-        fnl_animation_info animation;
-        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name &&
-            strcmp(animation.name, name) == 0) {
-            *out = i;
-            return true;
-        }
-    }
-    fprintf(stderr, "fanal: error: --animation: the scene has no animation '%s' (it has %u)\n", name, info.animation_count);
-    return false;
-}
-
-static bool choose_camera(const struct render_options *o, const fnl_scene *scene, fnl_camera *out) {
-    if (o->has_eye) {
-        *out = fnl_camera_default();
-        out->position = o->eye;
-        out->target = o->look_at;
-    } else if (o->camera) {
-        if (!views_find_camera(scene, "--camera", o->camera, out)) return false;
-    } else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0) {
-        if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
-    } else if (fnl_scene_query_framing_camera(scene, (float)o->frame.width / (float)o->frame.height, out) != FNL_OK) {
-        return false;
-    }
-    if (o->fov > 0) out->vertical_fov = o->fov;
-    return true;
-}
-
-static bool show_loading(void *user, uint32_t done, uint32_t total) {
-    (void)user;
-    progress_show("loading the scene", done, total);
-    return true;
-}
-
-static bool load_scene(const struct render_options *o, const fnl_host *host, fnl_scene **scene, fnl_camera *camera) {
-    uint32_t animation;
-    fnl_load_params loading = o->loading;
-    loading.progress = show_loading;
-    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK) return false;
-    if (!render_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
-        return false;
-    if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
-    if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
-    if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
-    bool added = false;
-    if (!o->has_ambient && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
-    if (added && !o->quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
-    if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
-    if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
-    if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
-    return choose_camera(o, *scene, camera);
-}
 
 /* ---- device ---- */
 
@@ -381,7 +314,7 @@ int render_run(const struct render_options *o) {
     fnl_scene *scene = NULL;
     fnl_device *device = NULL;
     fnl_renderer *renderer = NULL;
-    struct render_report report = {.options = o, .time = o->time, .picture = UINT32_MAX};
+    struct render_report report = {.options = o, .time = o->world.time, .picture = UINT32_MAX};
     fnl_frame frame = o->frame;
     frame.outputs = wanted_outputs(o);
     fnl_device_params device_params = fnl_device_params_default();
@@ -392,7 +325,7 @@ int render_run(const struct render_options *o) {
     bool sequence = render_makes_sequence(o);
     fnl_camera cameras[FNL_VIEWS_MAX];
     uint32_t view_count = 0;
-    bool good = load_scene(o, &host, &scene, &frame.camera) &&
+    bool good = world_load(&o->world, &host, o->frame.width, o->frame.height, o->quiet, &scene, &frame.camera) &&
                 (!o->views || views_choose(o->views, scene, &frame.camera, cameras, &view_count)) && fnl_device_create(&device_params, &device) == FNL_OK &&
                 fnl_renderer_create(device, scene, &renderer) == FNL_OK &&
                 fnl_device_query_info(device, &report.device) == FNL_OK && fnl_scene_query_info(scene, &report.scene) == FNL_OK;

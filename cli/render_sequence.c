@@ -56,9 +56,9 @@ static bool pose(struct sequence *s, uint32_t index) {
     const struct bench_point *point = &s->path.points[index % s->path.count];
     uint32_t ignored;
     bool file_time = o->camera_path && !bench_path_is_circle(o->camera_path, &ignored) && !o->has_frame_time;
-    s->time = o->time + (file_time ? point->time : index * o->frame_time);
+    s->time = o->world.time + (file_time ? point->time : index * o->frame_time);
     s->frame.camera = point->camera;
-    if (o->fov > 0) s->frame.camera.vertical_fov = o->fov;
+    if (o->world.fov > 0) s->frame.camera.vertical_fov = o->world.fov;
     return fnl_scene_set_time(s->scene, s->animation, s->time) == FNL_OK;
 }
 
@@ -134,7 +134,7 @@ bool render_sequence(const struct render_options *o, const fnl_host *host, fnl_s
     s.frame.pin_choice = true;
     char *text = NULL;
     size_t length;
-    if (!render_find_animation(scene, o->animation, &s.animation) ||
+    if (!world_find_animation(scene, o->world.animation, &s.animation) ||
         !bench_path_create(&s.path, o->camera_path, scene, &frame->camera, o->frame_count,
                            (float)frame->width / (float)frame->height))
         return false;

@@ -107,7 +107,7 @@ char *report_text(const struct render_report *r, bool line) {
         "{s:i,s:{s:s,s:s},s:{s:s,s:s,s:s},s:{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o},s:o,s:o,s:o,s:{s:o,s:f},s:o,s:i,s:o}",
         "version", FORMAT_VERSION, "program", "version", fnl_version(), "commit", program_commit, "device", "name",
         r->device.name, "driver", r->device.driver, "type", fnl_value_name(FNL_ENUM_DEVICE_TYPE, r->device.type), "scene", "source",
-        r->options->scene, "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
+        r->options->world.scene, "triangles", integer(scene->triangle_count), "instances", integer(scene->instance_count), "lights",
         integer(s->lights_total), "decals", integer(scene->decal_count), "meshes", integer(scene->mesh_count), "materials",
         integer(scene->material_count), "images", integer(scene->image_count), "animations",
         integer(scene->animation_count), "settings", report_settings(r->options), "view", make_view(r), "passes",

@@ -22,30 +22,30 @@ static json_t *make_picture(const struct render_options *o) {
     json_t *outputs = json_array();
     for (int i = 0; i < o->output_count; i++) json_array_append_new(outputs, json_string(o->outputs[i]));
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output", outputs, "format",
-                     text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->camera), "views", text(o->views), "camera_path",
-                     text(o->camera_path), "eye", vector(o->has_eye, o->eye), "look_at", vector(o->has_look_at, o->look_at), "fov",
-                     number(o->fov > 0, (double)o->fov * 57.295779513082321), "background",
-                     vector(o->has_background, o->background), "ambient", vector(o->has_ambient, o->ambient), "anisotropy",
-                     number(o->has_anisotropy, (double)o->anisotropy), "aov", names(o->aovs, render_aov_name));
+                     text(render_format_name(o->has_format ? (int)o->format : -1)), "camera", text(o->world.camera), "views", text(o->views), "camera_path",
+                     text(o->camera_path), "eye", vector(o->world.has_eye, o->world.eye), "look_at", vector(o->world.has_look_at, o->world.look_at), "fov",
+                     number(o->world.fov > 0, (double)o->world.fov * 57.295779513082321), "background",
+                     vector(o->world.has_background, o->world.background), "ambient", vector(o->world.has_ambient, o->world.ambient), "anisotropy",
+                     number(o->world.has_anisotropy, (double)o->world.anisotropy), "aov", names(o->aovs, render_aov_name));
 }
 
 static void add_scene(json_t *json, const struct render_options *o) {
     json_t *shapes = json_object();
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
         if (i != FNL_LIGHT_DIRECTIONAL)
-            json_object_set_new(shapes, fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i), json_real((double)o->scatter.shares[i]));
-    json_object_set_new(json, "lights", json_integer(o->scatter.count));
-    json_object_set_new(json, "light_seed", json_integer((json_int_t)o->scatter.seed));
+            json_object_set_new(shapes, fnl_value_name(FNL_ENUM_LIGHT_KIND, (fnl_light_kind)i), json_real((double)o->world.scatter.shares[i]));
+    json_object_set_new(json, "lights", json_integer(o->world.scatter.count));
+    json_object_set_new(json, "light_seed", json_integer((json_int_t)o->world.scatter.seed));
     json_object_set_new(json, "light_shapes", shapes);
-    json_object_set_new(json, "light_scale", json_real((double)o->scatter.radius_scale));
-    uint64_t most = o->loading.max_memory < INT64_MAX ? o->loading.max_memory : INT64_MAX;
-    json_object_set_new(json, "grow_metal", json_integer(o->grow_metal));
-    json_object_set_new(json, "lenient", json_boolean(o->loading.lenient));
-    json_object_set_new(json, "confine", json_boolean(o->loading.confine));
+    json_object_set_new(json, "light_scale", json_real((double)o->world.scatter.radius_scale));
+    uint64_t most = o->world.loading.max_memory < INT64_MAX ? o->world.loading.max_memory : INT64_MAX;
+    json_object_set_new(json, "grow_metal", json_integer(o->world.grow_metal));
+    json_object_set_new(json, "lenient", json_boolean(o->world.loading.lenient));
+    json_object_set_new(json, "confine", json_boolean(o->world.loading.confine));
     json_object_set_new(json, "max_memory", json_integer((json_int_t)most));
-    json_object_set_new(json, "range_roughness", number(o->has_range_roughness, (double)o->range_roughness));
-    json_object_set_new(json, "time", json_real(o->time));
-    json_object_set_new(json, "animation", text(o->animation));
+    json_object_set_new(json, "range_roughness", number(o->world.has_range_roughness, (double)o->world.range_roughness));
+    json_object_set_new(json, "time", json_real(o->world.time));
+    json_object_set_new(json, "animation", text(o->world.animation));
 }
 
 static void add_run(json_t *json, const struct render_options *o) {

@@ -11,7 +11,7 @@ const char program_commit[] = "";
 static bool finite3(fnl_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
 int fuzz_render_run(const struct render_options *o) {
-    if (!o->scene || o->output_count > RENDER_MAX_OUTPUTS) abort();
+    if (!o->world.scene || o->output_count > RENDER_MAX_OUTPUTS) abort();
     if (o->frame.width < 1 || o->frame.width > 16384 || o->frame.height < 1 || o->frame.height > 16384) abort();
     fnl_option option;
     for (uint32_t i = 0; fnl_option_query(i, &option); i++) { /* what is set can be said, and is in its range */
@@ -20,10 +20,10 @@ int fuzz_render_run(const struct render_options *o) {
         if (fnl_frame_get(&o->frame, option.key, text, sizeof text) >= sizeof text) abort();
         if (fnl_frame_set(NULL, &frame, option.key, text) != FNL_OK) abort();
     }
-    if (!finite3(o->eye) || !finite3(o->look_at) || !finite3(o->ambient) || !finite3(o->background)) abort();
-    if (!isfinite(o->time) || !isfinite(o->fov) || !isfinite(o->frame.ev) || !isfinite(o->frame_time)) abort();
+    if (!finite3(o->world.eye) || !finite3(o->world.look_at) || !finite3(o->world.ambient) || !finite3(o->world.background)) abort();
+    if (!isfinite(o->world.time) || !isfinite(o->world.fov) || !isfinite(o->frame.ev) || !isfinite(o->frame_time)) abort();
     for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++)
-        if (!(o->scatter.shares[i] >= 0) || isinf(o->scatter.shares[i])) abort();
+        if (!(o->world.scatter.shares[i] >= 0) || isinf(o->world.scatter.shares[i])) abort();
     return 0;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Ctrl-C and SIGTERM while it measures. */
-#include "bench.h"
+#include "interrupt.h"
 
 #include <signal.h>
 
@@ -11,7 +10,7 @@ static void note_interrupt(int signal_number) {
     interrupted = 1;
 }
 
-void bench_catch_interrupts(bool on) {
+void interrupt_catch(bool on) {
     struct sigaction action = {0};
     action.sa_handler = on ? note_interrupt : SIG_DFL;
     action.sa_flags = (int)SA_RESETHAND;
@@ -20,4 +19,4 @@ void bench_catch_interrupts(bool on) {
     sigaction(SIGTERM, &action, NULL);
 }
 
-bool bench_interrupted(void) { return interrupted; }
+bool interrupt_seen(void) { return interrupted; }

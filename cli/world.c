@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+#include "world.h"
+
+#include "arguments.h"
+#include "progress.h"
+#include "views.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct world_options world_options_default(void) {
+    return (struct world_options){.scatter = fnl_scatter_params_default(), .loading = fnl_load_params_default()};
+}
+
+bool world_has(int option) { return loading_has(option) || (option >= WORLD_CAMERA && option < WORLD_END); }
+
+bool world_parse(int option, const char *value, struct world_options *o) {
+    long long integer;
+    double number;
+    if (loading_has(option)) return loading_parse(option, value, &o->loading);
+    switch (option) {
+    case WORLD_CAMERA:
+        o->camera = value;
+        return true;
+    case WORLD_EYE:
+        o->has_eye = true;
+        return argument_vector("eye", value, &o->eye);
+    case WORLD_LOOK_AT:
+        o->has_look_at = true;
+        return argument_vector("look-at", value, &o->look_at);
+    case WORLD_FOV:
+        if (!argument_number("fov", value, &number)) return false;
+        if (!(number > 0 && number < 180)) return argument_bad("fov", value, "an angle between 0 and 180 degrees");
+        o->fov = (float)(number * 3.14159265358979323846 / 180);
+        return true;
+    case WORLD_GROW_METAL:
+        if (!argument_integer("grow-metal", value, 0, 64, &integer)) return false;
+        o->grow_metal = (uint32_t)integer;
+        return true;
+    case WORLD_LIGHTS:
+        if (!argument_integer("lights", value, 0, 1 << 24, &integer)) return false;
+        o->scatter.count = (uint32_t)integer;
+        return true;
+    case WORLD_LIGHT_SEED:
+        if (!argument_integer("light-seed", value, 0, INT64_MAX, &integer)) return false;
+        o->scatter.seed = (uint64_t)integer;
+        return true;
+    case WORLD_LIGHT_SHAPES:
+        return argument_light_shapes("light-shapes", value, &o->scatter);
+    case WORLD_LIGHT_SCALE:
+        if (!argument_number("light-scale", value, &number)) return false;
+        if (!(number > 0 && number <= 1e6)) return argument_bad("light-scale", value, "a factor above 0");
+        o->scatter.radius_scale = (float)number;
+        return true;
+    case WORLD_RANGE_ROUGHNESS:
+        if (!argument_number("range-roughness", value, &number)) return false;
+        if (!(number >= 0 && number <= 1)) return argument_bad("range-roughness", value, "a number from 0 to 1");
+        o->has_range_roughness = true;
+        o->range_roughness = (float)number;
+        return true;
+    case WORLD_ANISOTROPY:
+        if (!argument_number("anisotropy", value, &number)) return false;
+        if (!(number >= 1 && number <= 16)) return argument_bad("anisotropy", value, "a number from 1 to 16");
+        o->has_anisotropy = true;
+        o->anisotropy = (float)number;
+        return true;
+    case WORLD_BACKGROUND:
+        o->has_background = true;
+        return argument_vector("background", value, &o->background);
+    case WORLD_AMBIENT:
+        o->has_ambient = true;
+        return argument_vector("ambient", value, &o->ambient);
+    case WORLD_TIME:
+        return argument_number("time", value, &o->time);
+    case WORLD_ANIMATION:
+        o->animation = value;
+        return true;
+    default:
+        return false;
+    }
+}
+
+const char *world_problem(const struct world_options *o) {
+    if (o->has_eye != o->has_look_at) return "--eye and --look-at belong together";
+    if (o->camera && o->has_eye) return "--camera and --eye exclude one another";
+    return NULL;
+}
+
+bool world_find_animation(const fnl_scene *scene, const char *name, uint32_t *out) {
+    fnl_scene_info info;
+    if (fnl_scene_query_info(scene, &info) != FNL_OK) return false;
+    *out = 0;
+    if (!name) return true;
+    char *end;
+    unsigned long index = strtoul(name, &end, 10);
+    if (*name && !*end && index < info.animation_count) {
+        *out = (uint32_t)index;
+        return true;
+    }
+    for (uint32_t i = 0; i < info.animation_count; i++) {
+        fnl_animation_info animation;
+        if (fnl_scene_query_animation(scene, i, &animation) == FNL_OK && animation.name &&
+            strcmp(animation.name, name) == 0) {
+            *out = i;
+            return true;
+        }
+    }
+    fprintf(stderr, "fanal: error: --animation: the scene has no animation '%s' (it has %u)\n", name, info.animation_count);
+    return false;
+}
+
+static bool choose_camera(const struct world_options *o, const fnl_scene *scene, float aspect, fnl_camera *out) {
+    if (o->has_eye) {
+        *out = fnl_camera_default();
+        out->position = o->eye;
+        out->target = o->look_at;
+    } else if (o->camera) {
+        if (!views_find_camera(scene, "--camera", o->camera, out)) return false;
+    } else if (fnl_scene_count(scene, FNL_ENTITY_CAMERA) > 0) {
+        if (fnl_scene_query_camera(scene, 0, out) != FNL_OK) return false;
+    } else if (fnl_scene_query_framing_camera(scene, aspect, out) != FNL_OK) {
+        return false;
+    }
+    if (o->fov > 0) out->vertical_fov = o->fov;
+    return true;
+}
+
+static bool show_loading(void *user, uint32_t done, uint32_t total) {
+    (void)user;
+    progress_show("loading the scene", done, total);
+    return true;
+}
+
+bool world_load(const struct world_options *o, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
+                fnl_camera *camera) {
+    uint32_t animation;
+    fnl_load_params loading = o->loading;
+    loading.progress = show_loading;
+    if (fnl_scene_load(host, o->scene, &loading, scene) != FNL_OK) return false;
+    if (!world_find_animation(*scene, o->animation, &animation) || fnl_scene_set_time(*scene, animation, o->time) != FNL_OK)
+        return false;
+    if (o->grow_metal && fnl_scene_grow_metal(*scene, o->grow_metal) != FNL_OK) return false;
+    if (fnl_scene_scatter_light_shapes(*scene, &o->scatter) != FNL_OK) return false;
+    if (o->has_range_roughness && fnl_scene_set_light_cutoff(*scene, o->range_roughness, 0.05f) != FNL_OK) return false;
+    bool added = false;
+    if (!o->has_ambient && loading_add_default_light(o->scene, *scene, &added) != FNL_OK) return false;
+    if (added && !quiet) puts("The scene has no light: a sun and a sky were added (--lights, --ambient).");
+    if (o->has_ambient && fnl_scene_set_ambient(*scene, o->ambient, o->ambient) != FNL_OK) return false;
+    if (o->has_anisotropy && fnl_scene_set_anisotropy(*scene, o->anisotropy) != FNL_OK) return false;
+    if (o->has_background && fnl_scene_set_background(*scene, o->background) != FNL_OK) return false;
+    return choose_camera(o, *scene, (float)width / (float)height, camera);
+}

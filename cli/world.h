@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/** The options that say what is seen and from where, which render and trace share. */
+#ifndef FNL_CLI_WORLD_H
+#define FNL_CLI_WORLD_H
+
+#include "loading.h"
+
+struct world_options {
+    const char *scene, *camera, *animation;
+    bool has_eye, has_look_at, has_background, has_ambient, has_anisotropy, has_range_roughness;
+    fnl_vec3 eye, look_at, background, ambient;
+    float anisotropy, range_roughness;
+    float fov; /* radians; 0: the camera's */
+    fnl_scatter_params scatter;
+    uint32_t grow_metal; /* texels */
+    fnl_load_params loading;
+    double time; /* of the animation, seconds */
+};
+
+/* Behind those of loading, below the commands' own. */
+enum {
+    WORLD_CAMERA = 128,
+    WORLD_EYE,
+    WORLD_LOOK_AT,
+    WORLD_FOV,
+    WORLD_BACKGROUND,
+    WORLD_AMBIENT,
+    WORLD_ANISOTROPY,
+    WORLD_LIGHTS,
+    WORLD_LIGHT_SEED,
+    WORLD_LIGHT_SHAPES,
+    WORLD_LIGHT_SCALE,
+    WORLD_RANGE_ROUGHNESS,
+    WORLD_GROW_METAL,
+    WORLD_TIME,
+    WORLD_ANIMATION,
+    WORLD_END
+};
+
+/** Rows for a table of getopt_long, those of loading with them. */
+#define WORLD_OPTIONS                                                                                                       \
+    {"camera", required_argument, NULL, WORLD_CAMERA}, {"eye", required_argument, NULL, WORLD_EYE},                         \
+        {"look-at", required_argument, NULL, WORLD_LOOK_AT}, {"fov", required_argument, NULL, WORLD_FOV},                   \
+        {"background", required_argument, NULL, WORLD_BACKGROUND}, {"ambient", required_argument, NULL, WORLD_AMBIENT},     \
+        {"anisotropy", required_argument, NULL, WORLD_ANISOTROPY}, {"lights", required_argument, NULL, WORLD_LIGHTS},       \
+        {"light-seed", required_argument, NULL, WORLD_LIGHT_SEED},                                                          \
+        {"light-shapes", required_argument, NULL, WORLD_LIGHT_SHAPES},                                                      \
+        {"light-scale", required_argument, NULL, WORLD_LIGHT_SCALE},                                                        \
+        {"range-roughness", required_argument, NULL, WORLD_RANGE_ROUGHNESS},                                                \
+        {"grow-metal", required_argument, NULL, WORLD_GROW_METAL}, {"time", required_argument, NULL, WORLD_TIME},           \
+        {"animation", required_argument, NULL, WORLD_ANIMATION}, LOADING_OPTIONS
+
+/** Lines for help texts. */
+#define WORLD_CAMERA_HELP                                                                                                   \
+    "  --camera NAME|INDEX        a camera of the scene (the first; without any, one that frames the scene)\n"
+#define WORLD_EYE_HELP "  --eye X,Y,Z --look-at X,Y,Z --fov DEGREES    a camera of your own\n"
+#define WORLD_SURROUNDINGS_HELP                                                                                             \
+    "  --background R,G,B         radiance where nothing is visible, cd/m^2\n"                                              \
+    "  --ambient R,G,B            constant ambient light, cd/m^2 (a scene without any light gets some, and a sun)\n"        \
+    "  --anisotropy N             maximum anisotropy of texture filtering, 1 to 16 (8)\n"
+#define WORLD_SCENE_HELP                                                                                                    \
+    "  --lights N                 adds N point and spot lights at random places in the scene\n"                             \
+    "  --light-seed S             the random seed for their places (1)\n"                                                   \
+    "  --light-shapes LIST        their kinds: point,spot,capsule,wedge,box, each with =SHARE or equal "                    \
+    "(point=3,spot=1)\n"                                                                                                    \
+    "  --light-scale X            multiplies their radius (1)\n"                                                            \
+    "  --range-roughness R        lights without a range reach as far as highlights on surfaces of roughness R are "        \
+    "visible (1)\n"                                                                                                         \
+    "  --grow-metal N             grows metallic areas of textures by N texels, against halos at their edges (0)\n"         \
+    "  --time SECONDS             time of the animation (0)\n"                                                              \
+    "  --animation NAME|INDEX     which animation (0)\n" LOADING_HELP
+
+struct world_options world_options_default(void);
+/** Whether an option that getopt_long gave is one of them. */
+bool world_has(int option);
+/** Takes its value; false (printed) when that is bad. */
+bool world_parse(int option, const char *value, struct world_options *out);
+/** What of them does not go together; NULL: all does. */
+const char *world_problem(const struct world_options *options);
+
+bool world_find_animation(const fnl_scene *scene, const char *name, uint32_t *out);
+/** Loads, poses and lights the scene, and chooses the camera for a picture of this size. False with a message. `quiet`: nothing else is printed. */
+bool world_load(const struct world_options *options, const fnl_host *host, uint32_t width, uint32_t height, bool quiet, fnl_scene **scene,
+                fnl_camera *camera);
+
+#endif
