@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The subcommands. Each takes its own arguments, argv[0] being its name, and returns the exit status: 0, 1 (compare: over a limit;
- * bench: a wrong picture), 2, or 130 (bench: interrupted). */
+ * bench: a wrong picture), 2, or 130 (bench, trace: interrupted). */
 #ifndef FNL_CLI_COMMANDS_H
 #define FNL_CLI_COMMANDS_H
 
@@ -9,5 +9,6 @@ int command_compare(int argc, char **argv);
 int command_devices(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_render(int argc, char **argv);
+int command_trace(int argc, char **argv);
 
 #endif

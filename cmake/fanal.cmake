@@ -117,7 +117,7 @@ function(fanal_render_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "OWN_DEVICE" "" "SOURCES;HELPERS;SHADERS")
   if(test_OWN_DEVICE)
     fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness ${test_HELPERS} SHADERS ${test_SHADERS}
-      LAYERS base image scene gpu graph passes render)
+      LAYERS base image scene ray gpu graph passes render)
     return()
   endif()
   add_library(part_${name} OBJECT EXCLUDE_FROM_ALL ${test_SOURCES})

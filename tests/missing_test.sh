@@ -19,7 +19,7 @@ configure() { # OPTIONS…: fails, and leaves the packages that it asks for in $
 
 # Nothing is found outside of CMake and the compiler.
 configure -DFANAL_TESTS=ON -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF \
-    -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON -DCMAKE_DISABLE_FIND_PACKAGE_meshoptimizer=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_OpenEXR=ON -DCMAKE_DISABLE_FIND_PACKAGE_meshoptimizer=ON -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON
 while read -r package; do
     grep -qE "(^|[ (])${package//+/\\+}([ )]|$)" "$source/tools/setup.sh" || fail "tools/setup.sh does not install $package"
 done <"$work/packages"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /**
- * Shading in double precision on the CPU, written from the specifications and not from the shaders; for tests. BRDF: glTF
- * 2.0 appendix B with KHR_materials_ior and KHR_materials_specular. Lights: KHR_lights_punctual.
+ * Shading in double precision by the CPU's tracer (src/ray), which is written from the specifications and not from the shaders; for tests.
  */
 #ifndef FNL_TESTS_SHADE_REFERENCE_H
 #define FNL_TESTS_SHADE_REFERENCE_H

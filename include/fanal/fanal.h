@@ -20,6 +20,7 @@
 #include "fanal/scene_query.h"
 #include "fanal/shading.h"
 #include "fanal/stats.h"
+#include "fanal/trace.h"
 #include "fanal/values.h"
 
 #endif

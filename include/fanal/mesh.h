@@ -39,7 +39,11 @@ typedef struct fnl_material_params {
     fnl_image_id base_color_image, metallic_roughness_image, normal_image, occlusion_image, emissive_image;
 } fnl_material_params;
 
-FNL_API fnl_material_params fnl_material_params_default(void);
+static inline fnl_material_params fnl_material_params_default(void) {
+    const fnl_material_params params = {{1, 1, 1, 1}, 1,    1,     {0, 0, 0}, 1,      1,      1.5f,   1,      {1, 1, 1}, FNL_ALPHA_OPAQUE,
+                                        0.5f,         false, false, {0, 0},    {0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    return params;
+}
 FNL_API fnl_result fnl_scene_add_material(fnl_scene *scene, const fnl_material_params *params, fnl_material_id *out);
 /**
  * Changes a material, including one from a file (fnl_scene_query_material returns its current values). A texture whose image

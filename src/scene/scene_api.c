@@ -40,21 +40,6 @@ fnl_result fnl_scene_add_image(fnl_scene *scene, const fnl_image *image, bool co
     return FNL_OK;
 }
 
-fnl_material_params fnl_material_params_default(void) {
-    return (fnl_material_params){
-        .base_color = {1, 1, 1, 1},
-        .metallic = 1,
-        .roughness = 1,
-        .normal_scale = 1,
-        .occlusion_strength = 1,
-        .ior = 1.5f,
-        .specular = 1,
-        .specular_color = {1, 1, 1},
-        .alpha_mode = FNL_ALPHA_OPAQUE,
-        .alpha_cutoff = 0.5f,
-    };
-}
-
 /* Without textures or a name. */
 static struct scene_material material_of(const fnl_material_params *p) {
     struct scene_material material = {0};

@@ -2,11 +2,8 @@
 #ifndef FNL_PASSES_POST_SHARED_H
 #define FNL_PASSES_POST_SHARED_H
 
+#include "exposure_shared.h"
 #include "shared.h"
-
-#define METER_BINS 256u /* of log2 luminance, from -20 to +20 */
-#define METER_LOW -20.0
-#define METER_HIGH 20.0
 
 struct gpu_meter_push {
     ADDRESS(uint_array) histogram; /* METER_BINS */

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+#include "ray/integrate.h"
+
+#include "ray/camera.h"
+
+struct context {
+    const struct ray_scene *scene;
+    const fnl_trace_params *params;
+    struct random_state *random;
+    struct ray_walk *walk;
+    dvec3 sky, ground;
+};
+
+static double chance(const struct context *c) { return (double)(random_bits(c->random) >> 11) * 0x1p-53; }
+
+/* ---- direct light ---- */
+
+/* Where a shadow ray goes to: the light, or a random point of its source. */
+static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light, double distance) {
+    const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
+    const double size = parallel ? (double)c->params->sun_angle : (double)c->params->light_radius;
+    dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
+    if (!(size > 0)) return point;
+    double radius = sqrt(chance(c)), angle = 2 * DPI * chance(c);
+    radius *= parallel ? distance * tan(size) : size;
+    if (light->kind == FNL_LIGHT_CAPSULE) point = dvec3_add_scaled(light->position, light->along, (2 * chance(c) - 1) * light->half_length);
+    dvec3_basis(to_light, &side, &up);
+    return dvec3_combine(side, up, point, dvec3_make(radius * cos(angle), radius * sin(angle), 1));
+}
+
+static double light_visibility(const struct context *c, const struct ray_surface *s, const struct ray_light *light, dvec3 to_light,
+                               double distance) {
+    enum { FAR = 1 }; /* metres: directional lights are aimed at over this */
+    const bool infinite = isinf(distance);
+    const double offset = ray_offset(c->scene, s->position);
+    dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
+    if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0)) return 0; /* from behind the triangle, whatever its normals say */
+    dvec3 origin = dvec3_add_scaled(s->position, s->geometric, offset), ray = dvec3_sub(to, origin);
+    double length = dvec3_length(ray), high = infinite ? (double)INFINITY : length - offset;
+    if (!(high > 0)) return 1; /* the light lies on the surface */
+    return ray_visibility(c->scene, origin, dvec3_scale(ray, 1 / length), high, c->walk);
+}
+
+/* What the lights add; where `sum` is given, also what they would add without shadows. */
+static dvec3 direct_light(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
+    uint32_t count;
+    const struct ray_light *lights = ray_scene_lights(c->scene, &count);
+    dvec3 out = {0, 0, 0};
+    for (uint32_t i = 0; i < count; i++) {
+        dvec3 to_light;
+        double distance, strength = ray_light_strength(&lights[i], s->position, &to_light, &distance);
+        if (!(strength > 0)) continue;
+        dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), lights[i].color), strength);
+        if (!(dvec3_max(light) > 0)) continue;
+        double visibility = c->params->shadows ? light_visibility(c, s, &lights[i], to_light, distance) : 1;
+        out = dvec3_add_scaled(out, light, visibility);
+        if (!sum) continue;
+        sum->unshadowed += dvec3_luminance(light);
+        sum->direct += dvec3_luminance(light) * visibility;
+    }
+    return out;
+}
+
+/* ---- paths ---- */
+
+static dvec3 indirect_light(const struct context *c, const struct ray_surface *from, dvec3 to_view) {
+    struct ray_surface s = *from;
+    dvec3 out = {0, 0, 0}, carried = {1, 1, 1};
+    for (uint32_t bounce = 0;; bounce++) {
+        const double random[3] = {chance(c), chance(c), chance(c)};
+        dvec3 direction;
+        carried = dvec3_mul(carried, ray_brdf_sample(&s, to_view, random, &direction));
+        if (!(dvec3_max(carried) > 0) || !(dvec3_dot(s.geometric, direction) > 0)) return out;
+        if (c->params->russian_roulette && bounce > 1) {
+            double stays = fmin(dvec3_max(carried), 0.95);
+            if (chance(c) >= stays) return out;
+            carried = dvec3_scale(carried, 1 / stays);
+        }
+        struct ray_hit hit;
+        dvec3 origin = dvec3_add_scaled(s.position, s.geometric, ray_offset(c->scene, s.position));
+        c->walk->key = random_bits(c->random);
+        if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
+            return dvec3_add(out, dvec3_mul(carried, ray_sky(direction, c->sky, c->ground)));
+        s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
+        to_view = dvec3_scale(direction, -1);
+        out = dvec3_add(out, dvec3_mul(carried, s.emissive));
+        if (bounce == c->params->bounces) return out; /* sources are seen from the last surface too, but not what others reflect */
+        out = dvec3_add(out, dvec3_mul(carried, direct_light(c, &s, to_view, NULL)));
+    }
+}
+
+static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
+    dvec3 out = dvec3_add(s->emissive, direct_light(c, s, to_view, sum));
+    return dvec3_add(out, c->params->bounces ? indirect_light(c, s, to_view) : ray_ambient(s, to_view, c->sky, c->ground));
+}
+
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, double x, double y, struct random_state *random,
+                   struct ray_walk *walk, struct ray_sum *sum) {
+    const struct ray_camera camera = ray_camera_make(&params->camera, params->width, params->height);
+    struct context c = {.scene = scene, .params = params, .random = random, .walk = walk};
+    dvec3 origin, direction, background, radiance = {0, 0, 0};
+    double low, high, unused, rest = 1;
+    struct ray_neighbours neighbours;
+    struct ray_hit hit;
+    ray_scene_surroundings(scene, &c.sky, &c.ground, &background);
+    ray_camera_ray(&camera, x, y, &origin, &direction, &low, &high);
+    ray_camera_ray(&camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
+    ray_camera_ray(&camera, x, y + 1, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
+    const bool found = ray_find(scene, RAY_CAMERA, origin, direction, low, high, &neighbours, walk, &hit);
+    const dvec3 to_view = dvec3_scale(direction, -1);
+    const uint32_t layer_count = walk->layers.count; /* the rays that follow do not touch them: they belong to paths */
+    for (uint32_t i = 0; i < layer_count; i++) {
+        struct ray_surface s = ray_surface_at(scene, &walk->layers.data[i], origin, direction, &neighbours);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, i == 0 ? sum : NULL), rest * s.alpha);
+        rest *= 1 - s.alpha;
+    }
+    if (found) {
+        struct ray_surface s = ray_surface_at(scene, &hit, origin, direction, &neighbours);
+        radiance = dvec3_add_scaled(radiance, outgoing(&c, &s, to_view, layer_count ? NULL : sum), rest);
+    } else {
+        radiance = dvec3_add_scaled(radiance, background, rest);
+    }
+    sum->radiance = dvec3_add(sum->radiance, radiance);
+}

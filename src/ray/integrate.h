@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/** Light along a camera's ray. */
+#ifndef FNL_RAY_INTEGRATE_H
+#define FNL_RAY_INTEGRATE_H
+
+#include "fanal/trace.h"
+#include "ray/ray_scene.h"
+
+struct ray_sum {
+    dvec3 radiance;
+    double direct, unshadowed; /* luminance of the lights' direct light at the nearest surface */
+};
+
+/** Adds a sample of a pixel, through a point in pixels. */
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, double x, double y, struct random_state *random,
+                   struct ray_walk *walk, struct ray_sum *sum);
+
+#endif

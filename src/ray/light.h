@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/** What a light gives to a point, in double precision: fanal/light.h says what the parameters mean, the falloff is that of KHR_lights_punctual. */
+#ifndef FNL_RAY_LIGHT_H
+#define FNL_RAY_LIGHT_H
+
+#include "fanal/light.h"
+#include "ray/dvec.h"
+
+struct light_hull;
+
+struct ray_light {
+    fnl_light_kind kind;
+    dvec3 position, color; /* colour: times intensity, cd or lux */
+    dvec3 side, up, along; /* unit; not of points */
+    double range, inner_cosine, outer_cosine, half_length, inner_fraction;
+    double tangents[2];
+    dvec3 half_size;
+    const struct light_hull *hull; /* borrowed; or NULL */
+};
+
+/** `range` in metres is used in place of the parameter. */
+struct ray_light ray_light_make(const fnl_light_params *params, double range, const struct light_hull *hull);
+/**
+ * Illuminance at right angles to the ray that the light gives at colour 1, lux; the unit direction to it; and how far away that is where the light
+ * comes from: INFINITY for directional lights, for boxes the face where the light enters. 0 where its volume does not hold the point.
+ */
+double ray_light_strength(const struct ray_light *light, dvec3 position, dvec3 *to_light, double *distance);
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+/** A scene as rays find it: posed triangles in world space, what they are made of, and which lights shine. It is a snapshot. */
+#ifndef FNL_RAY_SCENE_H
+#define FNL_RAY_SCENE_H
+
+#include "ray/brdf.h"
+#include "ray/light.h"
+#include "ray/texture.h"
+
+struct ray_scene;
+
+/** `scene` must stay as it is until the end. */
+fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ray_scene **out);
+void ray_scene_destroy(struct ray_scene **scene);
+
+const struct ray_light *ray_scene_lights(const struct ray_scene *scene, uint32_t *count);
+const fnl_host *ray_scene_host(const struct ray_scene *scene);
+/** Ambient light from above and below, and what is seen behind everything. */
+void ray_scene_surroundings(const struct ray_scene *scene, dvec3 *sky, dvec3 *ground, dvec3 *background);
+/** Lines, points and decals that rays do not see. */
+uint32_t ray_scene_unseen(const struct ray_scene *scene);
+
+/** A place on a triangle; `uv` are its weights of corners 1 and 2. */
+struct ray_hit {
+    uint32_t instance, part, triangle;
+    double u, v, distance;
+    bool front; /* seen from the side from which its corners run anticlockwise */
+};
+
+/** What a ray sees of a surface: which side of it, and whether coverage is a matter of chance. */
+enum ray_kind {
+    RAY_CAMERA, /* not the backs of single-sided materials; blended surfaces on the way are listed */
+    RAY_PATH,   /* both sides; a blended surface stops it by the chance of its coverage */
+};
+
+/** Working memory of one thread. */
+struct ray_walk {
+    ARRAY(struct ray_hit) layers; /* blended surfaces in front of the hit, the nearest first */
+    uint64_t ray_count;
+    bool failed;  /* memory ran out */
+    uint64_t key; /* RAY_PATH: of the chances */
+};
+
+/** Neighbours of a camera's ray, one pixel to the right and one down, which textures are filtered by. */
+struct ray_neighbours {
+    dvec3 origin[2], direction[2];
+};
+
+/** The nearest surface at low < distance < high that is not blended; `direction` is unit. `neighbours` NULL: textures of
+    cutouts are sampled without a footprint. */
+bool ray_find(const struct ray_scene *scene, enum ray_kind kind, dvec3 origin, dvec3 direction, double low, double high,
+              const struct ray_neighbours *neighbours, struct ray_walk *walk, struct ray_hit *hit);
+/** The part of light that gets from the origin along a unit direction to `distance`: cutouts let through what is cut, blended surfaces what they do
+    not cover. Every surface has two sides. */
+double ray_visibility(const struct ray_scene *scene, dvec3 origin, dvec3 direction, double distance, struct ray_walk *walk);
+
+/** The surface at a hit. `neighbours` as in ray_find. */
+struct ray_surface ray_surface_at(const struct ray_scene *scene, const struct ray_hit *hit, dvec3 origin, dvec3 direction,
+                                  const struct ray_neighbours *neighbours);
+/** How far off a surface rays have to start so that rounding does not make it hit itself, metres. */
+double ray_offset(const struct ray_scene *scene, dvec3 position);
+
+#endif
