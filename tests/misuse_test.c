@@ -83,6 +83,13 @@ static void null_was_silent(void) {
 
 static fnl_host host;
 static fnl_image picture, other, difference_image;
+static fnl_trace_params trace_params;
+static fnl_trace traced;
+#ifdef FANAL_RAY
+#define TRACES_BY_DEFAULT SILENT(fnl_scene_trace(w.scene, NULL, &traced)); fnl_trace_free(NULL, &traced)
+#else
+#define TRACES_BY_DEFAULT w.tried++
+#endif
 static fnl_image_difference difference;
 static fnl_exr_channel channel;
 static fnl_device_info device_info;
@@ -273,6 +280,8 @@ static fnl_loaded loaded;
     X(fnl_scene_set_light_hull, NULLED("scene", fnl_scene_set_light_hull(NULL, w.light, NULL, 0));                          \
       SILENT(fnl_scene_set_light_hull(w.scene, w.light, NULL, 0)))                                                          \
     X(fnl_scene_set_time, NULLED("scene", fnl_scene_set_time(NULL, 0, 0)))                                                  \
+    X(fnl_scene_trace, NULLED("scene", fnl_scene_trace(NULL, &trace_params, &traced));                                      \
+      NULLED("out", fnl_scene_trace(w.scene, &trace_params, NULL)); TRACES_BY_DEFAULT)                                      \
     X(fnl_vulkan_requirements_init, DOES("requirements", fnl_vulkan_requirements_init(NULL)))
 
 #define ROW(name, ...)                                                                                                      \
@@ -294,7 +303,7 @@ static char headers[256 << 10];
 static void read_headers(void) {
     static const char *const names[] = {"base",   "camera", "decal",   "device",   "frame", "image",     "instance",
                                         "light",  "lights", "mesh",    "options",  "renderer", "scene",  "scene_ids",
-                                        "scene_query", "shading", "stats", "values", "vulkan"};
+                                        "scene_query", "shading", "stats", "trace", "values", "vulkan"};
     size_t length = 0;
     for (uint32_t i = 0; i < COUNT_OF(names); i++) {
         char path[64];
@@ -613,6 +622,28 @@ static void test_fields_of_frames(void **state) {
          fnl_renderer_read(w.renderer, (fnl_output)3, &difference_image));
 }
 
+#ifdef FANAL_RAY
+static void test_fields_of_traces(void **state) {
+    UNUSED(state);
+#define TRACE(field, value, words)                                                                                          \
+    do {                                                                                                                    \
+        fnl_trace_params p = fnl_trace_params_default();                                                                    \
+        p.field = value;                                                                                                    \
+        SAYS("fnl_scene_trace", words, fnl_scene_trace(w.scene, &p, &traced));                                              \
+    } while (0)
+    TRACE(width, 0, "width is 0, must be 1 .. 16384");
+    TRACE(height, 16385, "height is 16385, must be 1 .. 16384");
+    TRACE(camera.vertical_fov, 4, "camera.vertical_fov is 4, must be above 0 and below pi radians");
+    TRACE(samples, 0, "samples is 0, must be 1 .. 1048576");
+    TRACE(bounces, 1025, "bounces is 1025, must be 0 .. 1024");
+    TRACE(light_radius, NAN, "light_radius is NaN, must be at least 0 metres and finite");
+    TRACE(sun_angle, 2, "sun_angle is 2, must be 0 .. 1 radians");
+    TRACE(tonemap, (fnl_tonemap)9, "tonemap is 9, must be a value of fnl_tonemap, 0 .. 3");
+    TRACE(exposure, (fnl_exposure)3, "exposure is 3, must be a value of fnl_exposure, 0 .. 2");
+    TRACE(ev, 65, "ev is 65, must be -64 .. 64 EV100");
+}
+#endif
+
 /* What is valid by itself, but not together or not on this device, is told of in the same way. */
 static void test_unsupported_frames(void **state) {
     UNUSED(state);
@@ -676,6 +707,9 @@ int main(void) {
         cmocka_unit_test(test_fields_of_lights),   cmocka_unit_test(test_fields_of_materials),
         cmocka_unit_test(test_fields_of_decals),   cmocka_unit_test(test_other_arguments),
         cmocka_unit_test(test_fields_of_frames),   cmocka_unit_test(test_unsupported_frames),
+#ifdef FANAL_RAY
+        cmocka_unit_test(test_fields_of_traces),
+#endif
         cmocka_unit_test(test_null_is_named_by_every_export),
     };
     return cmocka_run_group_tests_name("misuse", tests, set_up, tear_down);

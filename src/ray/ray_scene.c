@@ -141,19 +141,29 @@ static double chance_of(uint64_t key, uint32_t instance, uint32_t part, uint32_t
     return (double)random_float(&random);
 }
 
+static struct ray_hit hit_of(const struct part *part, const struct RTCRay *ray, const struct RTCHit *hit) {
+    return (struct ray_hit){.instance = hit->instID[0],
+                            .part = part->index,
+                            .triangle = hit->primID,
+                            .u = (double)hit->u,
+                            .v = (double)hit->v,
+                            .distance = (double)ray->tfar,
+                            .front = ray->dir_x * hit->Ng_x + ray->dir_y * hit->Ng_y + ray->dir_z * hit->Ng_z < 0};
+}
+
+static bool is_on_edge(const struct ray_hit *hit) { return fmin(fmin(hit->u, hit->v), 1 - hit->u - hit->v) < 1e-5; }
+
+/* A ray through the edge that two triangles share meets both, and no crack: for what is passed they count as one. */
+static bool is_same_crossing(const struct ray_hit *a, const struct ray_hit *b) {
+    return a->part == b->part && a->instance == b->instance && fabs(a->distance - b->distance) <= 1e-5 * a->distance && is_on_edge(a) &&
+           is_on_edge(b);
+}
+
 static void filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
     const struct part *part = arguments->geometryUserPtr;
     const struct query *query = (const struct query *)(const void *)arguments->context;
     const struct scene_material *m = part->material;
-    const struct RTCRay *ray = filter_ray(arguments); /* in the space of the instance, as the normal is */
-    const struct RTCHit *found = filter_hit(arguments);
-    const struct ray_hit hit = {.instance = found->instID[0],
-                                .part = part->index,
-                                .triangle = found->primID,
-                                .u = (double)found->u,
-                                .v = (double)found->v,
-                                .distance = (double)ray->tfar,
-                                .front = ray->dir_x * found->Ng_x + ray->dir_y * found->Ng_y + ray->dir_z * found->Ng_z < 0};
+    const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments)); /* in the space of the instance */
     if (query->kind == RAY_CAMERA && !hit.front && !m->double_sided) {
         arguments->valid[0] = 0;
         return;
@@ -172,10 +182,15 @@ static void filter_nearest(const struct RTCFilterFunctionNArguments *arguments) 
 static void filter_shadow(const struct RTCFilterFunctionNArguments *arguments) {
     const struct part *part = arguments->geometryUserPtr;
     struct query *query = (struct query *)(void *)arguments->context;
-    const struct RTCHit *hit = filter_hit(arguments);
-    double cover = coverage(part, hit->primID, (double)hit->u, (double)hit->v, NULL, NULL);
+    const struct ray_hit hit = hit_of(part, filter_ray(arguments), filter_hit(arguments));
+    struct ray_walk *walk = query->walk;
+    double cover = coverage(part, hit.triangle, hit.u, hit.v, NULL, NULL);
+    for (uint32_t i = 0; i < walk->crossed.count && cover < 1; i++)
+        if (is_same_crossing(&hit, &walk->crossed.data[i])) cover = 0;
     query->visibility *= 1 - cover;
-    if (query->visibility > 0) arguments->valid[0] = 0;
+    if (query->visibility == 0) return;
+    arguments->valid[0] = 0;
+    if (cover > 0 && is_on_edge(&hit) && !array_push(&part->scene->scene->host, &walk->crossed, hit)) walk->failed = true;
 }
 
 /* ---- building ---- */
@@ -495,6 +510,10 @@ bool ray_find(const struct ray_scene *s, enum ray_kind kind, dvec3 origin, dvec3
     }
     if (kind != RAY_CAMERA) return found;
     if (walk->layers.count > 1) qsort(walk->layers.data, walk->layers.count, sizeof *walk->layers.data, compare_layers);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < walk->layers.count; i++)
+        if (kept == 0 || !is_same_crossing(&walk->layers.data[kept - 1], &walk->layers.data[i])) walk->layers.data[kept++] = walk->layers.data[i];
+    walk->layers.count = kept;
     while (found && walk->layers.count && walk->layers.data[walk->layers.count - 1].distance >= hit->distance) walk->layers.count--;
     return found;
 }
@@ -503,6 +522,7 @@ double ray_visibility(const struct ray_scene *s, dvec3 origin, dvec3 direction, 
     struct query query = {.visibility = 1, .walk = walk};
     struct RTCRay ray = embree_ray(origin, direction, 0, distance);
     embree_query_init(&query.embree);
+    walk->crossed.count = 0;
     walk->ray_count++;
     embree_occluded(s->handle, &query.embree, &ray);
     return ray.tfar < 0 ? 0 : query.visibility;

@@ -35,7 +35,8 @@ enum ray_kind {
 
 /** Working memory of one thread. */
 struct ray_walk {
-    ARRAY(struct ray_hit) layers; /* blended surfaces in front of the hit, the nearest first */
+    ARRAY(struct ray_hit) layers;  /* blended surfaces in front of the hit, the nearest first */
+    ARRAY(struct ray_hit) crossed; /* by the last shadow ray */
     uint64_t ray_count;
     bool failed;  /* memory ran out */
     uint64_t key; /* RAY_PATH: of the chances */

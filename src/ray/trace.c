@@ -33,7 +33,7 @@ static fnl_result check(const struct call *call, const fnl_trace_params *p) {
     TRY(check_range(call, "sun_angle", (double)p->sun_angle, 0, 1, " radians"));
     TRY(check_enum(call, "tonemap", (int)p->tonemap, FNL_TONEMAP_COUNT, "fnl_tonemap"));
     TRY(check_enum(call, "exposure", (int)p->exposure, FNL_EXPOSURE_NONE + 1, "fnl_exposure"));
-    return check_range(call, "ev", (double)p->ev, -64, 64, "");
+    return check_range(call, "ev", (double)p->ev, -64, 64, " EV100");
 }
 
 /* Every sample of every pixel has numbers of its own, whoever traces it. */
@@ -53,7 +53,7 @@ static void trace_tile(void *context, uint32_t index) {
     const vec2 jitter = pixel_jitter(sample);
     struct ray_walk walk = {0};
     for (uint32_t y = top; y < MIN(top + TILE, p->height); y++)
-        for (uint32_t x = left; x < MIN(left + TILE, p->width); x++) {
+        for (uint32_t x = left; x < MIN(left + TILE, p->width) && !walk.failed; x++) {
             struct random_state random = random_of(p, x, y, sample);
             ray_integrate(t->scene, p, x + 0.5 + (double)jitter.x, y + 0.5 + (double)jitter.y, &random, &walk,
                           &t->sums[(size_t)y * p->width + x]);
@@ -61,6 +61,7 @@ static void trace_tile(void *context, uint32_t index) {
     atomic_fetch_add(&t->ray_count, walk.ray_count);
     if (walk.failed) atomic_store(&t->failed, true);
     array_free(ray_scene_host(t->scene), &walk.layers);
+    array_free(ray_scene_host(t->scene), &walk.crossed);
 }
 
 /* True: all samples of all tiles. */

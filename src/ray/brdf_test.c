@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "ray/brdf.h"
+
+#include "base/base.h"
+#include "ray/tone.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+static struct ray_surface surface_of(double metallic, double roughness, double base) {
+    double f0 = ray_ior_reflectance(1.5);
+    return (struct ray_surface){.normal = {0, 0, 1},
+                                .geometric = {0, 0, 1},
+                                .base_color = {base, base * 0.5, base * 0.25},
+                                .metallic = metallic,
+                                .roughness = roughness,
+                                .occlusion = 1,
+                                .f0 = {f0, f0, f0},
+                                .f90 = 1};
+}
+
+/* What of light from all around goes to the viewer, by a grid over the hemisphere that is finer towards the mirror direction. */
+static dvec3 albedo_by_grid(const struct ray_surface *s, dvec3 v) {
+    enum { STEPS = 700 };
+    dvec3 sum = {0, 0, 0};
+    for (int i = 0; i < STEPS; i++)
+        for (int k = 0; k < STEPS; k++) { /* equal areas of the disk below the hemisphere: the cosine is in the area */
+            double r2 = (i + 0.5) / STEPS, angle = 2 * DPI * (k + 0.5) / STEPS, z = sqrt(1 - r2);
+            dvec3 l = {sqrt(r2) * cos(angle), sqrt(r2) * sin(angle), z};
+            sum = dvec3_add_scaled(sum, ray_brdf_cos(s, v, l), 1 / z);
+        }
+    return dvec3_scale(sum, DPI / ((double)STEPS * STEPS));
+}
+
+/* Means of sampled directions are the integral, whatever the lobe; and no metal sends more than it gets. */
+static void test_samples_integrate_the_brdf(void **state) {
+    UNUSED(state);
+    static const struct {
+        double metallic, roughness, cosine;
+    } cases[] = {{0, 1, 1}, {0, 0.5, 0.7}, {0, 0.3, 0.2}, {1, 1, 0.6}, {1, 0.5, 0.9}, {1, 0.4, 0.1}, {0.5, 0.6, 0.5}};
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        enum { SIDE = 256 };
+        struct ray_surface s = surface_of(cases[i].metallic, cases[i].roughness, 0.9);
+        double z = cases[i].cosine;
+        dvec3 v = {sqrt(1 - z * z) * 0.6, sqrt(1 - z * z) * 0.8, z}, wanted = albedo_by_grid(&s, v), sum = {0, 0, 0};
+        struct random_state random = {i + 1};
+        for (int a = 0; a < SIDE; a++)
+            for (int b = 0; b < SIDE; b++) {
+                double u[3] = {(double)random_float(&random), (a + (double)random_float(&random)) / SIDE, (b + (double)random_float(&random)) / SIDE};
+                dvec3 l, weight = ray_brdf_sample(&s, v, u, &l);
+                assert_true(fabs(dvec3_length(l) - 1) < 1e-9);
+                sum = dvec3_add_scaled(sum, weight, 1.0 / (SIDE * SIDE));
+            }
+        /* glTF's dielectrics take the diffuse part by another Fresnel term than they reflect: seen from the side they may send more than they get. */
+        if (!(wanted.x <= (s.metallic == 1 ? 1 : 1.2) && wanted.x > 0.1)) fail_msg("case %u: of all light %g is reflected", i, wanted.x);
+        if (fabs(sum.x / wanted.x - 1) > 0.01 || fabs(sum.z / wanted.z - 1) > 0.015)
+            fail_msg("case %u: the samples' mean is %g, %g, the integral %g, %g", i, sum.x, sum.z, wanted.x, wanted.z);
+    }
+}
+
+/* White matt: every sample carries all light. */
+static void test_matt_samples_are_exact(void **state) {
+    UNUSED(state);
+    struct ray_surface s = surface_of(0, 1, 1);
+    s.f0 = (dvec3){0, 0, 0};
+    s.f90 = 0;
+    s.base_color = (dvec3){1, 1, 1};
+    struct random_state random = {7};
+    for (int i = 0; i < 1000; i++) {
+        const double u[3] = {(double)random_float(&random), (double)random_float(&random), (double)random_float(&random)};
+        dvec3 l, weight = ray_brdf_sample(&s, dvec3_normalize(dvec3_make(0.3, -0.5, 0.4)), u, &l);
+        assert_true(fabs(weight.x - 1) < 1e-12 && l.z > 0);
+    }
+}
+
+/* Light and viewer may change places (Helmholtz). */
+static void test_brdf_is_reciprocal(void **state) {
+    UNUSED(state);
+    struct random_state random = {3};
+    for (int i = 0; i < 200; i++) {
+        struct ray_surface s = surface_of((double)random_float(&random), (double)random_float(&random), 0.8);
+        dvec3 a = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1), (double)random_range(&random, 0.1f, 1)));
+        dvec3 b = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1), (double)random_range(&random, 0.1f, 1)));
+        dvec3 there = dvec3_scale(ray_brdf_cos(&s, a, b), 1 / b.z), back = dvec3_scale(ray_brdf_cos(&s, b, a), 1 / a.z);
+        assert_true(fabs(there.x - back.x) <= 1e-9 * fabs(there.x) && fabs(there.z - back.z) <= 1e-9 * fabs(there.z));
+        b.z = -b.z;
+        assert_true(dvec3_max(ray_brdf_cos(&s, a, b)) == 0);
+    }
+}
+
+static void test_meter_reads_grey(void **state) {
+    UNUSED(state);
+    enum { COUNT = 1000 };
+    static float pixels[COUNT * 4];
+    for (int i = 0; i < COUNT * 4; i++) pixels[i] = 0.125f * 64; /* EV100 of L is log2(8 L) */
+    assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
+    for (int i = 0; i < COUNT * 2; i++) pixels[i] = 0; /* black says nothing about brightness */
+    assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
+    for (int i = 0; i < COUNT * 4; i++) pixels[i] = 0;
+    assert_true(ray_meter(pixels, COUNT) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_samples_integrate_the_brdf),
+        cmocka_unit_test(test_matt_samples_are_exact),
+        cmocka_unit_test(test_brdf_is_reciprocal),
+        cmocka_unit_test(test_meter_reads_grey),
+    };
+    return cmocka_run_group_tests_name("brdf", tests, NULL, NULL);
+}

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/* Light that is reflected, against what can be computed by hand; and that pictures repeat. */
+#include "tests/trace_world.h"
+
+#include "ray/dvec.h"
+#include "tests/test_memory.h"
+
+/* ---- furnaces: what is seen does not depend on chance ---- */
+
+/* Six walls of a box of 2 m around the origin, seen from inside or from outside. */
+static void add_box(fnl_scene *scene, const fnl_material_params *material, bool inside) {
+    fnl_mesh_id square = add_square_mesh(scene, add_material(scene, material));
+    for (int axis = 0; axis < 3; axis++)
+        for (int side = -1; side <= 1; side += 2) {
+            quat turn = axis == 1 ? quat_identity() : quat_axis_angle(axis == 0 ? vec3_make(0, 0, 1) : vec3_make(1, 0, 0), PI / 2);
+            mat4 m = mat4_from_trs(vec3_make(0, 0, 0), turn, vec3_make(1, 1, 1));
+            vec3 up = mat4_direction(&m, vec3_make(0, 1, 0));
+            float at = (float)side * (axis == 0 ? up.x : axis == 1 ? up.y : up.z);
+            vec3 place = {axis == 0 ? (float)side : 0, axis == 1 ? (float)side : 0, axis == 2 ? (float)side : 0};
+            if ((at < 0) != inside) m = mat4_mul(m, mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), PI), vec3_make(1, 1, 1)));
+            add_instance(scene, square, mat4_mul(mat4_translation(place), m));
+        }
+}
+
+/* A white surface in a white sky cannot be seen, whatever its shape. */
+static void test_white_furnace(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1);
+    add_box(scene, &white, false);
+    add_square(scene, &white, vec3_make(2, 1, 2), vec3_make(0, -1, 0)); /* the box stands on it: corners that reflect one another */
+    assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){3, 3, 3}, (fnl_vec3){3, 3, 3}), FNL_OK);
+    assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){3, 3, 3}), FNL_OK);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = 32, p.height = 24, p.bounces = 60;
+    p.camera.position = (vec3){2, 2.2f, 2.6f};
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t y = 0; y < p.height; y++)
+        for (uint32_t x = 0; x < p.width; x++)
+            for (int c = 0; c < 3; c++) assert_float_equal(pixel_at(&trace.radiance, x, y)[c], 3, 1e-5);
+    assert_true(trace.ray_count > 32 * 24 + 200);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+/* In a closed box whose walls glow and reflect a part r, N bounces give e (1 + r + … + r^(N + 1)). */
+static void test_energy_in_a_closed_box(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params wall = matt(0.5f);
+    for (int i = 0; i < 3; i++) wall.emissive[i] = 2;
+    add_box(scene, &wall, true);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = p.height = 16;
+    p.camera.position = (vec3){0.3f, 0.2f, 0.9f};
+    for (p.bounces = 1; p.bounces < 6; p.bounces++) {
+        double wanted = 2 * (1 - pow(0.5, p.bounces + 2)) / 0.5;
+        fnl_trace trace = trace_scene(scene, &p);
+        for (uint32_t y = 0; y < p.height; y++)
+            for (uint32_t x = 0; x < p.width; x++)
+                if (fabs((double)pixel_at(&trace.radiance, x, y)[1] - wanted) > 1e-5)
+                    fail_msg("%u bounces: %g at %u, %u, must be %g", p.bounces, (double)pixel_at(&trace.radiance, x, y)[1], x, y, wanted);
+        fnl_trace_free(NULL, &trace);
+    }
+    /* Ending paths by chance keeps the mean. */
+    p.bounces = 60, p.samples = 400, p.russian_roulette = true;
+    p.width = p.height = 8;
+    fnl_trace trace = trace_scene(scene, &p);
+    assert_float_equal(mean_of(&trace.radiance, 1), 4, 0.03);
+    uint64_t rays = trace.ray_count;
+    fnl_trace_free(NULL, &trace);
+    assert_true(rays < 8ull * 8 * 400 * 12); /* instead of 62 each */
+    fnl_scene_destroy(&scene);
+}
+
+/* A lamp of 2 x 2 m, 1 m above a matt floor: the form factor of a rectangle over one of its corners is known (four of them here). */
+static double corner_factor(double a, double b) { /* sides over the height */
+    double x = sqrt(1 + a * a), y = sqrt(1 + b * b);
+    return (a / x * atan(b / x) + b / y * atan(a / y)) / (2 * DPI);
+}
+
+static void test_area_light_has_its_form_factor(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(0.6f), lamp = matt(0);
+    for (int i = 0; i < 3; i++) lamp.emissive[i] = 10;
+    lamp.double_sided = true;
+    add_square(scene, &floor, vec3_make(5, 1, 5), vec3_make(0, 0, 0));
+    add_square(scene, &lamp, vec3_make(1, 1, 1), vec3_make(0, 1, 0));
+    static const struct {
+        float x, z;
+        double factor;
+    } places[] = {{0, 0, 0}, {1, 1, 0}, {3, 0, 0}};
+    for (uint32_t i = 0; i < COUNT_OF(places); i++) {
+        double x = (double)places[i].x, z = (double)places[i].z;
+        /* Signed sums of the rectangles that have a corner above the point. */
+        double factor = corner_factor(1 - x, 1 - z) + corner_factor(1 - x, 1 + z) + corner_factor(1 + x, 1 - z) + corner_factor(1 + x, 1 + z);
+        fnl_trace_params p = look_down(vec3_make(places[i].x, 0, places[i].z), 0.01f, 0.5f, 8);
+        p.samples = 1600, p.bounces = 1;
+        fnl_trace trace = trace_scene(scene, &p);
+        double wanted = 0.6 * 10 * factor, got = mean_of(&trace.radiance, 0);
+        if (fabs(got / wanted - 1) > 0.02) fail_msg("at %g, %g: %g, must be %g", x, z, got, wanted);
+        fnl_trace_free(NULL, &trace);
+    }
+    fnl_scene_destroy(&scene);
+}
+
+/* ---- pictures ---- */
+
+static fnl_trace trace_hall(uint32_t threads, uint64_t seed) {
+    fnl_host host = fnl_host_default();
+    host.thread_count = threads;
+    fnl_scene *scene = NULL;
+    assert_int_equal(fnl_scene_load(&host, "builtin:glass?lights=12", NULL, &scene), FNL_OK);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = 67, p.height = 35, p.samples = 2, p.bounces = 2, p.visibility = true, p.light_radius = 0.1f, p.seed = seed;
+    assert_int_equal(fnl_scene_query_framing_camera(scene, 67 / 35.0f, &p.camera), FNL_OK);
+    fnl_trace trace = trace_scene(scene, &p);
+    fnl_scene_destroy(&scene);
+    return trace;
+}
+
+static void test_threads_do_not_change_a_byte(void **state) {
+    UNUSED(state);
+    fnl_trace one = trace_hall(1, 1), four = trace_hall(4, 1), other = trace_hall(4, 2);
+    const size_t count = (size_t)67 * 35;
+    assert_memory_equal(one.radiance.pixels, four.radiance.pixels, count * 16);
+    assert_memory_equal(one.visibility.pixels, four.visibility.pixels, count * 16);
+    assert_memory_equal(one.color.pixels, four.color.pixels, count * 4);
+    assert_true(one.ray_count == four.ray_count && one.ray_count > count * 2);
+    assert_true(memcmp(one.radiance.pixels, other.radiance.pixels, count * 16) != 0);
+    fnl_trace_free(NULL, &one);
+    fnl_trace_free(NULL, &four);
+    fnl_trace_free(NULL, &other);
+}
+
+static bool stop_after(void *user, uint64_t done, uint64_t total) {
+    assert_int_equal(total, 2 * 4 * 3);
+    assert_true(done <= total);
+    return done < *(uint64_t *)user;
+}
+
+/* What was traced is there, the rest is transparent. */
+static void test_ended_early(void **state) {
+    UNUSED(state);
+    fnl_host host = fnl_host_default();
+    host.thread_count = 1;
+    fnl_scene *scene = world_create(&host);
+    assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){5, 6, 7}), FNL_OK);
+    fnl_trace_params p = fnl_trace_params_default();
+    uint64_t limit = 4;
+    p.width = 64, p.height = 48, p.samples = 2, p.progress = stop_after, p.user = &limit;
+    fnl_trace trace = trace_scene(scene, &p);
+    assert_false(trace.complete);
+    for (uint32_t y = 0; y < p.height; y++) {
+        const bool done = y < 16; /* a row of four tiles */
+        assert_float_equal(pixel_at(&trace.radiance, 9, y)[2], done ? 7 : 0, 0);
+        assert_float_equal(pixel_at(&trace.radiance, 9, y)[3], done ? 1 : 0, 0);
+        assert_int_equal(((uint8_t *)trace.color.pixels)[(y * p.width + 9) * 4 + 3], done ? 255 : 0);
+    }
+    fnl_trace_free(&host, &trace);
+    limit = 14; /* in the second sample: the mean is that of those that a pixel has */
+    trace = trace_scene(scene, &p);
+    assert_false(trace.complete);
+    for (uint32_t y = 0; y < p.height; y++) assert_float_equal(pixel_at(&trace.radiance, 9, y)[0], 5, 0);
+    fnl_trace_free(&host, &trace);
+    limit = UINT64_MAX;
+    trace = trace_scene(scene, &p);
+    assert_true(trace.complete);
+    fnl_trace_free(&host, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+/* Whichever allocation fails: an error, nothing is left behind, and sizes are those that were asked for. */
+static void be_silent(void *user, fnl_log_level level, const char *line) {
+    UNUSED(user);
+    UNUSED(level);
+    UNUSED(line);
+}
+
+static void test_memory_that_runs_out(void **state) {
+    UNUSED(state);
+    struct test_memory memory = {0};
+    fnl_host host = fnl_host_default();
+    host.user = &memory;
+    host.reallocate = test_memory_reallocate;
+    host.log = be_silent;
+    host.thread_count = 1;
+    fnl_scene *scene = world_create(&host);
+    fnl_material_params glass = matt(1);
+    glass.alpha_mode = FNL_ALPHA_BLEND;
+    glass.base_color[3] = 0.5f;
+    static uint8_t texels[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 9, 9, 9, 255};
+    fnl_image picture = {2, 2, FNL_PIXEL_FORMAT_RGBA8, texels};
+    assert_int_equal(fnl_scene_add_image(scene, &picture, true, &glass.base_color_image), FNL_OK);
+    add_square(scene, &glass, vec3_make(1, 1, 1), vec3_make(0, 0, 0));
+    add_point_light(scene, vec3_make(0, 1, 0), 1);
+    fnl_trace_params p = look_down(vec3_make(0, 0, 0), 1, 2, 16);
+    p.visibility = true;
+    long long before = atomic_load(&memory.live_bytes), failures = 0;
+    fnl_result result = FNL_ERROR_MEMORY;
+    for (long long n = 1; result == FNL_ERROR_MEMORY; n++) {
+        fnl_trace trace;
+        atomic_store(&memory.allocations, 0);
+        atomic_store(&memory.fail_at, n);
+        result = fnl_scene_trace(scene, &p, &trace);
+        atomic_store(&memory.fail_at, 0);
+        if (result == FNL_OK) fnl_trace_free(&host, &trace);
+        failures += result == FNL_ERROR_MEMORY;
+        assert_true(atomic_load(&memory.live_bytes) == before);
+    }
+    assert_int_equal(result, FNL_OK);
+    assert_true(failures > 10);
+    fnl_scene_destroy(&scene);
+    assert_true(atomic_load(&memory.live_bytes) == 0 && atomic_load(&memory.wrong_sizes) == 0);
+}
+
+static void test_empty_scene_is_background(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){1, 2, 3}), FNL_OK);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = 5, p.height = 3, p.samples = 3, p.visibility = true;
+    fnl_trace trace = trace_scene(scene, &p);
+    assert_float_equal(pixel_at(&trace.radiance, 4, 2)[1], 2, 0);
+    assert_float_equal(pixel_at(&trace.visibility, 4, 2)[0], 1, 0);
+    assert_float_equal(pixel_at(&trace.visibility, 4, 2)[1], 0, 0);
+    assert_true(trace.complete && trace.ray_count == 5 * 3 * 3);
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_white_furnace),         cmocka_unit_test(test_energy_in_a_closed_box),
+        cmocka_unit_test(test_area_light_has_its_form_factor), cmocka_unit_test(test_threads_do_not_change_a_byte),
+        cmocka_unit_test(test_ended_early),           cmocka_unit_test(test_memory_that_runs_out),
+        cmocka_unit_test(test_empty_scene_is_background),
+    };
+    return cmocka_run_group_tests_name("trace", tests, NULL, NULL);
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/* Frames against rays: without shadows both show the same picture. */
+#include "tests/render_harness.h"
+
+#include "fanal/trace.h"
+
+struct view {
+    const char *source;
+    double radiance, color; /* PSNR that is reached, dB; of radiance by its 99th percentile, so that a bright lamp does not set the scale */
+    bool orthographic;
+    double seconds; /* of the animation */
+    uint32_t scattered; /* lights */
+};
+
+static fnl_trace trace_of(const struct stage *s) {
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = s->frame.width, p.height = s->frame.height, p.camera = s->frame.camera;
+    p.shadows = false;
+    p.exposure = s->frame.exposure, p.ev = s->frame.ev, p.tonemap = s->frame.tonemap;
+    fnl_trace trace;
+    assert_int_equal(fnl_scene_trace(s->scene, &p, &trace), FNL_OK);
+    return trace;
+}
+
+static int compare_floats(const void *a, const void *b) {
+    const float *x = a, *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* Of the pixels' green; what is brighter than the 99th percentile is cut off at it. */
+static double psnr_below_highlights(const fnl_image *a, const fnl_image *b) {
+    const size_t count = (size_t)a->width * a->height;
+    const float *x = a->pixels, *y = b->pixels;
+    float *sorted = malloc(count * sizeof *sorted);
+    for (size_t i = 0; i < count; i++) sorted[i] = y[i * 4 + 1];
+    qsort(sorted, count, sizeof *sorted, compare_floats);
+    double peak = fmax((double)sorted[count * 99 / 100], 1e-6), sum = 0;
+    free(sorted);
+    for (size_t i = 0; i < count; i++) {
+        double d = fmin((double)x[i * 4 + 1], peak) - fmin((double)y[i * 4 + 1], peak);
+        sum += d * d;
+    }
+    return 10 * log10(peak * peak * (double)count / fmax(sum, 1e-30));
+}
+
+static void expect_same(const struct view *view) {
+    struct stage s = stage_open(view->source, view->scattered);
+    if (view->seconds > 0) assert_int_equal(fnl_scene_set_time(s.scene, 0, view->seconds), FNL_OK);
+    s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.lists = FNL_LISTS_ALL;
+    s.frame.transparency = FNL_TRANSPARENCY_LINKED;
+    if (view->orthographic) {
+        s.frame.camera.orthographic = true;
+        s.frame.camera.vertical_extent = 6;
+        s.frame.camera.shift = (fnl_vec2){0.2f, -0.1f};
+    }
+    struct shot shot = stage_shoot(&s, &s.frame);
+    fnl_trace trace = trace_of(&s);
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
+    double radiance = psnr_below_highlights(&trace.radiance, &shot.radiance);
+    if (radiance < view->radiance || difference.psnr < view->color)
+        fail_msg("%s: %.1f dB of radiance, %.1f dB of the picture, must be %g and %g", view->source, radiance, difference.psnr, view->radiance, view->color);
+    fnl_trace_free(&s.scene->host, &trace);
+    shot_free(&shot);
+    stage_close(&s);
+}
+
+static void test_frames_without_shadows(void **state) {
+    UNUSED(state);
+    static const struct view views[] = {
+        {"builtin:spheres?lights=40", 40, 49, false, 0, 0},
+        {"builtin:spheres?lights=40", 48, 54, true, 0, 0},
+        {"builtin:interior?lights=40", 38, 40, false, 0, 0}, /* all shapes of lights */
+        {"builtin:glass?lights=40&crossing=1", 42, 51, false, 0, 0},
+        {"builtin:hall?lights=24", 46, 58, false, 0, 0}, /* textures, normal maps, cutouts */
+    };
+    for (uint32_t i = 0; i < COUNT_OF(views); i++) expect_same(&views[i]);
+}
+
+static void test_animated_frames(void **state) {
+    UNUSED(state);
+    expect_same(&(struct view){"Fox.glb", 48, 50, false, 0.4, 60});
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_frames_without_shadows, harness_check),
+        cmocka_unit_test_teardown(test_animated_frames, harness_check),
+    };
+    return cmocka_run_group_tests_name("trace_frames", tests, harness_begin, harness_end);
+}
