@@ -25,7 +25,7 @@ small="--size 64x36"
 expect 0 'fanal COMMAND' --help
 expect 2 'no command .foo.' foo
 expect 0 '^fanal [0-9]+\.[0-9]+\.[0-9]+$' --version
-for command in render info devices compare; do expect 0 'Examples?:' $command --help; done
+for command in render trace info devices compare; do expect 0 'Examples?:' $command --help; done
 
 # Bad options name themselves; nothing is written.
 expect 2 'one scene is needed' render -o "$work/a.png"
@@ -57,6 +57,35 @@ expect 2 "set: coarse.tolerance is 2, must be 0 .. 1" render builtin:spheres $sm
 expect 2 'visibility.grid needs 1 sample' render builtin:spheres $small --shading visibility --set visibility.grid=on --msaa 4 -o "$work/a.png"
 expect 2 'gbuffer, normals and chroma are of deferred' render builtin:spheres $small --shading coarse --gbuffer siege -o "$work/a.png"
 absent "$work"/a.*
+expect 2 'one scene is needed' trace -o "$work/a.png"
+expect 2 'no output was asked for' trace builtin:spheres
+expect 2 'ends in .png or .exr' trace builtin:spheres -o "$work/a.jpg"
+expect 2 'aov needs an .exr' trace builtin:spheres --aov visibility -o "$work/a.png"
+expect 2 "aov: 'depth' is not one of visibility" trace builtin:spheres --aov depth -o "$work/a.exr"
+expect 2 "samples: '0' is not a whole number from 1" trace builtin:spheres --samples 0 -o "$work/a.png"
+expect 2 "shadows: 'soft' is not one of off on" trace builtin:spheres --shadows soft -o "$work/a.png"
+expect 2 "light-radius: '-1' is not a length" trace builtin:spheres --light-radius -1 -o "$work/a.png"
+expect 2 "sun-angle: '90' is not an angle" trace builtin:spheres --sun-angle 90 -o "$work/a.png"
+expect 2 'belong together' trace builtin:spheres --eye 1,2,3 -o "$work/a.png"
+expect 2 'would be written twice' trace builtin:spheres -o "$work/a.png" -o "$work/./a.png"
+expect 2 'nowhere' trace builtin:nowhere -o "$work/a.png"
+expect 2 'cannot be written|cannot be opened|No such file' trace builtin:spheres $small -o "$work/a.png" -o "$work/none/b.exr"
+absent "$work"/a.* "$work"/none
+
+# A picture of rays is that of a frame; the same bytes for any number of threads; Ctrl-C leaves what was traced.
+expect 0 '64 x 36, 1 sample, 0 bounces: [0-9]+ rays' trace builtin:spheres $small --shadows off --exposure 5 -o "$work/trace.png" -o "$work/trace.exr" --aov visibility
+expect 0 '' render builtin:spheres $small --exposure 5 --frames 0 -q -o "$work/frame.png"
+expect 0 'psnr' compare "$work/trace.png" "$work/frame.png" --psnr 40
+for threads in 1 3; do expect 0 '' trace builtin:spheres $small --samples 3 --bounces 2 --threads $threads -q -o "$work/threads-$threads.exr"; done
+cmp -s "$work/threads-1.exr" "$work/threads-3.exr" || fail 'three threads trace another picture than one'
+[ ! -s "$work/out" ] || fail 'trace -q prints something'
+"$fanal" trace builtin:spheres $small --samples 1000000 --bounces 4 -o "$work/ended.png" >"$work/out" 2>&1 &
+traced=$!
+sleep 1
+kill -INT $traced
+wait $traced
+[ $? = 130 ] && grep -q 'interrupted' "$work/out" || fail "trace does not end by Ctrl-C: $(head -c 300 "$work/out")"
+expect 0 '' compare "$work/ended.png" "$work/ended.png"
 
 # The cache folder is the user's unless it is not wanted.
 rm -f "$XDG_CACHE_HOME"/fanal/pipelines-* # of the commands above, which failed after they had made a device

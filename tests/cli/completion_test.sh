@@ -34,6 +34,9 @@ completes 'render --set coarse.split=a' albedo !
 completes 'bench --vary dais.mode=' target list all !
 completes 'render --set visibility.grid=o' on off !
 completes 'render builtin:gl' glass !
+completes 'tr' trace !
+completes 'trace builtin:hall --bou' --bounces !
+completes 'trace builtin:ci' city !
 completes 'info READ' README.md !
 [ $failures = 0 ] && echo 'all completions are right'
 exit $((failures > 0))
