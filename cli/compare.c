@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fanal compare: how far two pictures are apart. */
 #include "commands.h"
+#include "flip.h"
 
 #include "fanal/image.h"
 
@@ -14,7 +15,7 @@
 
 enum { EXIT_WITHIN = 0, EXIT_OVER = 1, EXIT_ERROR = 2 };
 
-enum metric { METRIC_MAX, METRIC_MEAN, METRIC_PSNR, METRIC_SSIM, METRIC_COUNT };
+enum metric { METRIC_MAX, METRIC_MEAN, METRIC_PSNR, METRIC_SSIM, METRIC_FLIP, METRIC_LEAK, METRIC_COUNT };
 
 static const struct {
     const char *option, *name;
@@ -24,12 +25,15 @@ static const struct {
     [METRIC_MEAN] = {"mean-diff", "mean", false},
     [METRIC_PSNR] = {"psnr", "psnr", true},
     [METRIC_SSIM] = {"ssim", "ssim", true},
+    [METRIC_FLIP] = {"flip", "flip", false},
+    [METRIC_LEAK] = {"leak", "leak", false},
 };
 
 struct comparison {
-    const char *path[2], *output;
-    fnl_image image[2];
+    const char *path[3], *output; /* the third: that of --lit, or NULL */
+    fnl_image image[3];
     fnl_image_difference difference;
+    double flip, leak; /* NAN: not known */
     bool json, limited[METRIC_COUNT];
     double limit[METRIC_COUNT];
 };
@@ -39,12 +43,18 @@ static void print_help(void) {
          "\n"
          "Prints how far two pictures of one size are apart: the greatest difference of a channel and where it is, the\n"
          "mean, the root of the mean square (RMSE), PSNR in dB, and the structural similarity (SSIM, 1 is equal). The\n"
-         "pictures are PNG, EXR, HDR, JPEG or WebP files; integer pixels are taken from 0 to 1, floats as they are.\n"
+         "pictures are PNG, EXR, HDR, JPEG or WebP files; integer pixels are taken from 0 to 1, floats as they are. For two\n"
+         "pictures with integer pixels also FLIP, which is how different they look to somebody who flips between them\n"
+         "(0 to 1; Andersson et al. 2020).\n"
          "\n"
          "  --max-diff X      the greatest difference may be X at most; X is a number or a fraction such as 2/255\n"
          "  --mean-diff X     the mean difference may be X at most\n"
          "  --psnr X          PSNR must be X dB at least\n"
          "  --ssim X          SSIM must be X at least\n"
+         "  --flip X          FLIP may be X at most\n"
+         "  --lit FILE        the scene without shadows: prints the leak, the sum of the differences of luminance between A and B\n"
+         "                    as a part of the luminance that there would be without shadows. All three are linear (.exr)\n"
+         "  --leak X          the leak may be X at most\n"
          "  -o, --output FILE writes a picture of the differences (.png), the greatest shown white\n"
          "  --json            prints JSON; null stands for infinity\n"
          "  -h, --help        prints this text\n"
@@ -78,6 +88,9 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         {"mean-diff", required_argument, NULL, 256 + METRIC_MEAN},
         {"psnr", required_argument, NULL, 256 + METRIC_PSNR},
         {"ssim", required_argument, NULL, 256 + METRIC_SSIM},
+        {"flip", required_argument, NULL, 256 + METRIC_FLIP},
+        {"leak", required_argument, NULL, 256 + METRIC_LEAK},
+        {"lit", required_argument, NULL, 'l'},
         {"output", required_argument, NULL, 'o'},
         {"json", no_argument, NULL, 'j'},
         {"help", no_argument, NULL, 'h'},
@@ -88,6 +101,9 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         switch (key) {
         case 'o':
             out->output = optarg;
+            break;
+        case 'l':
+            out->path[2] = optarg;
             break;
         case 'j':
             out->json = true;
@@ -109,6 +125,10 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
         fprintf(stderr, "fanal compare: two pictures are needed, %d given (see fanal compare --help)\n", argc - optind);
         return EXIT_ERROR;
     }
+    if (out->limited[METRIC_LEAK] && !out->path[2]) {
+        fputs("fanal compare: --leak needs --lit FILE, the scene without shadows\n", stderr);
+        return EXIT_ERROR;
+    }
     const char *dot = out->output ? strrchr(out->output, '.') : NULL;
     if (out->output && (!dot || strcasecmp(dot, ".png") != 0)) {
         fprintf(stderr, "fanal compare: %s: the picture of the differences is a .png file\n", out->output);
@@ -119,8 +139,13 @@ static int parse_options(int argc, char **argv, struct comparison *out, bool *he
     return EXIT_WITHIN;
 }
 
-static double value_of(const fnl_image_difference *difference, enum metric metric) {
+static double value_of(const struct comparison *comparison, enum metric metric) {
+    const fnl_image_difference *difference = &comparison->difference;
     switch (metric) {
+    case METRIC_FLIP:
+        return comparison->flip;
+    case METRIC_LEAK:
+        return comparison->leak;
     case METRIC_MAX:
         return difference->max;
     case METRIC_MEAN:
@@ -133,7 +158,7 @@ static double value_of(const fnl_image_difference *difference, enum metric metri
 }
 
 static bool is_broken(const struct comparison *comparison, enum metric metric) {
-    double value = value_of(&comparison->difference, metric), limit = comparison->limit[metric];
+    double value = value_of(comparison, metric), limit = comparison->limit[metric];
     return comparison->limited[metric] && (metrics[metric].least ? value < limit : value > limit);
 }
 
@@ -147,10 +172,12 @@ static void print_text(const struct comparison *comparison) {
     printf("rmse   %.9g\n", d->rmse);
     printf("psnr   %.4f dB\n", d->psnr);
     printf("ssim   %.9f\n", d->ssim);
+    if (!isnan(comparison->flip)) printf("flip   %.9f\n", comparison->flip);
+    if (!isnan(comparison->leak)) printf("leak   %.9g\n", comparison->leak);
     printf("pixels %llu of %llu differ\n", (unsigned long long)d->differing_pixels, (unsigned long long)pixels);
     for (enum metric m = METRIC_MAX; m < METRIC_COUNT; m++)
         if (is_broken(comparison, m))
-            printf("over   %s is %.9g, the limit --%s is %.9g\n", metrics[m].name, value_of(d, m), metrics[m].option,
+            printf("over   %s is %.9g, the limit --%s is %.9g\n", metrics[m].name, value_of(comparison, m), metrics[m].option,
                    comparison->limit[m]);
 }
 
@@ -167,6 +194,8 @@ static bool print_json(const struct comparison *comparison) {
                   "max", json_number(d->max), "max_at", (int)d->max_x, (int)d->max_y, "mean", json_number(d->mean), "rmse",
                   json_number(d->rmse), "psnr", json_number(d->psnr), "ssim", json_number(d->ssim), "differing_pixels",
                   (json_int_t)d->differing_pixels, "over", over);
+    if (root && !isnan(comparison->flip)) json_object_set_new(root, "flip", json_real(comparison->flip));
+    if (root && !isnan(comparison->leak)) json_object_set_new(root, "leak", json_number(comparison->leak));
     bool printed = root && json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) == 0;
     json_decref(root);
     if (printed)
@@ -185,16 +214,62 @@ static bool save_picture(const struct comparison *comparison) {
     return saved;
 }
 
+static bool load(struct comparison *comparison) {
+    const fnl_image *a = &comparison->image[0];
+    for (int i = 0; i < 3; i++) {
+        const fnl_image *image = &comparison->image[i];
+        if (!comparison->path[i]) continue;
+        if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return false;
+        if (a->width == image->width && a->height == image->height) continue;
+        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width, a->height,
+                comparison->path[i], image->width, image->height);
+        return false;
+    }
+    return true;
+}
+
+static bool find_flip(struct comparison *comparison) {
+    const fnl_image *a = &comparison->image[0], *b = &comparison->image[1];
+    const char *floats = a->format == FNL_PIXEL_FORMAT_RGBA32F   ? comparison->path[0]
+                         : b->format == FNL_PIXEL_FORMAT_RGBA32F ? comparison->path[1]
+                                                                 : NULL;
+    comparison->flip = NAN;
+    if (floats && !comparison->limited[METRIC_FLIP]) return true;
+    if (!floats) comparison->flip = flip_compare(a, b, FLIP_PIXELS_PER_DEGREE, NULL);
+    if (floats)
+        fprintf(stderr, "fanal compare: --flip is for pictures as a screen shows them, such as .png: %s holds linear light\n", floats);
+    else if (comparison->flip < 0)
+        fputs("fanal compare: memory ran out\n", stderr);
+    return comparison->flip >= 0;
+}
+
+static double luminance(const float *rgb) { return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; }
+
+/* Where each pixel gets light from one light, this is the sum of L |Va - Vb| over that of L: how much light is on the wrong side of a shadow. */
+static bool find_leak(struct comparison *comparison) {
+    comparison->leak = NAN;
+    if (!comparison->path[2]) return true;
+    for (int i = 0; i < 3; i++)
+        if (comparison->image[i].format != FNL_PIXEL_FORMAT_RGBA32F) {
+            fprintf(stderr, "fanal compare: --lit compares linear light, as in .exr: %s holds none\n", comparison->path[i]);
+            return false;
+        }
+    const float *a = comparison->image[0].pixels, *b = comparison->image[1].pixels, *lit = comparison->image[2].pixels;
+    double wrong = 0, all = 0;
+    for (size_t i = 0; i < (size_t)comparison->image[0].width * comparison->image[0].height; i++) {
+        wrong += fabs(luminance(a + i * 4) - luminance(b + i * 4));
+        all += luminance(lit + i * 4);
+    }
+    comparison->leak = wrong == 0 ? 0 : all > 0 ? wrong / all : (double)INFINITY;
+    if (isnan(wrong) || isnan(all)) comparison->leak = INFINITY;
+    return true;
+}
+
 static int compare(struct comparison *comparison) {
     const fnl_image *a = &comparison->image[0], *b = &comparison->image[1];
-    for (int i = 0; i < 2; i++)
-        if (fnl_image_load(NULL, comparison->path[i], &comparison->image[i]) != FNL_OK) return EXIT_ERROR;
-    if (a->width != b->width || a->height != b->height) {
-        fprintf(stderr, "fanal compare: the sizes differ: %s is %u x %u, %s is %u x %u\n", comparison->path[0], a->width,
-                a->height, comparison->path[1], b->width, b->height);
+    if (!load(comparison)) return EXIT_ERROR;
+    if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK || !find_flip(comparison) || !find_leak(comparison))
         return EXIT_ERROR;
-    }
-    if (fnl_image_compare(NULL, a, b, &comparison->difference) != FNL_OK) return EXIT_ERROR;
     if (comparison->output && !save_picture(comparison)) return EXIT_ERROR;
     if (!comparison->json)
         print_text(comparison);
@@ -210,6 +285,6 @@ int command_compare(int argc, char **argv) {
     bool helped = false;
     int code = parse_options(argc, argv, &comparison, &helped);
     if (code == EXIT_WITHIN && !helped) code = compare(&comparison);
-    for (int i = 0; i < 2; i++) fnl_image_free(NULL, &comparison.image[i]);
+    for (int i = 0; i < 3; i++) fnl_image_free(NULL, &comparison.image[i]);
     return code;
 }

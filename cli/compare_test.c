@@ -99,6 +99,34 @@ static void test_json(void **state) {
     json_decref(root);
 }
 
+static void save_grey(const char *name, float left, float right) {
+    float pixels[8 * 2 * 4];
+    for (uint32_t i = 0; i < COUNT_OF(pixels); i++) pixels[i] = i % 4 == 3 ? 1 : i / 4 % 8 < 4 ? left : right;
+    fnl_image image = {8, 2, FNL_PIXEL_FORMAT_RGBA32F, pixels};
+    assert_int_equal(fnl_image_save(NULL, name, &image), FNL_OK);
+}
+
+static void test_leak_and_flip(void **state) {
+    UNUSED(state);
+    save_grey("lit.exr", 6, 2);
+    save_grey("rays.exr", 6, 0);
+    save_grey("maps.exr", 5.25f, 0.25f);
+    assert_int_equal(run("maps.exr rays.exr --lit lit.exr --leak 0.125"), 0);
+    assert_non_null(strstr(out, "leak   0.125\n")); /* (0.75 + 0.25) / (6 + 2) */
+    assert_null(strstr(out, "flip"));
+    assert_int_equal(run("maps.exr rays.exr --lit lit.exr --leak 0.124"), 1);
+    assert_non_null(strstr(out, "over   leak"));
+    assert_int_equal(run("rays.exr rays.exr --lit lit.exr --leak 0 --json"), 0);
+    assert_non_null(strstr(out, "\"leak\": 0.0"));
+    assert_int_equal(run("a.png b.png --flip 0.1"), 0);
+    assert_non_null(strstr(out, "flip   0.00"));
+    assert_int_equal(run("a.png b.png --flip 0.00001 --json"), 1);
+    assert_non_null(strstr(out, "\"flip\": 0.00"));
+    assert_int_equal(run("a.png a.png --flip 0"), 0);
+    static const char *const names[] = {"lit.exr", "rays.exr", "maps.exr"};
+    for (uint32_t i = 0; i < COUNT_OF(names); i++) unlink(names[i]);
+}
+
 static void test_difference_picture(void **state) {
     UNUSED(state);
     assert_int_equal(run("a.png b.png -o d.png --max-diff 0"), 1); /* written for a failure above all */
@@ -119,6 +147,8 @@ static void test_errors_name_what_is_wrong(void **state) {
         {"a.png a.png a.png", "two pictures"},         {"a.png b.png --max-diff much", "--max-diff: 'much'"},
         {"a.png b.png --max-diff 2/", "'2/'"},         {"a.png b.png --max-diff 2/0", "'2/0'"},
         {"a.png b.png --psnr nan", "'nan'"},           {"a.png b.png --max-diff", "max-diff"},
+        {"a.png a.png --lit narrow.png", "narrow.png is 16 x 16"}, {"a.png b.png --lit a.png", "a.png holds none"},
+        {"a.png b.png --leak 1", "--leak needs --lit"}, {"a.exr a.exr --flip 1", "a.exr holds linear light"},
         {"a.png b.png --frobnicate", "frobnicate"},    {"a.png b.png -o d.jpg", "d.jpg"},
     };
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
@@ -135,6 +165,7 @@ int main(void) {
         cmocka_unit_test(test_equal_and_different),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_json),
+        cmocka_unit_test(test_leak_and_flip),
         cmocka_unit_test(test_difference_picture),
         cmocka_unit_test(test_errors_name_what_is_wrong),
     };
