@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "ray/integrate.h"
 
-#include "ray/camera.h"
-
 struct context {
     const struct ray_scene *scene;
     const fnl_trace_params *params;
@@ -43,16 +41,16 @@ static double light_visibility(const struct context *c, const struct ray_surface
 
 /* What the lights add; where `sum` is given, also what they would add without shadows. */
 static dvec3 direct_light(const struct context *c, const struct ray_surface *s, dvec3 to_view, struct ray_sum *sum) {
-    uint32_t count;
-    const struct ray_light *lights = ray_scene_lights(c->scene, &count);
     dvec3 out = {0, 0, 0};
-    for (uint32_t i = 0; i < count; i++) {
+    ray_scene_find_lights(c->scene, s->position, c->walk);
+    for (uint32_t i = 0; i < c->walk->lights.count; i++) {
+        const struct ray_light *l = ray_scene_light(c->scene, c->walk->lights.data[i]);
         dvec3 to_light;
-        double distance, strength = ray_light_strength(&lights[i], s->position, &to_light, &distance);
+        double distance, strength = ray_light_strength(l, s->position, &to_light, &distance);
         if (!(strength > 0)) continue;
-        dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), lights[i].color), strength);
+        dvec3 light = dvec3_scale(dvec3_mul(ray_brdf_cos(s, to_view, to_light), l->color), strength);
         if (!(dvec3_max(light) > 0)) continue;
-        double visibility = c->params->shadows ? light_visibility(c, s, &lights[i], to_light, distance) : 1;
+        double visibility = c->params->shadows ? light_visibility(c, s, l, to_light, distance) : 1;
         out = dvec3_add_scaled(out, light, visibility);
         if (!sum) continue;
         sum->unshadowed += dvec3_luminance(light);
@@ -94,18 +92,17 @@ static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec
     return dvec3_add(out, c->params->bounces ? indirect_light(c, s, to_view) : ray_ambient(s, to_view, c->sky, c->ground));
 }
 
-void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, double x, double y, struct random_state *random,
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x, double y, struct random_state *random,
                    struct ray_walk *walk, struct ray_sum *sum) {
-    const struct ray_camera camera = ray_camera_make(&params->camera, params->width, params->height);
     struct context c = {.scene = scene, .params = params, .random = random, .walk = walk};
     dvec3 origin, direction, background, radiance = {0, 0, 0};
     double low, high, unused, rest = 1;
     struct ray_neighbours neighbours;
     struct ray_hit hit;
     ray_scene_surroundings(scene, &c.sky, &c.ground, &background);
-    ray_camera_ray(&camera, x, y, &origin, &direction, &low, &high);
-    ray_camera_ray(&camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
-    ray_camera_ray(&camera, x, y + 1, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
+    ray_camera_ray(camera, x, y, &origin, &direction, &low, &high);
+    ray_camera_ray(camera, x + 1, y, &neighbours.origin[0], &neighbours.direction[0], &unused, &unused);
+    ray_camera_ray(camera, x, y + 1, &neighbours.origin[1], &neighbours.direction[1], &unused, &unused);
     const bool found = ray_find(scene, RAY_CAMERA, origin, direction, low, high, &neighbours, walk, &hit);
     const dvec3 to_view = dvec3_scale(direction, -1);
     const uint32_t layer_count = walk->layers.count; /* the rays that follow do not touch them: they belong to paths */

@@ -4,6 +4,7 @@
 #define FNL_RAY_INTEGRATE_H
 
 #include "fanal/trace.h"
+#include "ray/camera.h"
 #include "ray/ray_scene.h"
 
 struct ray_sum {
@@ -11,8 +12,8 @@ struct ray_sum {
     double direct, unshadowed; /* luminance of the lights' direct light at the nearest surface */
 };
 
-/** Adds a sample of a pixel, through a point in pixels. */
-void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, double x, double y, struct random_state *random,
+/** Adds a sample of a pixel, through a point in pixels. `camera` is that of the parameters. */
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x, double y, struct random_state *random,
                    struct ray_walk *walk, struct ray_sum *sum);
 
 #endif

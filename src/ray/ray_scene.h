@@ -13,7 +13,6 @@ struct ray_scene;
 fnl_result ray_scene_create(const fnl_scene *scene, struct jobs *jobs, struct ray_scene **out);
 void ray_scene_destroy(struct ray_scene **scene);
 
-const struct ray_light *ray_scene_lights(const struct ray_scene *scene, uint32_t *count);
 const fnl_host *ray_scene_host(const struct ray_scene *scene);
 /** Ambient light from above and below, and what is seen behind everything. */
 void ray_scene_surroundings(const struct ray_scene *scene, dvec3 *sky, dvec3 *ground, dvec3 *background);
@@ -38,14 +37,19 @@ struct ray_walk {
     ARRAY(struct ray_hit) layers;  /* blended surfaces in front of the hit, the nearest first */
     ARRAY(struct ray_hit) crossed; /* by the last shadow ray */
     uint64_t ray_count;
-    bool failed;  /* memory ran out */
-    uint64_t key; /* RAY_PATH: of the chances */
+    ARRAY(uint32_t) lights;        /* of ray_scene_find_lights */
+    bool failed;                   /* memory ran out */
+    uint64_t key;                  /* RAY_PATH: of the chances */
 };
 
 /** Neighbours of a camera's ray, one pixel to the right and one down, which textures are filtered by. */
 struct ray_neighbours {
     dvec3 origin[2], direction[2];
 };
+
+/** Which lights may reach a point: walk->lights, ascending. All others do not. */
+void ray_scene_find_lights(const struct ray_scene *scene, dvec3 position, struct ray_walk *walk);
+const struct ray_light *ray_scene_light(const struct ray_scene *scene, uint32_t index);
 
 /** The nearest surface at low < distance < high that is not blended; `direction` is unit. `neighbours` NULL: textures of
     cutouts are sampled without a footprint. */

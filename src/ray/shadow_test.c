@@ -74,6 +74,10 @@ static void test_shadow_of_instances(void **state) {
     add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0.5f, 1, -0.25f}), mat4_scaling((vec3){-0.5f, 7, 1.25f})));
     add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0, -5, 0}), mat4_scaling((vec3){3, 1, 3}))); /* of the same mesh, elsewhere */
     expect_shadow(scene, (struct shade){{0, -1.5}, {1, 1}}, 0, 1, "mirrored and stretched");
+    scene = open_floor();
+    mesh = add_square_mesh(scene, add_material(scene, &material));
+    add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){1, 0, 0.5f}))); /* has no inverse */
+    expect_shadow(scene, (struct shade){{-1, -0.5}, {1, 0.5}}, 0, 1, "flattened");
     /* An instance that is hidden, or gone, casts none. */
     scene = open_floor();
     fnl_instance_id hidden = add_square(scene, &material, (vec3){1, 1, 1}, (vec3){0, 1, 0});
@@ -292,6 +296,35 @@ static void test_mirrored_instances_are_lit(void **state) {
     fnl_trace_free(NULL, &traces[1]);
 }
 
+/* The texel leans the normal up in the picture, which is -z here: to z where the instance mirrors z. */
+static void test_normal_maps_lean_with_the_texture(void **state) {
+    UNUSED(state);
+    static uint8_t texel[4] = {128, 230, 204, 255}; /* (0, 0.8, 0.6) */
+    const double n[3] = {128 / 255.0 * 2 - 1, 230 / 255.0 * 2 - 1, 204 / 255.0 * 2 - 1};
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int mirrored = 0; mirrored < 4; mirrored++) {
+        const float x = mirrored & 1 ? -2 : 2, z = mirrored & 2 ? -2 : 2;
+        fnl_scene *scene = world_create(NULL);
+        fnl_material_params bent = matt(1);
+        fnl_image image = {1, 1, FNL_PIXEL_FORMAT_RGBA8, texel};
+        assert_int_equal(fnl_scene_add_image(scene, &image, false, &bent.normal_image), FNL_OK);
+        add_square(scene, &bent, (vec3){x, 1, z}, (vec3){0, 0, 0});
+        fnl_light_params sun = fnl_light_params_default();
+        fnl_light_id id;
+        sun.kind = FNL_LIGHT_DIRECTIONAL;
+        sun.direction = (vec3){0, -0.8f, 0.6f}; /* from -z */
+        sun.intensity = (float)PI;
+        assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
+        fnl_trace_params p = look_down((vec3){0, 0, 0}, 0.5f, 5, 4);
+        fnl_trace trace = trace_scene(scene, &p);
+        double wanted = (0.8 * n[2] + 0.6 * n[1] * (mirrored & 2 ? -1 : 1)) / length;
+        if (fabs((double)pixel_at(&trace.radiance, 1, 1)[0] - fmax(wanted, 0)) > 1e-3)
+            fail_msg("mirrored by %d: %g, must be %g", mirrored, (double)pixel_at(&trace.radiance, 1, 1)[0], wanted);
+        fnl_trace_free(NULL, &trace);
+        fnl_scene_destroy(&scene);
+    }
+}
+
 /* ---- soft shadows ---- */
 
 /* Below the edge of a half-plane at the height h, half of a round source is seen; beyond h tan(angle) all or nothing. */
@@ -364,6 +397,7 @@ int main(void) {
         cmocka_unit_test(test_light_from_behind_the_triangle),
         cmocka_unit_test(test_camera_sees_fronts_and_layers),
         cmocka_unit_test(test_mirrored_instances_are_lit),
+        cmocka_unit_test(test_normal_maps_lean_with_the_texture),
         cmocka_unit_test(test_sun_casts_a_penumbra),
         cmocka_unit_test(test_capsule_is_hidden_in_part),
     };

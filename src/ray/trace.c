@@ -14,6 +14,7 @@ enum { TILE = 16, TILES_PER_THREAD = 4 }; /* between two calls of the callback *
 struct trace {
     const fnl_trace_params *params;
     struct ray_scene *scene;
+    struct ray_camera camera;
     struct ray_sum *sums; /* of the pixels */
     uint32_t *counts;     /* samples that the tiles have */
     uint32_t tiles_x, tiles_y;
@@ -55,13 +56,14 @@ static void trace_tile(void *context, uint32_t index) {
     for (uint32_t y = top; y < MIN(top + TILE, p->height); y++)
         for (uint32_t x = left; x < MIN(left + TILE, p->width) && !walk.failed; x++) {
             struct random_state random = random_of(p, x, y, sample);
-            ray_integrate(t->scene, p, x + 0.5 + (double)jitter.x, y + 0.5 + (double)jitter.y, &random, &walk,
+            ray_integrate(t->scene, p, &t->camera, x + 0.5 + (double)jitter.x, y + 0.5 + (double)jitter.y, &random, &walk,
                           &t->sums[(size_t)y * p->width + x]);
         }
     atomic_fetch_add(&t->ray_count, walk.ray_count);
     if (walk.failed) atomic_store(&t->failed, true);
     array_free(ray_scene_host(t->scene), &walk.layers);
     array_free(ray_scene_host(t->scene), &walk.crossed);
+    array_free(ray_scene_host(t->scene), &walk.lights);
 }
 
 /* True: all samples of all tiles. */
@@ -140,6 +142,7 @@ static fnl_result make_pictures(struct trace *t, const fnl_host *host, fnl_trace
 
 static fnl_result run(struct trace *t, const fnl_scene *scene, struct jobs *jobs, fnl_trace *out) {
     const fnl_trace_params *p = t->params;
+    t->camera = ray_camera_make(&p->camera, p->width, p->height);
     t->tiles_x = (p->width + TILE - 1) / TILE;
     t->tiles_y = (p->height + TILE - 1) / TILE;
     const size_t sums_size = (size_t)p->width * p->height * sizeof *t->sums, counts_size = (size_t)t->tiles_x * t->tiles_y * sizeof *t->counts;

@@ -2,7 +2,7 @@
 /* Light that is reflected, against what can be computed by hand; and that pictures repeat. */
 #include "tests/trace_world.h"
 
-#include "ray/dvec.h"
+#include "ray/ray_scene.h"
 #include "tests/test_memory.h"
 
 /* ---- furnaces: what is seen does not depend on chance ---- */
@@ -230,12 +230,61 @@ static void test_empty_scene_is_background(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* ---- lights ---- */
+
+/* The tree finds every light that reaches a point, in order, and few others. */
+static void test_lights_that_reach_a_point_are_found(void **state) {
+    UNUSED(state);
+    fnl_host host = host_resolve(NULL);
+    fnl_scene *scene = world_create(NULL);
+    fnl_scatter_params scatter = fnl_scatter_params_default();
+    struct jobs *jobs;
+    struct ray_scene *rays;
+    struct ray_walk walk = {0};
+    const fnl_material_params white = matt(1);
+    add_square(scene, &white, vec3_make(20, 1, 20), vec3_make(0, 0, 0));
+    add_square(scene, &white, vec3_make(20, 1, 20), vec3_make(0, 10, 0));
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    scatter.count = 500;
+    for (int i = 0; i < FNL_LIGHT_KIND_COUNT; i++) scatter.shares[i] = i != FNL_LIGHT_DIRECTIONAL;
+    assert_int_equal(fnl_scene_scatter_light_shapes(scene, &scatter), FNL_OK);
+    assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
+    assert_int_equal(jobs_create(&host, &jobs), FNL_OK);
+    assert_int_equal(ray_scene_create(scene, jobs, &rays), FNL_OK);
+    struct random_state random = {1};
+    uint64_t found = 0, reaching = 0;
+    for (int k = 0; k < 500; k++) {
+        dvec3 p = {(double)random_range(&random, -25, 25), (double)random_range(&random, -2, 12), (double)random_range(&random, -25, 25)};
+        ray_scene_find_lights(rays, p, &walk);
+        assert_false(walk.failed);
+        found += walk.lights.count;
+        assert_int_equal(walk.lights.data[0], 0); /* the sun */
+        for (uint32_t i = 0, at = 0; i < 501; i++) {
+            dvec3 to_light;
+            double distance;
+            const bool listed = at < walk.lights.count && walk.lights.data[at] == i, reaches = ray_light_strength(ray_scene_light(rays, i), p, &to_light, &distance) > 0;
+            if (reaches && !listed) fail_msg("light %u reaches %g, %g, %g and is not found", i, p.x, p.y, p.z);
+            reaching += reaches;
+            at += listed;
+            if (i == 500) assert_int_equal(at, walk.lights.count); /* ascending, none twice */
+        }
+    }
+    if (!(reaching > 1000 && found < 500 * 40)) /* of 500 * 501 */
+        fail_msg("%llu are found, %llu reach", (unsigned long long)found, (unsigned long long)reaching);
+    array_free(&host, &walk.lights);
+    ray_scene_destroy(&rays);
+    jobs_destroy(&jobs);
+    fnl_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_white_furnace),         cmocka_unit_test(test_energy_in_a_closed_box),
         cmocka_unit_test(test_area_light_has_its_form_factor), cmocka_unit_test(test_threads_do_not_change_a_byte),
         cmocka_unit_test(test_ended_early),           cmocka_unit_test(test_memory_that_runs_out),
-        cmocka_unit_test(test_empty_scene_is_background),
+        cmocka_unit_test(test_empty_scene_is_background), cmocka_unit_test(test_lights_that_reach_a_point_are_found),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);
 }

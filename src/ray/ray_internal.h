@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/** What the files of ray_scene.h share. */
+#ifndef FNL_RAY_RAY_INTERNAL_H
+#define FNL_RAY_RAY_INTERNAL_H
+
+#include "ray/embree.h"
+#include "ray/ray_scene.h"
+
+/* A primitive as it is posed: shared by all nodes that do not deform it. */
+struct ray_part {
+    const struct scene_primitive *primitive;
+    const struct scene_material *material;
+    const vec3 *positions, *normals; /* the primitive's, or `posed` */
+    const vec4 *tangents;
+    void *posed; /* owned; or NULL */
+    size_t posed_size;
+    struct ray_scene *scene;
+    uint32_t index; /* of itself */
+};
+
+/* Parts under one transform; a scene of Embree's. */
+struct ray_mesh {
+    RTCScene handle;
+    uint32_t first_part, part_count;
+};
+
+struct ray_instance {
+    uint32_t mesh;
+    mat4 matrix;
+    dvec3 axes[3], origin; /* columns of the matrix */
+    dvec3 cofactors[3];    /* columns that carry normals */
+    double mirror;         /* -1 where it mirrors */
+};
+
+struct ray_scene {
+    const fnl_scene *scene;
+    RTCDevice device;
+    RTCScene handle;
+    struct ray_image *images;
+    struct scene_material standard;
+    ARRAY(struct ray_part) parts;
+    ARRAY(struct ray_mesh) meshes;
+    ARRAY(struct ray_instance) instances;
+    double reach; /* greatest coordinate of the bounds */
+    uint32_t unseen;
+    ARRAY(struct ray_light) lights; /* directional ones first */
+    uint32_t sun_count;
+    RTCScene light_tree; /* boxes of the others; NULL where they are few */
+};
+
+/** How filters of Embree see the surfaces of a part: those of rays that look for the nearest one, and of shadow rays (ray_scene.c). */
+void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments);
+void ray_filter_shadow(const struct RTCFilterFunctionNArguments *arguments);
+
+/** Fills in all but the lights (ray_build.c). */
+fnl_result ray_scene_build(struct ray_scene *scene, struct jobs *jobs);
+/** The last error of Embree, logged. */
+fnl_result ray_scene_check(const struct ray_scene *scene);
+
+/** The lights, and the tree over them (ray_lights.c). */
+fnl_result ray_lights_create(struct ray_scene *scene);
+void ray_lights_destroy(struct ray_scene *scene);
+
+/**
+ * What of a triangle covers the point: 0 in the holes of cutouts, less than 1 where it blends (ray_surface.c). `neighbours` as in ray_find; without
+ * them `instance` may be NULL.
+ */
+double ray_coverage(const struct ray_part *part, const struct ray_instance *instance, uint32_t triangle, double u, double v,
+                    const struct ray_neighbours *neighbours);
+
+#endif
