@@ -14,6 +14,7 @@ struct ray_surface {
     dvec3 base_color, emissive;
     double alpha; /* coverage; 1 unless the material blends */
     double metallic, roughness, occlusion;
+    double offset; /* how far off it rays have to start so that rounding does not make them hit it, metres */
     dvec3 f0;   /* reflectance of the dielectric part along the normal */
     double f90; /* and at grazing angles */
 };

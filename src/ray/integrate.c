@@ -30,11 +30,10 @@ static double light_visibility(const struct context *c, const struct ray_surface
                                double distance) {
     enum { FAR = 1 }; /* metres: directional lights are aimed at over this */
     const bool infinite = isinf(distance);
-    const double offset = ray_offset(c->scene, s->position);
     dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
     if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0)) return 0; /* from behind the triangle, whatever its normals say */
-    dvec3 origin = dvec3_add_scaled(s->position, s->geometric, offset), ray = dvec3_sub(to, origin);
-    double length = dvec3_length(ray), high = infinite ? (double)INFINITY : length - offset;
+    dvec3 origin = dvec3_add_scaled(s->position, s->geometric, s->offset), ray = dvec3_sub(to, origin);
+    double length = dvec3_length(ray), high = infinite ? (double)INFINITY : length - fmax(s->offset, ray_rounding(dvec3_reach(to)));
     if (!(high > 0)) return 1; /* the light lies on the surface */
     return ray_visibility(c->scene, origin, dvec3_scale(ray, 1 / length), high, c->walk);
 }
@@ -75,7 +74,7 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
             carried = dvec3_scale(carried, 1 / stays);
         }
         struct ray_hit hit;
-        dvec3 origin = dvec3_add_scaled(s.position, s.geometric, ray_offset(c->scene, s.position));
+        dvec3 origin = dvec3_add_scaled(s.position, s.geometric, s.offset);
         c->walk->key = random_bits(c->random);
         if (!ray_find(c->scene, RAY_PATH, origin, direction, 0, (double)INFINITY, NULL, c->walk, &hit))
             return dvec3_add(out, dvec3_mul(carried, ray_sky(direction, c->sky, c->ground)));

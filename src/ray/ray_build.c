@@ -174,7 +174,17 @@ static mat4 node_matrix(const struct scene_node *node, uint32_t k) {
     return node->instances ? mat4_mul(node->world, node->instances[k]) : node->world;
 }
 
-static bool is_flat(const struct ray_instance *in) { return dvec3_dot(in->axes[0], in->cofactors[0]) == 0; }
+/* No ray can be brought into its space, or not with floats. */
+static bool is_flat(const struct ray_instance *in) {
+    double greatest = dvec3_length(in->axes[0]) * dvec3_length(in->axes[1]) * dvec3_length(in->axes[2]);
+    return fabs(dvec3_dot(in->axes[0], in->cofactors[0])) <= 1e-9 * greatest;
+}
+
+static bool is_finite(const mat4 *m) {
+    for (int i = 0; i < 16; i++)
+        if (!isfinite(m->m[i])) return false;
+    return true;
+}
 
 static fnl_result add_posed(struct ray_scene *s, const struct scene_node *node, uint32_t *out) {
     const fnl_scene *scene = s->scene;
@@ -194,6 +204,7 @@ static fnl_result add_node(struct ray_scene *s, const struct scene_node *node, u
     for (uint32_t k = 0; k < node->instance_count; k++) {
         mat4 matrix = node_matrix(node, k);
         struct ray_instance in = instance_make(SCENE_NONE, &matrix);
+        if (!is_finite(&matrix)) continue; /* it is nowhere */
         if (is_flat(&in)) {
             uint32_t flat;
             TRY(add_mesh(s, node, &(struct pose){.flat = &matrix}, &flat));
@@ -216,7 +227,7 @@ static uint64_t own_meshes(const fnl_scene *scene, const struct scene_node *node
     for (uint32_t k = 0; k < node->instance_count; k++) {
         const mat4 matrix = node_matrix(node, k);
         const struct ray_instance in = instance_make(SCENE_NONE, &matrix);
-        count += is_flat(&in);
+        count += is_finite(&matrix) && is_flat(&in);
     }
     return count;
 }
@@ -244,7 +255,6 @@ static fnl_result add_nodes(struct ray_scene *s) {
 }
 
 fnl_result ray_scene_build(struct ray_scene *s, struct jobs *jobs) {
-    struct RTCBounds bounds;
     TRY(ray_images_create(s->scene, jobs, &s->images));
     /* One thread builds: trees, and with them the order of equal hits, must not depend on how many there are. */
     s->device = rtcNewDevice("threads=1");
@@ -255,10 +265,6 @@ fnl_result ray_scene_build(struct ray_scene *s, struct jobs *jobs) {
     TRY(add_nodes(s));
     rtcCommitScene(s->handle);
     TRY(ray_scene_check(s));
-    rtcGetSceneBounds(s->handle, &bounds);
-    const dvec3 low = {(double)bounds.lower_x, (double)bounds.lower_y, (double)bounds.lower_z},
-                high = {(double)bounds.upper_x, (double)bounds.upper_y, (double)bounds.upper_z};
-    s->reach = low.x <= high.x ? fmax(dvec3_reach(low), dvec3_reach(high)) : 0;
     for (uint32_t i = 0; i < s->scene->decals.count; i++)
         s->unseen += s->scene->decals.data[i].params.kind != FNL_DECAL_BAKED && decal_shows(s->scene, &s->scene->decals.data[i]);
     return FNL_OK;

@@ -41,7 +41,6 @@ struct ray_scene {
     ARRAY(struct ray_part) parts;
     ARRAY(struct ray_mesh) meshes;
     ARRAY(struct ray_instance) instances;
-    double reach; /* greatest coordinate of the bounds */
     uint32_t unseen;
     ARRAY(struct ray_light) lights; /* directional ones first */
     uint32_t sun_count;

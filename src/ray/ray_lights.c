@@ -87,7 +87,7 @@ void ray_scene_find_lights(const struct ray_scene *s, dvec3 position, struct ray
     struct near_lights near = {s, walk};
     struct RTCPointQueryContext context;
     struct RTCPointQuery query = {
-        .x = (float)position.x, .y = (float)position.y, .z = (float)position.z, .radius = (float)ray_offset(s, position)};
+        .x = (float)position.x, .y = (float)position.y, .z = (float)position.z, .radius = (float)ray_rounding(dvec3_reach(position))};
     rtcInitPointQueryContext(&context);
     rtcPointQuery(s->light_tree, &query, &context, take_light, &near);
     qsort(walk->lights.data + first, walk->lights.count - first, sizeof *walk->lights.data, compare_indices); /* the order of the tree is no order of light */

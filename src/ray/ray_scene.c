@@ -179,8 +179,3 @@ double ray_visibility(const struct ray_scene *s, dvec3 origin, dvec3 direction, 
     embree_occluded(s->handle, &query.embree, &ray);
     return ray.tfar < 0 ? 0 : query.visibility;
 }
-
-double ray_offset(const struct ray_scene *s, dvec3 position) {
-    /* Embree takes floats, and transforms them into the space of instances: some units in the last place of the greatest coordinate. */
-    return fmax(s->reach, dvec3_reach(position)) * 0x1p-20;
-}

@@ -62,7 +62,7 @@ double ray_visibility(const struct ray_scene *scene, dvec3 origin, dvec3 directi
 /** The surface at a hit. `neighbours` as in ray_find. */
 struct ray_surface ray_surface_at(const struct ray_scene *scene, const struct ray_hit *hit, dvec3 origin, dvec3 direction,
                                   const struct ray_neighbours *neighbours);
-/** How far off a surface rays have to start so that rounding does not make it hit itself, metres. */
-double ray_offset(const struct ray_scene *scene, dvec3 position);
+/** How much Embree may be off, which takes floats and carries rays into the space of instances, where coordinates are as great as `reach`; metres. */
+static inline double ray_rounding(double reach) { return reach * 0x1p-20; }
 
 #endif

@@ -145,6 +145,7 @@ struct ray_surface ray_surface_at(const struct ray_scene *s, const struct ray_hi
     vertex_color(part, hit->triangle, u, v, color);
     shade_material(s, part, &uv, color, &out);
 
+    out.offset = ray_rounding(fmax(dvec3_reach(out.position), dvec3_reach(in->origin)));
     double sign = hit->front ? 1 : -1;
     dvec3 face = dvec3_normalize(dvec3_scale(dvec3_cross(dvec3_sub(p[1], p[0]), dvec3_sub(p[2], p[0])), in->mirror));
     dvec3 normal = part->normals ? interpolate_normal(part, in, corners, weights) : face;
