@@ -105,6 +105,39 @@ static void test_area_light_has_its_form_factor(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* What a red wall sends on to the floor, against the integral over the wall. */
+static void test_one_bounce_off_a_red_wall(void **state) {
+    UNUSED(state);
+    enum { STEPS = 200 };
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params floor = matt(0.8f), red = matt(0);
+    red.base_color[0] = 0.5f;
+    add_square(scene, &floor, vec3_make(5, 1, 5), vec3_make(0, 0, 0));
+    fnl_mesh_id wall = add_square_mesh(scene, add_material(scene, &red)); /* x = 2, 0 < y < 2, -1 < z < 1 */
+    add_instance(scene, wall, mat4_from_trs(vec3_make(2, 1, 0), quat_axis_angle(vec3_make(0, 0, 1), PI / 2), vec3_make(1, 1, 1)));
+    const dvec3 light = {0, 1.5, 0}, at = {0.5, 0, 0.25};
+    add_point_light(scene, (vec3){0, 1.5f, 0}, 10);
+    double wanted = 0;
+    for (int i = 0; i < STEPS; i++)
+        for (int k = 0; k < STEPS; k++) {
+            dvec3 p = {2, 2 * (i + 0.5) / STEPS, 2 * (k + 0.5) / STEPS - 1}, to_light = dvec3_sub(light, p), to_floor = dvec3_sub(at, p);
+            double l2 = dvec3_dot(to_light, to_light), f2 = dvec3_dot(to_floor, to_floor), area = 4.0 / (STEPS * STEPS);
+            double sent = 0.5 / DPI * 10 * (-to_light.x / sqrt(l2)) / l2;
+            wanted += 0.8 / DPI * sent * (-to_floor.x / sqrt(f2)) * (-to_floor.y / sqrt(f2)) / f2 * area;
+        }
+    fnl_trace_params p = look_down((vec3){0.5f, 0, 0.25f}, 0.01f, 0.5f, 8);
+    p.samples = 1600;
+    fnl_trace direct = trace_scene(scene, &p);
+    p.bounces = 1;
+    fnl_trace all = trace_scene(scene, &p);
+    double got = mean_of(&all.radiance, 0) - mean_of(&direct.radiance, 0);
+    if (fabs(got / wanted - 1) > 0.02) fail_msg("the wall sends %g, must be %g", got, wanted);
+    assert_float_equal(mean_of(&all.radiance, 1), mean_of(&direct.radiance, 1), 1e-5); /* no green */
+    fnl_trace_free(NULL, &direct);
+    fnl_trace_free(NULL, &all);
+    fnl_scene_destroy(&scene);
+}
+
 /* ---- pictures ---- */
 
 static fnl_trace trace_hall(uint32_t threads, uint64_t seed) {
@@ -284,6 +317,7 @@ int main(void) {
         cmocka_unit_test(test_white_furnace),         cmocka_unit_test(test_energy_in_a_closed_box),
         cmocka_unit_test(test_area_light_has_its_form_factor), cmocka_unit_test(test_threads_do_not_change_a_byte),
         cmocka_unit_test(test_ended_early),           cmocka_unit_test(test_memory_that_runs_out),
+        cmocka_unit_test(test_one_bounce_off_a_red_wall),
         cmocka_unit_test(test_empty_scene_is_background), cmocka_unit_test(test_lights_that_reach_a_point_are_found),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);
