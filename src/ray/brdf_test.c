@@ -22,7 +22,7 @@ static struct ray_surface surface_of(double metallic, double roughness, double b
 
 /* What of light from all around goes to the viewer, by a grid over the hemisphere that is finer towards the mirror direction. */
 static dvec3 albedo_by_grid(const struct ray_surface *s, dvec3 v) {
-    enum { STEPS = 700 };
+    enum { STEPS = 400 };
     dvec3 sum = {0, 0, 0};
     for (int i = 0; i < STEPS; i++)
         for (int k = 0; k < STEPS; k++) { /* equal areas of the disk below the hemisphere: the cosine is in the area */
@@ -57,6 +57,21 @@ static void test_samples_integrate_the_brdf(void **state) {
         if (fabs(sum.x / wanted.x - 1) > 0.01 || fabs(sum.z / wanted.z - 1) > 0.015)
             fail_msg("case %u: the samples' mean is %g, %g, the integral %g, %g", i, sum.x, sum.z, wanted.x, wanted.z);
     }
+}
+
+/* In an even sky the fit of ambient light is close to the integral of what a dielectric reflects. */
+static void test_ambient_is_close_to_the_integral(void **state) {
+    UNUSED(state);
+    static const double cosines[] = {0.2, 0.5, 0.9}, roughnesses[] = {0.4, 0.6, 0.9};
+    const dvec3 sky = {1, 1, 1};
+    double worst = 0;
+    for (uint32_t i = 0; i < COUNT_OF(cosines); i++)
+        for (uint32_t k = 0; k < COUNT_OF(roughnesses); k++) {
+            struct ray_surface s = surface_of(0, roughnesses[k], 0);
+            dvec3 v = {sqrt(1 - cosines[i] * cosines[i]), 0, cosines[i]};
+            worst = fmax(worst, fabs(ray_ambient(&s, v, sky, sky).x - albedo_by_grid(&s, v).x));
+        }
+    if (worst > 0.03) fail_msg("the fit is off by %g", worst);
 }
 
 /* White matt: every sample carries all light. */
@@ -97,6 +112,9 @@ static void test_meter_reads_grey(void **state) {
     assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
     for (int i = 0; i < COUNT * 2; i++) pixels[i] = 0; /* black says nothing about brightness */
     assert_true(fabs(ray_meter(pixels, COUNT) - 6) < 0.2);
+    for (int i = 0; i < COUNT; i++) /* ten steps up: the mean is that of the steps 5 to 9.8 */
+        for (int c = 0; c < 4; c++) pixels[i * 4 + c] = exp2f(10 * ((float)i + 0.5f) / COUNT);
+    assert_true(fabs(ray_meter(pixels, COUNT) - 3 - 7.4) < 0.1);
     for (int i = 0; i < COUNT * 4; i++) pixels[i] = 0;
     assert_true(ray_meter(pixels, COUNT) == 0);
 }
@@ -104,6 +122,7 @@ static void test_meter_reads_grey(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_samples_integrate_the_brdf),
+        cmocka_unit_test(test_ambient_is_close_to_the_integral),
         cmocka_unit_test(test_matt_samples_are_exact),
         cmocka_unit_test(test_brdf_is_reciprocal),
         cmocka_unit_test(test_meter_reads_grey),
