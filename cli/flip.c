@@ -43,7 +43,8 @@ static double clamp01(double x) { return x > 0 ? x < 1 ? x : 1 : 0; }
 /* Back to linear sRGB, within what a screen can show. */
 static struct color displayed(struct color o) {
     double y = (o.x + 16) / 116;
-    struct color xyz = {(y + o.y / 500) * white(0), y * white(1), (y - o.z / 200) * white(2)}, rgb = transform(from_xyz, xyz);
+    struct color xyz = {(y + o.y / 500) * white(0), y * white(1), (y - o.z / 200) * white(2)},
+                 rgb = transform(from_xyz, xyz);
     return (struct color){clamp01(rgb.x), clamp01(rgb.y), clamp01(rgb.z)};
 }
 
@@ -109,7 +110,8 @@ struct size {
 static uint32_t clamped(int64_t i, uint32_t count) { return i < 0 ? 0 : i < count ? (uint32_t)i : count - 1; }
 
 /* Along x, then along y; beyond the border its pixels go on. `row` has room for a row and 2 RADIUS_MAX more. */
-static void filter(struct size s, const float *in, const struct kernel *across, const struct kernel *down, double *row, float *between, float *out) {
+static void filter(struct size s, const float *in, const struct kernel *across, const struct kernel *down, double *row,
+                   float *between, float *out) {
     for (uint32_t y = 0; y < s.height; y++) {
         const float *from = in + (size_t)y * s.width;
         for (int64_t x = -across->radius; x < (int64_t)s.width + across->radius; x++)
@@ -142,7 +144,8 @@ struct seen {
 };
 
 static double channel(const fnl_image *image, size_t i) {
-    double x = image->format == FNL_PIXEL_FORMAT_RGBA8 ? ((const uint8_t *)image->pixels)[i] / 255.0 : ((const uint16_t *)image->pixels)[i] / 65535.0;
+    double x = image->format == FNL_PIXEL_FORMAT_RGBA8 ? ((const uint8_t *)image->pixels)[i] / 255.0
+                                                       : ((const uint16_t *)image->pixels)[i] / 65535.0;
     return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
 }
 
@@ -190,7 +193,8 @@ static void blur(struct size s, struct seen *seen, double pixels_per_degree) {
         }
         const double all = weights[0] + weights[1];
         for (size_t i = 0; i < count; i++)
-            seen->planes[c][i] = (float)((weights[0] * (double)one[i] + (weights[1] > 0 ? weights[1] * (double)other[i] : 0)) / all);
+            seen->planes[c][i] =
+                (float)((weights[0] * (double)one[i] + (weights[1] > 0 ? weights[1] * (double)other[i] : 0)) / all);
     }
 }
 
@@ -198,7 +202,8 @@ static void look(const fnl_image *image, double pixels_per_degree, struct seen *
     const struct size s = {image->width, image->height};
     const size_t count = (size_t)s.width * s.height;
     for (size_t i = 0; i < count; i++) {
-        struct color o = opponent((struct color){channel(image, i * 4), channel(image, i * 4 + 1), channel(image, i * 4 + 2)});
+        struct color o =
+            opponent((struct color){channel(image, i * 4), channel(image, i * 4 + 1), channel(image, i * 4 + 2)});
         seen->planes[0][i] = (float)o.x;
         seen->planes[1][i] = (float)o.y;
         seen->planes[2][i] = (float)o.z;
@@ -231,15 +236,18 @@ double flip_compare(const fnl_image *a, const fnl_image *b, double pixels_per_de
         for (int i = 0; i < PLANES; i++) seen[k].planes[i] = memory + (size_t)(k * PLANES + i) * count;
         look(k ? b : a, pixels_per_degree, &seen[k]);
     }
-    const double greatest = distance(hunt_lab((struct color){0, 1, 0}), hunt_lab((struct color){0, 0, 1})); /* of what screens show: green and blue */
+    const double greatest = distance(hunt_lab((struct color){0, 1, 0}),
+                                     hunt_lab((struct color){0, 0, 1})); /* of what screens show: green and blue */
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         struct color colors[2];
         for (int k = 0; k < 2; k++)
-            colors[k] = (struct color){(double)seen[k].planes[0][i], (double)seen[k].planes[1][i], (double)seen[k].planes[2][i]};
+            colors[k] =
+                (struct color){(double)seen[k].planes[0][i], (double)seen[k].planes[1][i], (double)seen[k].planes[2][i]};
         double edge = fabs((double)seen[0].planes[3][i] - (double)seen[1].planes[3][i]),
                point = fabs((double)seen[0].planes[4][i] - (double)seen[1].planes[4][i]);
-        double feature = sqrt(clamp01(fmax(edge, point) / sqrt(2))), error = pow(color_error(colors[0], colors[1], greatest), 1 - feature);
+        double feature = sqrt(clamp01(fmax(edge, point) / sqrt(2))),
+               error = pow(color_error(colors[0], colors[1], greatest), 1 - feature);
         sum += error;
         if (map) map[i] = (float)error;
     }

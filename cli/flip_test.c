@@ -10,7 +10,8 @@
 
 enum { WIDTH = 17, HEIGHT = 13, COUNT = WIDTH * HEIGHT };
 static uint8_t first[COUNT * 4], second[COUNT * 4];
-static const fnl_image a = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA8, first}, b = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA8, second};
+static const fnl_image a = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA8, first},
+                       b = {WIDTH, HEIGHT, FNL_PIXEL_FORMAT_RGBA8, second};
 
 static void fill(uint8_t *pixels, uint8_t red, uint8_t green, uint8_t blue) {
     for (int i = 0; i < COUNT; i++) {
@@ -43,12 +44,14 @@ static void test_plain_colours(void **state) {
     /* Black and white are 100 apart; green and blue are in CIELAB (87.735, -86.183, 83.179) and (32.297, 79.188, -107.860). */
     fill(first, 0, 0, 0);
     fill(second, 255, 255, 255);
-    const double greatest = (87.735 - 32.297) + hypot(-86.183 * 0.87735 - 79.188 * 0.32297, 83.179 * 0.87735 + 107.860 * 0.32297);
+    const double greatest =
+        (87.735 - 32.297) + hypot(-86.183 * 0.87735 - 79.188 * 0.32297, 83.179 * 0.87735 + 107.860 * 0.32297);
     const double most = pow(greatest, 0.7), error = pow(100, 0.7);
     assert_float_equal(flip(FLIP_PIXELS_PER_DEGREE), 0.95 + 0.05 * (error - 0.4 * most) / (0.6 * most), 1e-4);
     fill(first, 128, 128, 128); /* a small difference is in the steep part */
     fill(second, 133, 133, 133);
-    assert_float_equal(flip(FLIP_PIXELS_PER_DEGREE), 0.95 * pow(116 * (root(linear(133)) - root(linear(128))), 0.7) / (0.4 * most), 1e-4);
+    assert_float_equal(flip(FLIP_PIXELS_PER_DEGREE),
+                       0.95 * pow(116 * (root(linear(133)) - root(linear(128))), 0.7) / (0.4 * most), 1e-4);
 }
 
 /* ---- a slow copy, with kernels of two dimensions, as the paper writes it ---- */
@@ -58,7 +61,8 @@ static void opponent_at(const uint8_t *pixels, int x, int y, double out[3]) {
     y = CLAMP(y, 0, HEIGHT - 1);
     const uint8_t *p = pixels + (y * WIDTH + x) * 4;
     double r = linear(p[0]), g = linear(p[1]), bl = linear(p[2]);
-    double X = (0.4124564 * r + 0.3575761 * g + 0.1804375 * bl) / 0.95047, Y = 0.2126729 * r + 0.7151522 * g + 0.0721750 * bl,
+    double X = (0.4124564 * r + 0.3575761 * g + 0.1804375 * bl) / 0.95047,
+           Y = 0.2126729 * r + 0.7151522 * g + 0.0721750 * bl,
            Z = (0.0193339 * r + 0.1191920 * g + 0.9503041 * bl) / 1.08883;
     out[0] = 116 * Y - 16;
     out[1] = 500 * (X - Y);
@@ -87,7 +91,8 @@ static void lab_at(const uint8_t *pixels, int x, int y, double density, double o
     }
     double Y = (seen[0] + 16) / 116, X = Y + seen[1] / 500, Z = Y - seen[2] / 200;
     const double xyz[3] = {X * 0.95047, Y, Z * 1.08883};
-    static const double back[3][3] = {{3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}};
+    static const double back[3][3] = {
+        {3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}};
     double rgb[3];
     for (int c = 0; c < 3; c++) rgb[c] = CLAMP(back[c][0] * xyz[0] + back[c][1] * xyz[1] + back[c][2] * xyz[2], 0.0, 1.0);
     double fx = root((0.4124564 * rgb[0] + 0.3575761 * rgb[1] + 0.1804375 * rgb[2]) / 0.95047),
@@ -142,7 +147,8 @@ static void test_pixels_equal_a_slow_copy(void **state) {
         for (int i = 0; i < COUNT; i++) {
             double wanted = slow_at(i % WIDTH, i / WIDTH, densities[k]);
             sum += wanted / COUNT;
-            if (fabs((double)map[i] - wanted) > 2e-4) fail_msg("at %d, %d: %g, must be %g", i % WIDTH, i / WIDTH, (double)map[i], wanted);
+            if (fabs((double)map[i] - wanted) > 2e-4)
+                fail_msg("at %d, %d: %g, must be %g", i % WIDTH, i / WIDTH, (double)map[i], wanted);
         }
         assert_float_equal(mean, sum, 1e-4);
         assert_true(mean > 0.1);

@@ -100,7 +100,8 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
     bool good = true;
     switch (option) {
     case 'o':
-        if (!has_extension(value, "png") && !has_extension(value, "exr")) return argument_bad("output", value, "a file that ends in .png or .exr");
+        if (!has_extension(value, "png") && !has_extension(value, "exr"))
+            return argument_bad("output", value, "a file that ends in .png or .exr");
         if (o->output_count == MOST_OUTPUTS) return argument_bad("output", value, "among the first 16 outputs");
         o->outputs[o->output_count++] = value;
         break;
@@ -112,7 +113,8 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
         break;
     case O_EXPOSURE:
         good = argument_exposure("exposure", value, &p->exposure, &p->ev);
-        if (good && !(p->ev >= -64 && p->ev <= 64)) good = argument_bad("exposure", value, "auto, none, or an EV100 from -64 to 64");
+        if (good && !(p->ev >= -64 && p->ev <= 64))
+            good = argument_bad("exposure", value, "auto, none, or an EV100 from -64 to 64");
         break;
     case O_TONEMAP:
         good = argument_name("tonemap", value, tonemap_name, &index);
@@ -134,11 +136,13 @@ static bool parse_option(struct trace_options *o, int option, const char *value)
         p->shadows = index == 1;
         break;
     case O_LIGHT_RADIUS:
-        good = argument_number("light-radius", value, &number) && ((number >= 0 && number <= 1e6) || argument_bad("light-radius", value, "a length in metres, 0 or more"));
+        good = argument_number("light-radius", value, &number) &&
+               ((number >= 0 && number <= 1e6) || argument_bad("light-radius", value, "a length in metres, 0 or more"));
         p->light_radius = (float)number;
         break;
     case O_SUN_ANGLE:
-        good = argument_number("sun-angle", value, &number) && ((number >= 0 && number <= 57) || argument_bad("sun-angle", value, "an angle from 0 to 57 degrees"));
+        good = argument_number("sun-angle", value, &number) &&
+               ((number >= 0 && number <= 57) || argument_bad("sun-angle", value, "an angle from 0 to 57 degrees"));
         p->sun_angle = (float)(number * 3.14159265358979323846 / 180);
         break;
     case O_ROULETTE:
@@ -213,17 +217,19 @@ static bool save(const struct trace_options *o, const fnl_host *host, const fnl_
                                         {"B", radiance + 2, 4},
                                         {"A", radiance + 3, 4},
                                         {"visibility.Y", trace->visibility.pixels, 4}};
-    return fnl_exr_save(host, path, trace->radiance.width, trace->radiance.height, channels, o->params.visibility ? 5 : 4) == FNL_OK;
+    return fnl_exr_save(host, path, trace->radiance.width, trace->radiance.height, channels, o->params.visibility ? 5 : 4) ==
+           FNL_OK;
 }
 
 static void print_summary(const struct trace_options *o, const fnl_trace *trace, double seconds) {
     const fnl_trace_params *p = &o->params;
-    printf("%u x %u, %u sample%s, %u bounce%s: %" PRIu64 " rays in %.1f s, %.2f million a second\n", p->width, p->height, p->samples,
-           p->samples == 1 ? "" : "s", p->bounces, p->bounces == 1 ? "" : "s", trace->ray_count, seconds,
+    printf("%u x %u, %u sample%s, %u bounce%s: %" PRIu64 " rays in %.1f s, %.2f million a second\n", p->width, p->height,
+           p->samples, p->samples == 1 ? "" : "s", p->bounces, p->bounces == 1 ? "" : "s", trace->ray_count, seconds,
            seconds > 0 ? 1e-6 * (double)trace->ray_count / seconds : 0);
     if (p->exposure != FNL_EXPOSURE_NONE) printf("exposure EV100 %.2f\n", (double)trace->ev);
     if (trace->unseen)
-        printf("%u primitives of lines or points, or decals that are not baked, are missing: rays do not see them\n", trace->unseen);
+        printf("%u primitives of lines or points, or decals that are not baked, are missing: rays do not see them\n",
+               trace->unseen);
 }
 
 static int run(struct trace_options *o) {

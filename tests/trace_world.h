@@ -90,7 +90,8 @@ static inline const float *pixel_at(const fnl_image *image, uint32_t x, uint32_t
 /** Mean of a channel over the picture. */
 static inline double mean_of(const fnl_image *image, int channel) {
     double sum = 0;
-    for (size_t i = 0; i < (size_t)image->width * image->height; i++) sum += (double)((const float *)image->pixels)[i * 4 + (size_t)channel];
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++)
+        sum += (double)((const float *)image->pixels)[i * 4 + (size_t)channel];
     return sum / ((double)image->width * image->height);
 }
 

@@ -47,13 +47,15 @@ static void test_samples_integrate_the_brdf(void **state) {
         struct random_state random = {i + 1};
         for (int a = 0; a < SIDE; a++)
             for (int b = 0; b < SIDE; b++) {
-                double u[3] = {(double)random_float(&random), (a + (double)random_float(&random)) / SIDE, (b + (double)random_float(&random)) / SIDE};
+                double u[3] = {(double)random_float(&random), (a + (double)random_float(&random)) / SIDE,
+                               (b + (double)random_float(&random)) / SIDE};
                 dvec3 l, weight = ray_brdf_sample(&s, v, u, &l);
                 assert_true(fabs(dvec3_length(l) - 1) < 1e-9);
                 sum = dvec3_add_scaled(sum, weight, 1.0 / (SIDE * SIDE));
             }
         /* glTF's dielectrics take the diffuse part by another Fresnel term than they reflect: seen from the side they may send more than they get. */
-        if (!(wanted.x <= (s.metallic == 1 ? 1 : 1.2) && wanted.x > 0.1)) fail_msg("case %u: of all light %g is reflected", i, wanted.x);
+        if (!(wanted.x <= (s.metallic == 1 ? 1 : 1.2) && wanted.x > 0.1))
+            fail_msg("case %u: of all light %g is reflected", i, wanted.x);
         if (fabs(sum.x / wanted.x - 1) > 0.01 || fabs(sum.z / wanted.z - 1) > 0.015)
             fail_msg("case %u: the samples' mean is %g, %g, the integral %g, %g", i, sum.x, sum.z, wanted.x, wanted.z);
     }
@@ -95,8 +97,10 @@ static void test_brdf_is_reciprocal(void **state) {
     struct random_state random = {3};
     for (int i = 0; i < 200; i++) {
         struct ray_surface s = surface_of((double)random_float(&random), (double)random_float(&random), 0.8);
-        dvec3 a = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1), (double)random_range(&random, 0.1f, 1)));
-        dvec3 b = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1), (double)random_range(&random, 0.1f, 1)));
+        dvec3 a = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1),
+                                             (double)random_range(&random, 0.1f, 1)));
+        dvec3 b = dvec3_normalize(dvec3_make((double)random_range(&random, -1, 1), (double)random_range(&random, -1, 1),
+                                             (double)random_range(&random, 0.1f, 1)));
         dvec3 there = dvec3_scale(ray_brdf_cos(&s, a, b), 1 / b.z), back = dvec3_scale(ray_brdf_cos(&s, b, a), 1 / a.z);
         assert_true(fabs(there.x - back.x) <= 1e-9 * fabs(there.x) && fabs(there.z - back.z) <= 1e-9 * fabs(there.z));
         b.z = -b.z;
@@ -121,10 +125,8 @@ static void test_meter_reads_grey(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_samples_integrate_the_brdf),
-        cmocka_unit_test(test_ambient_is_close_to_the_integral),
-        cmocka_unit_test(test_matt_samples_are_exact),
-        cmocka_unit_test(test_brdf_is_reciprocal),
+        cmocka_unit_test(test_samples_integrate_the_brdf), cmocka_unit_test(test_ambient_is_close_to_the_integral),
+        cmocka_unit_test(test_matt_samples_are_exact),     cmocka_unit_test(test_brdf_is_reciprocal),
         cmocka_unit_test(test_meter_reads_grey),
     };
     return cmocka_run_group_tests_name("brdf", tests, NULL, NULL);

@@ -22,8 +22,10 @@ struct ray_camera ray_camera_make(const fnl_camera *camera, uint32_t width, uint
     return c;
 }
 
-void ray_camera_ray(const struct ray_camera *c, double x, double y, dvec3 *origin, dvec3 *direction, double *low, double *high) {
-    double right = (2 * x / c->width - 1) * c->scale[0] + c->offset[0], up = (1 - 2 * y / c->height) * c->scale[1] + c->offset[1];
+void ray_camera_ray(const struct ray_camera *c, double x, double y, dvec3 *origin, dvec3 *direction, double *low,
+                    double *high) {
+    double right = (2 * x / c->width - 1) * c->scale[0] + c->offset[0],
+           up = (1 - 2 * y / c->height) * c->scale[1] + c->offset[1];
     dvec3 across = dvec3_add_scaled(dvec3_scale(c->right, right), c->up, up);
     *origin = c->orthographic ? dvec3_add(c->eye, across) : c->eye;
     *direction = c->orthographic ? c->forward : dvec3_normalize(dvec3_add(c->forward, across));

@@ -15,6 +15,7 @@ struct ray_camera {
 
 struct ray_camera ray_camera_make(const fnl_camera *camera, uint32_t width, uint32_t height);
 /** The ray through a point in pixels from the top left, and between which distances along it things are seen. */
-void ray_camera_ray(const struct ray_camera *camera, double x, double y, dvec3 *origin, dvec3 *direction, double *low, double *high);
+void ray_camera_ray(const struct ray_camera *camera, double x, double y, dvec3 *origin, dvec3 *direction, double *low,
+                    double *high);
 
 #endif

@@ -16,7 +16,9 @@ static inline dvec3 dvec3_sub(dvec3 a, dvec3 b) { return (dvec3){a.x - b.x, a.y 
 static inline dvec3 dvec3_mul(dvec3 a, dvec3 b) { return (dvec3){a.x * b.x, a.y * b.y, a.z * b.z}; }
 static inline dvec3 dvec3_scale(dvec3 a, double s) { return (dvec3){a.x * s, a.y * s, a.z * s}; }
 /** a + b * s */
-static inline dvec3 dvec3_add_scaled(dvec3 a, dvec3 b, double s) { return (dvec3){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s}; }
+static inline dvec3 dvec3_add_scaled(dvec3 a, dvec3 b, double s) {
+    return (dvec3){a.x + b.x * s, a.y + b.y * s, a.z + b.z * s};
+}
 static inline dvec3 dvec3_lerp(dvec3 a, dvec3 b, double t) { return dvec3_add_scaled(a, dvec3_sub(b, a), t); }
 static inline double dvec3_dot(dvec3 a, dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static inline dvec3 dvec3_cross(dvec3 a, dvec3 b) {

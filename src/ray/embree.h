@@ -23,8 +23,12 @@ static inline void embree_occluded(RTCScene scene, embree_query *query, struct R
 #include <embree3/rtcore.h>
 typedef struct RTCIntersectContext embree_query;
 static inline void embree_query_init(embree_query *query) { rtcInitIntersectContext(query); }
-static inline void embree_intersect(RTCScene scene, embree_query *query, struct RTCRayHit *ray) { rtcIntersect1(scene, query, ray); }
-static inline void embree_occluded(RTCScene scene, embree_query *query, struct RTCRay *ray) { rtcOccluded1(scene, query, ray); }
+static inline void embree_intersect(RTCScene scene, embree_query *query, struct RTCRayHit *ray) {
+    rtcIntersect1(scene, query, ray);
+}
+static inline void embree_occluded(RTCScene scene, embree_query *query, struct RTCRay *ray) {
+    rtcOccluded1(scene, query, ray);
+}
 #endif
 
 #endif

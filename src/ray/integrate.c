@@ -14,26 +14,30 @@ static double chance(const struct context *c) { return (double)(random_bits(c->r
 /* ---- direct light ---- */
 
 /* Where a shadow ray goes to: the light, or a random point of its source. */
-static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light, double distance) {
+static dvec3 source_point(const struct context *c, const struct ray_light *light, dvec3 position, dvec3 to_light,
+                          double distance) {
     const bool parallel = light->kind == FNL_LIGHT_DIRECTIONAL || light->kind == FNL_LIGHT_BOX;
     const double size = parallel ? (double)c->params->sun_angle : (double)c->params->light_radius;
     dvec3 point = dvec3_add_scaled(position, to_light, distance), side, up;
     if (!(size > 0)) return point;
     double radius = sqrt(chance(c)), angle = 2 * DPI * chance(c);
     radius *= parallel ? distance * tan(size) : size;
-    if (light->kind == FNL_LIGHT_CAPSULE) point = dvec3_add_scaled(light->position, light->along, (2 * chance(c) - 1) * light->half_length);
+    if (light->kind == FNL_LIGHT_CAPSULE)
+        point = dvec3_add_scaled(light->position, light->along, (2 * chance(c) - 1) * light->half_length);
     dvec3_basis(to_light, &side, &up);
     return dvec3_combine(side, up, point, dvec3_make(radius * cos(angle), radius * sin(angle), 1));
 }
 
-static double light_visibility(const struct context *c, const struct ray_surface *s, const struct ray_light *light, dvec3 to_light,
-                               double distance) {
+static double light_visibility(const struct context *c, const struct ray_surface *s, const struct ray_light *light,
+                               dvec3 to_light, double distance) {
     enum { FAR = 1 }; /* metres: directional lights are aimed at over this */
     const bool infinite = isinf(distance);
     dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
-    if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0)) return 0; /* from behind the triangle, whatever its normals say */
+    if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0))
+        return 0; /* from behind the triangle, whatever its normals say */
     dvec3 origin = dvec3_add_scaled(s->position, s->geometric, s->offset), ray = dvec3_sub(to, origin);
-    double length = dvec3_length(ray), high = infinite ? (double)INFINITY : length - fmax(s->offset, ray_rounding(dvec3_reach(to)));
+    double length = dvec3_length(ray),
+           high = infinite ? (double)INFINITY : length - fmax(s->offset, ray_rounding(dvec3_reach(to)));
     if (!(high > 0)) return 1; /* the light lies on the surface */
     return ray_visibility(c->scene, origin, dvec3_scale(ray, 1 / length), high, c->walk);
 }
@@ -81,7 +85,8 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
         s = ray_surface_at(c->scene, &hit, origin, direction, NULL);
         to_view = dvec3_scale(direction, -1);
         out = dvec3_add(out, dvec3_mul(carried, s.emissive));
-        if (bounce == c->params->bounces) return out; /* sources are seen from the last surface too, but not what others reflect */
+        if (bounce == c->params->bounces)
+            return out; /* sources are seen from the last surface too, but not what others reflect */
         out = dvec3_add(out, dvec3_mul(carried, direct_light(c, &s, to_view, NULL)));
     }
 }
@@ -91,8 +96,8 @@ static dvec3 outgoing(const struct context *c, const struct ray_surface *s, dvec
     return dvec3_add(out, c->params->bounces ? indirect_light(c, s, to_view) : ray_ambient(s, to_view, c->sky, c->ground));
 }
 
-void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x, double y, struct random_state *random,
-                   struct ray_walk *walk, struct ray_sum *sum) {
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
+                   double y, struct random_state *random, struct ray_walk *walk, struct ray_sum *sum) {
     struct context c = {.scene = scene, .params = params, .random = random, .walk = walk};
     dvec3 origin, direction, background, radiance = {0, 0, 0};
     double low, high, unused, rest = 1;

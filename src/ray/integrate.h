@@ -13,7 +13,7 @@ struct ray_sum {
 };
 
 /** Adds a sample of a pixel, through a point in pixels. `camera` is that of the parameters. */
-void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x, double y, struct random_state *random,
-                   struct ray_walk *walk, struct ray_sum *sum);
+void ray_integrate(const struct ray_scene *scene, const fnl_trace_params *params, const struct ray_camera *camera, double x,
+                   double y, struct random_state *random, struct ray_walk *walk, struct ray_sum *sum);
 
 #endif

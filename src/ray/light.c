@@ -40,7 +40,8 @@ static double parallel_strength(const struct ray_light *l, dvec3 at, dvec3 *to_l
     *to_light = dvec3_scale(l->along, -1);
     *distance = (double)INFINITY;
     if (l->kind == FNL_LIGHT_DIRECTIONAL) return 1;
-    double edge = fade(fabs(at.x) / l->half_size.x, l->inner_fraction) * fade(fabs(at.y) / l->half_size.y, l->inner_fraction) *
+    double edge = fade(fabs(at.x) / l->half_size.x, l->inner_fraction) *
+                  fade(fabs(at.y) / l->half_size.y, l->inner_fraction) *
                   fade(fabs(at.z) / l->half_size.z, l->inner_fraction);
     *distance = at.z + l->half_size.z;
     return edge * edge;

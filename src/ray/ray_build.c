@@ -6,13 +6,15 @@ fnl_result ray_scene_check(const struct ray_scene *s) {
     enum RTCError error = rtcGetDeviceError(s->device);
     if (error == RTC_ERROR_NONE) return FNL_OK;
     log_error(&s->scene->host, "%s: Embree cannot take the scene: %s", s->scene->source,
-              error == RTC_ERROR_OUT_OF_MEMORY ? "memory ran out" : error == RTC_ERROR_UNSUPPORTED_CPU ? "it does not run on this processor" : "an error of its own");
+              error == RTC_ERROR_OUT_OF_MEMORY     ? "memory ran out"
+              : error == RTC_ERROR_UNSUPPORTED_CPU ? "it does not run on this processor"
+                                                   : "an error of its own");
     return error == RTC_ERROR_OUT_OF_MEMORY ? FNL_ERROR_MEMORY : FNL_ERROR_UNSUPPORTED;
 }
 
 /* Morph targets, then joints, as glTF 2.0 says; NULL arrays stay so. */
-static void pose_vertex(const struct scene_primitive *p, const float *weights, const mat4 *joints, uint32_t i, vec3 *position,
-                        vec3 *normal, vec4 *tangent) {
+static void pose_vertex(const struct scene_primitive *p, const float *weights, const mat4 *joints, uint32_t i,
+                        vec3 *position, vec3 *normal, vec4 *tangent) {
     dvec3 at = dvec3_from(p->positions[i]), n = {0, 0, 0}, t = {0, 0, 0};
     if (p->normals) n = dvec3_from(p->normals[i]);
     if (p->tangents) t = dvec3_make((double)p->tangents[i].x, (double)p->tangents[i].y, (double)p->tangents[i].z);
@@ -53,7 +55,8 @@ struct pose {
 };
 
 static void flatten_vertex(const mat4 *m, vec3 *position, vec3 *normal, vec4 *tangent) {
-    const vec3 x = {m->m[0], m->m[1], m->m[2]}, y = {m->m[4], m->m[5], m->m[6]}, z = {m->m[8], m->m[9], m->m[10]}, n = *normal;
+    const vec3 x = {m->m[0], m->m[1], m->m[2]}, y = {m->m[4], m->m[5], m->m[6]}, z = {m->m[8], m->m[9], m->m[10]},
+               n = *normal;
     const vec3 t = vec3_normalize(mat4_direction(m, vec3_make(tangent->x, tangent->y, tangent->z)));
     *position = mat4_point(m, *position);
     *normal = vec3_scale(vec3_cross(y, z), n.x);
@@ -62,7 +65,8 @@ static void flatten_vertex(const mat4 *m, vec3 *position, vec3 *normal, vec4 *ta
     *tangent = (vec4){t.x, t.y, t.z, tangent->w};
 }
 
-static fnl_result pose_part(struct ray_scene *s, const struct scene_node *node, const struct pose *pose, struct ray_part *part) {
+static fnl_result pose_part(struct ray_scene *s, const struct scene_node *node, const struct pose *pose,
+                            struct ray_part *part) {
     const struct scene_primitive *p = part->primitive;
     const size_t count = p->vertex_count;
     part->posed_size = count * (sizeof(vec3) * 2 + sizeof(vec4));
@@ -86,15 +90,18 @@ static fnl_result attach_part(struct ray_scene *s, struct ray_mesh *mesh, struct
     const struct scene_primitive *p = part->primitive;
     const size_t triangles = p->index_count / 3;
     RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), p->vertex_count);
-    void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), triangles);
+    void *vertices =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), p->vertex_count);
+    void *indices =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), triangles);
     if (vertices && indices) {
         memcpy(vertices, part->positions, p->vertex_count * sizeof(vec3));
         memcpy(indices, p->indices, triangles * 3 * sizeof(uint32_t));
         rtcSetGeometryUserData(geometry, part);
         if (part->material->alpha_mode != FNL_ALPHA_OPAQUE || !part->material->double_sided)
             rtcSetGeometryIntersectFilterFunction(geometry, ray_filter_nearest);
-        if (part->material->alpha_mode != FNL_ALPHA_OPAQUE) rtcSetGeometryOccludedFilterFunction(geometry, ray_filter_shadow);
+        if (part->material->alpha_mode != FNL_ALPHA_OPAQUE)
+            rtcSetGeometryOccludedFilterFunction(geometry, ray_filter_shadow);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(mesh->handle, geometry, part->index - mesh->first_part);
     }
@@ -102,7 +109,9 @@ static fnl_result attach_part(struct ray_scene *s, struct ray_mesh *mesh, struct
     return vertices && indices ? FNL_OK : ray_scene_check(s);
 }
 
-static bool is_solid(const struct scene_primitive *p) { return p->topology == SCENE_TOPOLOGY_TRIANGLES && p->index_count >= 3; }
+static bool is_solid(const struct scene_primitive *p) {
+    return p->topology == SCENE_TOPOLOGY_TRIANGLES && p->index_count >= 3;
+}
 
 /* `pose` NULL: as it is, for all nodes that do not deform it. */
 static fnl_result add_mesh(struct ray_scene *s, const struct scene_node *node, const struct pose *pose, uint32_t *out) {
@@ -116,12 +125,12 @@ static fnl_result add_mesh(struct ray_scene *s, const struct scene_node *node, c
             continue;
         }
         struct ray_part part = {.primitive = p,
-                            .material = p->material == SCENE_NONE ? &s->standard : &scene->materials.data[p->material],
-                            .positions = p->positions,
-                            .normals = p->normals,
-                            .tangents = p->tangents,
-                            .scene = s,
-                            .index = s->parts.count};
+                                .material = p->material == SCENE_NONE ? &s->standard : &scene->materials.data[p->material],
+                                .positions = p->positions,
+                                .normals = p->normals,
+                                .tangents = p->tangents,
+                                .scene = s,
+                                .index = s->parts.count};
         if (pose) TRY(pose_part(s, node, pose, &part));
         s->parts.data[s->parts.count++] = part; /* reserved: filters point to it */
         mesh.part_count++;
@@ -138,7 +147,8 @@ static fnl_result add_mesh(struct ray_scene *s, const struct scene_node *node, c
 
 static struct ray_instance instance_make(uint32_t mesh, const mat4 *m) {
     struct ray_instance in = {.mesh = mesh, .matrix = *m};
-    for (int c = 0; c < 3; c++) in.axes[c] = dvec3_make((double)m->m[4 * c], (double)m->m[4 * c + 1], (double)m->m[4 * c + 2]);
+    for (int c = 0; c < 3; c++)
+        in.axes[c] = dvec3_make((double)m->m[4 * c], (double)m->m[4 * c + 1], (double)m->m[4 * c + 2]);
     in.origin = dvec3_make((double)m->m[12], (double)m->m[13], (double)m->m[14]);
     for (int c = 0; c < 3; c++) in.cofactors[c] = dvec3_cross(in.axes[(c + 1) % 3], in.axes[(c + 2) % 3]);
     in.mirror = dvec3_dot(in.axes[0], in.cofactors[0]) < 0 ? -1 : 1;
@@ -242,7 +252,8 @@ static fnl_result add_nodes(struct ray_scene *s) {
         parts += own ? own * scene->meshes.data[node->mesh].primitive_count : 0;
         meshes += own;
     }
-    if (!array_reserve(host, &s->parts, MAX(parts, 1u)) || !array_reserve(host, &s->meshes, MAX(meshes, 1u))) return FNL_ERROR_MEMORY;
+    if (!array_reserve(host, &s->parts, MAX(parts, 1u)) || !array_reserve(host, &s->meshes, MAX(meshes, 1u)))
+        return FNL_ERROR_MEMORY;
     size_t size = MAX(scene->meshes.count, 1u) * sizeof(uint32_t);
     uint32_t *shared = host_allocate(host, size);
     if (!shared) return FNL_ERROR_MEMORY;
@@ -266,6 +277,7 @@ fnl_result ray_scene_build(struct ray_scene *s, struct jobs *jobs) {
     rtcCommitScene(s->handle);
     TRY(ray_scene_check(s));
     for (uint32_t i = 0; i < s->scene->decals.count; i++)
-        s->unseen += s->scene->decals.data[i].params.kind != FNL_DECAL_BAKED && decal_shows(s->scene, &s->scene->decals.data[i]);
+        s->unseen +=
+            s->scene->decals.data[i].params.kind != FNL_DECAL_BAKED && decal_shows(s->scene, &s->scene->decals.data[i]);
     return FNL_OK;
 }

@@ -7,7 +7,8 @@ enum { FEW = 32 }; /* lights that are asked one by one */
 static void bound_light(const struct RTCBoundsFunctionArguments *arguments) {
     const struct ray_scene *s = arguments->geometryUserPtr;
     const struct ray_light *l = &s->lights.data[s->sun_count + arguments->primID];
-    double radius = l->kind == FNL_LIGHT_BOX ? dvec3_length(l->half_size) : l->range + (l->kind == FNL_LIGHT_CAPSULE ? l->half_length : 0);
+    double radius = l->kind == FNL_LIGHT_BOX ? dvec3_length(l->half_size)
+                                             : l->range + (l->kind == FNL_LIGHT_CAPSULE ? l->half_length : 0);
     radius += 1e-5 * (radius + dvec3_reach(l->position)); /* floats round */
     *arguments->bounds_o = (struct RTCBounds){.lower_x = (float)fmax(l->position.x - radius, -1e18),
                                               .lower_y = (float)fmax(l->position.y - radius, -1e18),
@@ -86,9 +87,12 @@ void ray_scene_find_lights(const struct ray_scene *s, dvec3 position, struct ray
     if (!s->light_tree) return;
     struct near_lights near = {s, walk};
     struct RTCPointQueryContext context;
-    struct RTCPointQuery query = {
-        .x = (float)position.x, .y = (float)position.y, .z = (float)position.z, .radius = (float)ray_rounding(dvec3_reach(position))};
+    struct RTCPointQuery query = {.x = (float)position.x,
+                                  .y = (float)position.y,
+                                  .z = (float)position.z,
+                                  .radius = (float)ray_rounding(dvec3_reach(position))};
     rtcInitPointQueryContext(&context);
     rtcPointQuery(s->light_tree, &query, &context, take_light, &near);
-    qsort(walk->lights.data + first, walk->lights.count - first, sizeof *walk->lights.data, compare_indices); /* the order of the tree is no order of light */
+    qsort(walk->lights.data + first, walk->lights.count - first, sizeof *walk->lights.data,
+          compare_indices); /* the order of the tree is no order of light */
 }

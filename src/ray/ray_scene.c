@@ -21,7 +21,8 @@ static const struct RTCHit *filter_hit(const struct RTCFilterFunctionNArguments 
 
 /* A chance in 0..1 that does not depend on the order in which surfaces are found. */
 static double chance_of(uint64_t key, uint32_t instance, uint32_t part, uint32_t triangle) {
-    struct random_state random = {key ^ (uint64_t)triangle * 0x9e3779b97f4a7c15ull ^ ((uint64_t)instance << 32 | part) * 0xd1b54a32d192ed03ull};
+    struct random_state random = {key ^ (uint64_t)triangle * 0x9e3779b97f4a7c15ull ^
+                                  ((uint64_t)instance << 32 | part) * 0xd1b54a32d192ed03ull};
     return (double)random_float(&random);
 }
 
@@ -39,8 +40,8 @@ static bool is_on_edge(const struct ray_hit *hit) { return fmin(fmin(hit->u, hit
 
 /* A ray through the edge that two triangles share meets both, and no crack: for what is passed they count as one. */
 static bool is_same_crossing(const struct ray_hit *a, const struct ray_hit *b) {
-    return a->part == b->part && a->instance == b->instance && fabs(a->distance - b->distance) <= 1e-5 * a->distance && is_on_edge(a) &&
-           is_on_edge(b);
+    return a->part == b->part && a->instance == b->instance && fabs(a->distance - b->distance) <= 1e-5 * a->distance &&
+           is_on_edge(a) && is_on_edge(b);
 }
 
 void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
@@ -53,7 +54,10 @@ void ray_filter_nearest(const struct RTCFilterFunctionNArguments *arguments) {
         return;
     }
     if (m->alpha_mode == FNL_ALPHA_OPAQUE) return;
-    double cover = query->kind == RAY_CAMERA && m->alpha_mode == FNL_ALPHA_BLEND ? 0 : ray_coverage(part, &part->scene->instances.data[hit.instance], hit.triangle, hit.u, hit.v, query->neighbours);
+    double cover =
+        query->kind == RAY_CAMERA && m->alpha_mode == FNL_ALPHA_BLEND
+            ? 0
+            : ray_coverage(part, &part->scene->instances.data[hit.instance], hit.triangle, hit.u, hit.v, query->neighbours);
     if (m->alpha_mode == FNL_ALPHA_BLEND) {
         struct ray_walk *walk = query->walk;
         if (query->kind == RAY_CAMERA && !array_push(&part->scene->scene->host, &walk->layers, hit)) walk->failed = true;
@@ -152,21 +156,24 @@ bool ray_find(const struct ray_scene *s, enum ray_kind kind, dvec3 origin, dvec3
     if (found) {
         const struct ray_instance *in = &s->instances.data[ray.hit.instID[0]];
         dvec3 normal = {(double)ray.hit.Ng_x, (double)ray.hit.Ng_y, (double)ray.hit.Ng_z};
-        *hit = (struct ray_hit){.instance = ray.hit.instID[0],
-                                .part = s->meshes.data[in->mesh].first_part + ray.hit.geomID,
-                                .triangle = ray.hit.primID,
-                                .u = (double)ray.hit.u,
-                                .v = (double)ray.hit.v,
-                                .distance = (double)ray.ray.tfar,
-                                .front = dvec3_dot(direction, dvec3_combine(in->cofactors[0], in->cofactors[1], in->cofactors[2], normal)) < 0};
+        *hit = (struct ray_hit){
+            .instance = ray.hit.instID[0],
+            .part = s->meshes.data[in->mesh].first_part + ray.hit.geomID,
+            .triangle = ray.hit.primID,
+            .u = (double)ray.hit.u,
+            .v = (double)ray.hit.v,
+            .distance = (double)ray.ray.tfar,
+            .front = dvec3_dot(direction, dvec3_combine(in->cofactors[0], in->cofactors[1], in->cofactors[2], normal)) < 0};
     }
     if (kind != RAY_CAMERA) return found;
     if (walk->layers.count > 1) qsort(walk->layers.data, walk->layers.count, sizeof *walk->layers.data, compare_layers);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < walk->layers.count; i++)
-        if (kept == 0 || !is_same_crossing(&walk->layers.data[kept - 1], &walk->layers.data[i])) walk->layers.data[kept++] = walk->layers.data[i];
+        if (kept == 0 || !is_same_crossing(&walk->layers.data[kept - 1], &walk->layers.data[i]))
+            walk->layers.data[kept++] = walk->layers.data[i];
     walk->layers.count = kept;
-    while (found && walk->layers.count && walk->layers.data[walk->layers.count - 1].distance >= hit->distance) walk->layers.count--;
+    while (found && walk->layers.count && walk->layers.data[walk->layers.count - 1].distance >= hit->distance)
+        walk->layers.count--;
     return found;
 }
 

@@ -37,9 +37,9 @@ struct ray_walk {
     ARRAY(struct ray_hit) layers;  /* blended surfaces in front of the hit, the nearest first */
     ARRAY(struct ray_hit) crossed; /* by the last shadow ray */
     uint64_t ray_count;
-    ARRAY(uint32_t) lights;        /* of ray_scene_find_lights */
-    bool failed;                   /* memory ran out */
-    uint64_t key;                  /* RAY_PATH: of the chances */
+    ARRAY(uint32_t) lights; /* of ray_scene_find_lights */
+    bool failed;            /* memory ran out */
+    uint64_t key;           /* RAY_PATH: of the chances */
 };
 
 /** Neighbours of a camera's ray, one pixel to the right and one down, which textures are filtered by. */

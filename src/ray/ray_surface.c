@@ -33,8 +33,8 @@ static void find_corners(const struct ray_part *part, const struct ray_instance 
 }
 
 /* How texture coordinates change to the neighbours of a pixel. */
-static void find_footprint(const struct ray_part *part, uint32_t triangle, const dvec3 corners[3], const struct ray_neighbours *neighbours,
-                           struct ray_uv *uv) {
+static void find_footprint(const struct ray_part *part, uint32_t triangle, const dvec3 corners[3],
+                           const struct ray_neighbours *neighbours, struct ray_uv *uv) {
     double(*const steps[2])[2] = {uv->along, uv->across};
     for (int k = 0; k < 2; k++) {
         double u, v;
@@ -76,15 +76,17 @@ double ray_coverage(const struct ray_part *part, const struct ray_instance *in, 
 }
 
 /* The means of the corners' unit vectors in the world, as vertices have them. */
-static dvec3 interpolate_normal(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners, const double weights[3]) {
+static dvec3 interpolate_normal(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners,
+                                const double weights[3]) {
     dvec3 sum = {0, 0, 0};
     for (int k = 0; k < 3; k++)
-        sum = dvec3_add_scaled(sum, dvec3_normalize(carry(in->cofactors, dvec3_from(part->normals[corners[k]]))), weights[k]);
+        sum =
+            dvec3_add_scaled(sum, dvec3_normalize(carry(in->cofactors, dvec3_from(part->normals[corners[k]]))), weights[k]);
     return sum;
 }
 
-static dvec3 bend_normal(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners, const double weights[3],
-                         dvec3 normal, const double texel[4]) {
+static dvec3 bend_normal(const struct ray_part *part, const struct ray_instance *in, const uint32_t *corners,
+                         const double weights[3], dvec3 normal, const double texel[4]) {
     dvec3 tangent = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
         vec4 t = part->tangents[corners[k]];
@@ -98,8 +100,8 @@ static dvec3 bend_normal(const struct ray_part *part, const struct ray_instance 
 
 static dvec3 rgb(const double texel[4]) { return dvec3_make(texel[0], texel[1], texel[2]); }
 
-static void shade_material(const struct ray_scene *s, const struct ray_part *part, const struct ray_uv *uv, const double color[4],
-                           struct ray_surface *out) {
+static void shade_material(const struct ray_scene *s, const struct ray_part *part, const struct ray_uv *uv,
+                           const double color[4], struct ray_surface *out) {
     const struct scene_material *m = part->material;
     double texel[4];
 #define SAMPLE(slot) ray_texture_sample(s->scene, s->images, m, SCENE_TEXTURE_##slot, uv, texel)

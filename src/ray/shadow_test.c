@@ -35,7 +35,8 @@ static void expect_shadow(fnl_scene *scene, struct shade shade, double inside, d
     for (uint32_t y = 0; y < SIZE; y++)
         for (uint32_t x = 0; x < SIZE; x++) {
             /* Where the way to the light is at the height of the shade. */
-            const double light[2] = {(double)LIGHT.x, (double)LIGHT.z}, floor[2] = {((x + 0.5) / SIZE - 0.5) * EXTENT, ((y + 0.5) / SIZE - 0.5) * EXTENT};
+            const double light[2] = {(double)LIGHT.x, (double)LIGHT.z},
+                         floor[2] = {((x + 0.5) / SIZE - 0.5) * EXTENT, ((y + 0.5) / SIZE - 0.5) * EXTENT};
             double edge = INFINITY; /* metres inside of the nearest edge */
             for (int i = 0; i < 2; i++) {
                 double at = floor[i] + (light[i] - floor[i]) / (double)LIGHT.y;
@@ -43,7 +44,8 @@ static void expect_shadow(fnl_scene *scene, struct shade shade, double inside, d
             }
             if (fabs(edge) < 1e-3) continue;
             double wanted = edge > 0 ? inside : outside, got = (double)pixel_at(&trace.visibility, x, y)[0];
-            if (fabs(got - wanted) > 1e-6) fail_msg("%s: at %g, %g visibility is %g, must be %g", what, floor[0], floor[1], got, wanted);
+            if (fabs(got - wanted) > 1e-6)
+                fail_msg("%s: at %g, %g visibility is %g, must be %g", what, floor[0], floor[1], got, wanted);
             *(edge > 0 ? &dark : &lit) += 1;
         }
     assert_true(dark > 20 && lit > 20);
@@ -59,7 +61,9 @@ static void test_hard_shadow(void **state) {
         fnl_scene *scene = open_floor();
         fnl_material_params material = matt(1);
         fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
-        add_instance(scene, mesh, mat4_from_trs(vec3_make(0, 1, 0), quat_axis_angle(vec3_make(1, 0, 0), turned ? PI : 0), vec3_make(1, 1, 1)));
+        add_instance(
+            scene, mesh,
+            mat4_from_trs(vec3_make(0, 1, 0), quat_axis_angle(vec3_make(1, 0, 0), turned ? PI : 0), vec3_make(1, 1, 1)));
         expect_shadow(scene, SQUARE, 0, 1, turned ? "turned" : "plain");
     }
     fnl_scene *scene = open_floor();
@@ -72,11 +76,14 @@ static void test_shadow_of_instances(void **state) {
     fnl_material_params material = matt(1);
     fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
     add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0.5f, 1, -0.25f}), mat4_scaling((vec3){-0.5f, 7, 1.25f})));
-    add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0, -5, 0}), mat4_scaling((vec3){3, 1, 3}))); /* of the same mesh, elsewhere */
+    add_instance(
+        scene, mesh,
+        mat4_mul(mat4_translation((vec3){0, -5, 0}), mat4_scaling((vec3){3, 1, 3}))); /* of the same mesh, elsewhere */
     expect_shadow(scene, (struct shade){{0, -1.5}, {1, 1}}, 0, 1, "mirrored and stretched");
     scene = open_floor();
     mesh = add_square_mesh(scene, add_material(scene, &material));
-    add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){1, 0, 0.5f}))); /* has no inverse */
+    add_instance(scene, mesh,
+                 mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){1, 0, 0.5f}))); /* has no inverse */
     expect_shadow(scene, (struct shade){{-1, -0.5}, {1, 0.5}}, 0, 1, "flattened");
     /* An instance that is hidden, or gone, casts none. */
     scene = open_floor();
@@ -102,7 +109,8 @@ static void test_cutout_lets_light_through_its_holes(void **state) {
     leaf.alpha_mode = FNL_ALPHA_MASK;
     /* The texture repeats, and is filtered over its edge: a mirrored wrap keeps both halves whole. */
     fnl_material_id material = add_material(scene, &leaf);
-    const struct scene_sampler clamped = {.mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .wrap_u = SCENE_WRAP_CLAMP, .wrap_v = SCENE_WRAP_CLAMP};
+    const struct scene_sampler clamped = {
+        .mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .wrap_u = SCENE_WRAP_CLAMP, .wrap_v = SCENE_WRAP_CLAMP};
     scene->materials.data[material.index].textures[SCENE_TEXTURE_BASE_COLOR].sampler = scene_add_sampler(scene, &clamped);
     add_instance(scene, add_square_mesh(scene, material), mat4_translation((vec3){0, 1, 0}));
     expect_shadow(scene, (struct shade){{0, -1}, {1, 1}}, 0, 1, "cutout");
@@ -170,7 +178,8 @@ static void test_light_inside_a_wall(void **state) {
     UNUSED(state);
     fnl_scene *scene = open_floor();
     fnl_material_params wall = matt(1);
-    add_square(scene, &wall, (vec3){10, 1, 10}, (vec3){0, LIGHT.y + 0.01f, 0}); /* two faces, a centimetre from the light each */
+    add_square(scene, &wall, (vec3){10, 1, 10},
+               (vec3){0, LIGHT.y + 0.01f, 0}); /* two faces, a centimetre from the light each */
     add_square(scene, &wall, (vec3){10, 1, 10}, (vec3){0, LIGHT.y - 0.01f, 0});
     fnl_trace trace = trace_floor(scene);
     assert_float_equal(mean_of(&trace.visibility, 0), 0, 0);
@@ -195,7 +204,8 @@ static void test_light_on_a_surface(void **state) {
         fnl_trace_params p = look_down((vec3){o, 0, o}, 8, 2, SIZE);
         p.visibility = true;
         fnl_trace trace = trace_scene(scene, &p);
-        for (uint32_t k = 0; k < SIZE * SIZE; k++) assert_float_equal(pixel_at(&trace.visibility, k % SIZE, k / SIZE)[0], 1, 0);
+        for (uint32_t k = 0; k < SIZE * SIZE; k++)
+            assert_float_equal(pixel_at(&trace.visibility, k % SIZE, k / SIZE)[0], 1, 0);
         assert_true(mean_of(&trace.radiance, 0) > 0.05);
         fnl_trace_free(NULL, &trace);
         fnl_scene_destroy(&scene);
@@ -210,7 +220,12 @@ static void test_light_from_behind_the_triangle(void **state) {
     static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
     fnl_scene *scene = world_create(NULL);
     fnl_material_params white = matt(1);
-    fnl_mesh_params params = {.vertex_count = 4, .index_count = 6, .positions = positions, .normals = normals, .indices = indices, .material = add_material(scene, &white)};
+    fnl_mesh_params params = {.vertex_count = 4,
+                              .index_count = 6,
+                              .positions = positions,
+                              .normals = normals,
+                              .indices = indices,
+                              .material = add_material(scene, &white)};
     fnl_mesh_id mesh;
     assert_int_equal(fnl_scene_add_mesh(scene, &params, &mesh), FNL_OK);
     add_instance(scene, mesh, mat4_identity());
@@ -244,7 +259,8 @@ static void test_camera_sees_fronts_and_layers(void **state) {
         float scale_x; /* negative: mirrored, which keeps the front where it was */
         float turn;
         bool double_sided, seen;
-    } cases[] = {{1, 0, false, true}, {-1, 0, false, true}, {1, PI, false, false}, {-1, PI, false, false}, {1, PI, true, true}};
+    } cases[] = {
+        {1, 0, false, true}, {-1, 0, false, true}, {1, PI, false, false}, {-1, PI, false, false}, {1, PI, true, true}};
     fnl_trace_params p = look_down((vec3){0, 0, 0}, 1, 5, 4);
     for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
         fnl_scene *scene = world_create(NULL);
@@ -252,9 +268,12 @@ static void test_camera_sees_fronts_and_layers(void **state) {
         m.unlit = true;
         m.double_sided = cases[i].double_sided;
         fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &m));
-        add_instance(scene, mesh, mat4_from_trs((vec3){0, 0, 0}, quat_axis_angle((vec3){1, 0, 0}, cases[i].turn), (vec3){cases[i].scale_x, 1, 1}));
+        add_instance(
+            scene, mesh,
+            mat4_from_trs((vec3){0, 0, 0}, quat_axis_angle((vec3){1, 0, 0}, cases[i].turn), (vec3){cases[i].scale_x, 1, 1}));
         fnl_trace trace = trace_scene(scene, &p);
-        if ((pixel_at(&trace.radiance, 1, 1)[0] == 0.25f) != cases[i].seen) fail_msg("case %u is %s", i, cases[i].seen ? "not seen" : "seen");
+        if ((pixel_at(&trace.radiance, 1, 1)[0] == 0.25f) != cases[i].seen)
+            fail_msg("case %u is %s", i, cases[i].seen ? "not seen" : "seen");
         fnl_trace_free(NULL, &trace);
         fnl_scene_destroy(&scene);
     }
@@ -263,7 +282,8 @@ static void test_camera_sees_fronts_and_layers(void **state) {
     m.unlit = true;
     add_square(scene, &m, (vec3){1, 1, 1}, (vec3){0, 0, 0});
     m.alpha_mode = FNL_ALPHA_BLEND;
-    const float layers[][2] = {{0.5f, 0.25f}, {0, 0.5f}, {0.75f, 0.5f}, {0.9f, 1}}; /* colour, coverage; upward: the last is above the camera */
+    const float layers[][2] = {
+        {0.5f, 0.25f}, {0, 0.5f}, {0.75f, 0.5f}, {0.9f, 1}}; /* colour, coverage; upward: the last is above the camera */
     for (int k = 0; k < 4; k++) {
         for (int c = 0; c < 3; c++) m.base_color[c] = layers[k][0];
         m.base_color[3] = layers[k][1];
@@ -291,7 +311,8 @@ static void test_mirrored_instances_are_lit(void **state) {
     }
     assert_true(pixel_at(&traces[1].radiance, 1, 1)[0] > 0.1f);
     for (uint32_t i = 0; i < 16; i++)
-        assert_float_equal(pixel_at(&traces[0].radiance, i % 4, i / 4)[0], pixel_at(&traces[1].radiance, i % 4, i / 4)[0], 1e-6);
+        assert_float_equal(pixel_at(&traces[0].radiance, i % 4, i / 4)[0], pixel_at(&traces[1].radiance, i % 4, i / 4)[0],
+                           1e-6);
     fnl_trace_free(NULL, &traces[0]);
     fnl_trace_free(NULL, &traces[1]);
 }
@@ -348,7 +369,8 @@ static void test_sun_casts_a_penumbra(void **state) {
     for (uint32_t x = 0; x < 20; x++) {
         double mean = 0, at = (x + 0.5) * 0.1 - 1;
         for (uint32_t y = 0; y < 20; y++) mean += (double)pixel_at(&trace.visibility, x, y)[0] / 20;
-        double part = CLAMP(at / 0.55, -1.0, 1.0), wanted = (acos(part) - part * sqrt(1 - part * part)) / (double)PI; /* of a disk cut by a line */
+        double part = CLAMP(at / 0.55, -1.0, 1.0),
+               wanted = (acos(part) - part * sqrt(1 - part * part)) / (double)PI; /* of a disk cut by a line */
         if (fabs(mean - wanted) > 0.03) fail_msg("at %g: %g, must be %g", at, mean, wanted);
         assert_true(mean <= before + 0.01);
         before = mean;
@@ -370,7 +392,8 @@ static void test_capsule_is_hidden_in_part(void **state) {
     tube.length = 2;
     tube.intensity = 10;
     add_square(scene, &white, (vec3){10, 1, 10}, (vec3){0, 0, 0});
-    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){10.25f, 1, 0}); /* covers x > 0.25: of the tube 0.5 .. 1 from the middle below */
+    add_square(scene, &white, (vec3){10, 1, 10},
+               (vec3){10.25f, 1, 0}); /* covers x > 0.25: of the tube 0.5 .. 1 from the middle below */
     assert_int_equal(fnl_scene_add_light(scene, &tube, &id), FNL_OK);
     fnl_trace_params p = look_down((vec3){0, 0, 0}, 0.01f, 0.5f, 16);
     p.visibility = true;

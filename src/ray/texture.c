@@ -34,7 +34,8 @@ static void make_level(struct ray_image *image, uint32_t level) {
             double fx = (x + 0.5) * from_width / width - 0.5, wx = MAX(fx, 0.0), wy = MAX(fy, 0.0);
             uint32_t x0 = (uint32_t)wx, x1 = MIN(x0 + 1, from_width - 1);
             const uint8_t *texels[4] = {from + 4 * ((size_t)y0 * from_width + x0), from + 4 * ((size_t)y0 * from_width + x1),
-                                        from + 4 * ((size_t)y1 * from_width + x0), from + 4 * ((size_t)y1 * from_width + x1)};
+                                        from + 4 * ((size_t)y1 * from_width + x0),
+                                        from + 4 * ((size_t)y1 * from_width + x1)};
             wx -= x0;
             wy -= y0;
             for (int c = 0; c < 4; c++) {
@@ -94,7 +95,8 @@ fnl_result ray_images_create(const fnl_scene *scene, struct jobs *jobs, struct r
     for (uint32_t m = 0; m < scene->materials.count; m++)
         for (int slot = 0; slot < SCENE_TEXTURE_SLOT_COUNT; slot++) {
             uint32_t image = scene->materials.data[m].textures[slot].image;
-            if (image == SCENE_NONE || used[image] || !scene->images.data[image].width || !scene->images.data[image].height) continue;
+            if (image == SCENE_NONE || used[image] || !scene->images.data[image].width || !scene->images.data[image].height)
+                continue;
             used[image] = true;
             if (scene->images.data[image].pixels || scene->images.data[image].encoded) indices[used_count++] = image;
         }
@@ -140,11 +142,12 @@ static void add_level(const struct ray_image *image, const struct scene_sampler 
     }
     double x0 = floor(x - 0.5), y0 = floor(y - 0.5), fx = x - 0.5 - x0, fy = y - 0.5 - y0;
     for (int k = 0; k < 4; k++)
-        add_texel(image, s, decodes, level, x0 + (k & 1), y0 + (k >> 1), weight * (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy), out);
+        add_texel(image, s, decodes, level, x0 + (k & 1), y0 + (k >> 1),
+                  weight * (k & 1 ? fx : 1 - fx) * (k >> 1 ? fy : 1 - fy), out);
 }
 
-static void add_tap(const struct ray_image *image, const struct scene_sampler *s, bool decodes, double lod, const double uv[2],
-                    double weight, double out[4]) {
+static void add_tap(const struct ray_image *image, const struct scene_sampler *s, bool decodes, double lod,
+                    const double uv[2], double weight, double out[4]) {
     if (lod <= 0 || !s->mipmapped) {
         add_level(image, s, decodes, 0, lod <= 0 ? s->mag : s->min, uv, weight, out);
         return;
@@ -166,7 +169,8 @@ static void transform_uv(const struct scene_texture *t, const double uv[2], doub
                  (double)t->transform[3 * i + 2] * offset;
 }
 
-bool ray_texture_exists(const struct ray_image *images, const struct scene_material *material, enum scene_texture_slot slot) {
+bool ray_texture_exists(const struct ray_image *images, const struct scene_material *material,
+                        enum scene_texture_slot slot) {
     uint32_t image = material->textures[slot].image;
     return image != SCENE_NONE && images[image].pixels;
 }
@@ -179,15 +183,18 @@ void ray_texture_sample(const fnl_scene *scene, const struct ray_image *images, 
     const struct scene_texture *t = &material->textures[slot];
     const struct ray_image *image = &images[t->image];
     const struct scene_sampler *s = &scene->samplers.data[t->sampler];
-    bool decodes = image->color && (slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE || slot == SCENE_TEXTURE_SPECULAR_COLOR);
+    bool decodes = image->color && (slot == SCENE_TEXTURE_BASE_COLOR || slot == SCENE_TEXTURE_EMISSIVE ||
+                                    slot == SCENE_TEXTURE_SPECULAR_COLOR);
     double at[2], along[2], across[2];
     transform_uv(t, uv->at[t->uv_set], 1, at);
     transform_uv(t, uv->along[t->uv_set], 0, along);
     transform_uv(t, uv->across[t->uv_set], 0, across);
     memset(out, 0, 4 * sizeof *out);
     if (!isfinite(at[0]) || !isfinite(at[1])) at[0] = at[1] = 0;
-    double a = hypot(along[0] * image->width, along[1] * image->height), b = hypot(across[0] * image->width, across[1] * image->height);
-    double longer = fmax(a, b), shorter = fmin(a, b), most = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? (double)scene->anisotropy : 1;
+    double a = hypot(along[0] * image->width, along[1] * image->height),
+           b = hypot(across[0] * image->width, across[1] * image->height);
+    double longer = fmax(a, b), shorter = fmin(a, b),
+           most = s->mipmapped && s->min == SCENE_FILTER_LINEAR ? (double)scene->anisotropy : 1;
     if (!(longer > 0) || !isfinite(longer)) {
         add_tap(image, s, decodes, 0, at, 1, out);
         return;

@@ -23,7 +23,9 @@ static dvec3 transform(const double rows[3][3], dvec3 c) {
 }
 
 /* The fit by S. Hill of the ACES reference and output transforms. */
-static double aces_curve(double x) { return (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081); }
+static double aces_curve(double x) {
+    return (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
+}
 static dvec3 aces(dvec3 c) {
     static const double into[3][3] = {{0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
     static const double back[3][3] = {

@@ -129,7 +129,8 @@ static bool create_image(const fnl_host *host, const fnl_trace_params *p, fnl_pi
 
 static fnl_result make_pictures(struct trace *t, const fnl_host *host, fnl_trace *out) {
     const fnl_trace_params *p = t->params;
-    if (!create_image(host, p, FNL_PIXEL_FORMAT_RGBA32F, &out->radiance) || !create_image(host, p, FNL_PIXEL_FORMAT_RGBA8, &out->color))
+    if (!create_image(host, p, FNL_PIXEL_FORMAT_RGBA32F, &out->radiance) ||
+        !create_image(host, p, FNL_PIXEL_FORMAT_RGBA8, &out->color))
         return FNL_ERROR_MEMORY;
     if (p->visibility && !create_image(host, p, FNL_PIXEL_FORMAT_RGBA32F, &out->visibility)) return FNL_ERROR_MEMORY;
     fill_radiance(t, out->radiance.pixels, out->visibility.pixels);
@@ -145,7 +146,8 @@ static fnl_result run(struct trace *t, const fnl_scene *scene, struct jobs *jobs
     t->camera = ray_camera_make(&p->camera, p->width, p->height);
     t->tiles_x = (p->width + TILE - 1) / TILE;
     t->tiles_y = (p->height + TILE - 1) / TILE;
-    const size_t sums_size = (size_t)p->width * p->height * sizeof *t->sums, counts_size = (size_t)t->tiles_x * t->tiles_y * sizeof *t->counts;
+    const size_t sums_size = (size_t)p->width * p->height * sizeof *t->sums,
+                 counts_size = (size_t)t->tiles_x * t->tiles_y * sizeof *t->counts;
     t->sums = host_allocate_zero(&scene->host, sums_size);
     t->counts = host_allocate_zero(&scene->host, counts_size);
     fnl_result result = t->sums && t->counts ? ray_scene_create(scene, jobs, &t->scene) : FNL_ERROR_MEMORY;

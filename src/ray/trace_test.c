@@ -12,12 +12,15 @@ static void add_box(fnl_scene *scene, const fnl_material_params *material, bool 
     fnl_mesh_id square = add_square_mesh(scene, add_material(scene, material));
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2) {
-            quat turn = axis == 1 ? quat_identity() : quat_axis_angle(axis == 0 ? vec3_make(0, 0, 1) : vec3_make(1, 0, 0), PI / 2);
+            quat turn =
+                axis == 1 ? quat_identity() : quat_axis_angle(axis == 0 ? vec3_make(0, 0, 1) : vec3_make(1, 0, 0), PI / 2);
             mat4 m = mat4_from_trs(vec3_make(0, 0, 0), turn, vec3_make(1, 1, 1));
             vec3 up = mat4_direction(&m, vec3_make(0, 1, 0));
             float at = (float)side * (axis == 0 ? up.x : axis == 1 ? up.y : up.z);
             vec3 place = {axis == 0 ? (float)side : 0, axis == 1 ? (float)side : 0, axis == 2 ? (float)side : 0};
-            if ((at < 0) != inside) m = mat4_mul(m, mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), PI), vec3_make(1, 1, 1)));
+            if ((at < 0) != inside)
+                m = mat4_mul(m,
+                             mat4_from_trs(vec3_make(0, 0, 0), quat_axis_angle(vec3_make(1, 0, 0), PI), vec3_make(1, 1, 1)));
             add_instance(scene, square, mat4_mul(mat4_translation(place), m));
         }
 }
@@ -28,7 +31,8 @@ static void test_white_furnace(void **state) {
     fnl_scene *scene = world_create(NULL);
     fnl_material_params white = matt(1);
     add_box(scene, &white, false);
-    add_square(scene, &white, vec3_make(2, 1, 2), vec3_make(0, -1, 0)); /* the box stands on it: corners that reflect one another */
+    add_square(scene, &white, vec3_make(2, 1, 2),
+               vec3_make(0, -1, 0)); /* the box stands on it: corners that reflect one another */
     assert_int_equal(fnl_scene_set_ambient(scene, (fnl_vec3){3, 3, 3}, (fnl_vec3){3, 3, 3}), FNL_OK);
     assert_int_equal(fnl_scene_set_background(scene, (fnl_vec3){3, 3, 3}), FNL_OK);
     fnl_trace_params p = fnl_trace_params_default();
@@ -59,7 +63,8 @@ static void test_energy_in_a_closed_box(void **state) {
         for (uint32_t y = 0; y < p.height; y++)
             for (uint32_t x = 0; x < p.width; x++)
                 if (fabs((double)pixel_at(&trace.radiance, x, y)[1] - wanted) > 1e-5)
-                    fail_msg("%u bounces: %g at %u, %u, must be %g", p.bounces, (double)pixel_at(&trace.radiance, x, y)[1], x, y, wanted);
+                    fail_msg("%u bounces: %g at %u, %u, must be %g", p.bounces, (double)pixel_at(&trace.radiance, x, y)[1],
+                             x, y, wanted);
         fnl_trace_free(NULL, &trace);
     }
     /* Ending paths by chance keeps the mean. */
@@ -94,7 +99,8 @@ static void test_area_light_has_its_form_factor(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(places); i++) {
         double x = (double)places[i].x, z = (double)places[i].z;
         /* Signed sums of the rectangles that have a corner above the point. */
-        double factor = corner_factor(1 - x, 1 - z) + corner_factor(1 - x, 1 + z) + corner_factor(1 + x, 1 - z) + corner_factor(1 + x, 1 + z);
+        double factor = corner_factor(1 - x, 1 - z) + corner_factor(1 - x, 1 + z) + corner_factor(1 + x, 1 - z) +
+                        corner_factor(1 + x, 1 + z);
         fnl_trace_params p = look_down(vec3_make(places[i].x, 0, places[i].z), 0.01f, 0.5f, 8);
         p.samples = 1600, p.bounces = 1;
         fnl_trace trace = trace_scene(scene, &p);
@@ -114,13 +120,15 @@ static void test_one_bounce_off_a_red_wall(void **state) {
     red.base_color[0] = 0.5f;
     add_square(scene, &floor, vec3_make(5, 1, 5), vec3_make(0, 0, 0));
     fnl_mesh_id wall = add_square_mesh(scene, add_material(scene, &red)); /* x = 2, 0 < y < 2, -1 < z < 1 */
-    add_instance(scene, wall, mat4_from_trs(vec3_make(2, 1, 0), quat_axis_angle(vec3_make(0, 0, 1), PI / 2), vec3_make(1, 1, 1)));
+    add_instance(scene, wall,
+                 mat4_from_trs(vec3_make(2, 1, 0), quat_axis_angle(vec3_make(0, 0, 1), PI / 2), vec3_make(1, 1, 1)));
     const dvec3 light = {0, 1.5, 0}, at = {0.5, 0, 0.25};
     add_point_light(scene, (vec3){0, 1.5f, 0}, 10);
     double wanted = 0;
     for (int i = 0; i < STEPS; i++)
         for (int k = 0; k < STEPS; k++) {
-            dvec3 p = {2, 2 * (i + 0.5) / STEPS, 2 * (k + 0.5) / STEPS - 1}, to_light = dvec3_sub(light, p), to_floor = dvec3_sub(at, p);
+            dvec3 p = {2, 2 * (i + 0.5) / STEPS, 2 * (k + 0.5) / STEPS - 1}, to_light = dvec3_sub(light, p),
+                  to_floor = dvec3_sub(at, p);
             double l2 = dvec3_dot(to_light, to_light), f2 = dvec3_dot(to_floor, to_floor), area = 4.0 / (STEPS * STEPS);
             double sent = 0.5 / DPI * 10 * (-to_light.x / sqrt(l2)) / l2;
             wanted += 0.8 / DPI * sent * (-to_floor.x / sqrt(f2)) * (-to_floor.y / sqrt(f2)) / f2 * area;
@@ -289,7 +297,8 @@ static void test_lights_that_reach_a_point_are_found(void **state) {
     struct random_state random = {1};
     uint64_t found = 0, reaching = 0;
     for (int k = 0; k < 500; k++) {
-        dvec3 p = {(double)random_range(&random, -25, 25), (double)random_range(&random, -2, 12), (double)random_range(&random, -25, 25)};
+        dvec3 p = {(double)random_range(&random, -25, 25), (double)random_range(&random, -2, 12),
+                   (double)random_range(&random, -25, 25)};
         ray_scene_find_lights(rays, p, &walk);
         assert_false(walk.failed);
         found += walk.lights.count;
@@ -297,7 +306,8 @@ static void test_lights_that_reach_a_point_are_found(void **state) {
         for (uint32_t i = 0, at = 0; i < 501; i++) {
             dvec3 to_light;
             double distance;
-            const bool listed = at < walk.lights.count && walk.lights.data[at] == i, reaches = ray_light_strength(ray_scene_light(rays, i), p, &to_light, &distance) > 0;
+            const bool listed = at < walk.lights.count && walk.lights.data[at] == i,
+                       reaches = ray_light_strength(ray_scene_light(rays, i), p, &to_light, &distance) > 0;
             if (reaches && !listed) fail_msg("light %u reaches %g, %g, %g and is not found", i, p.x, p.y, p.z);
             reaching += reaches;
             at += listed;
@@ -314,11 +324,15 @@ static void test_lights_that_reach_a_point_are_found(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_white_furnace),         cmocka_unit_test(test_energy_in_a_closed_box),
-        cmocka_unit_test(test_area_light_has_its_form_factor), cmocka_unit_test(test_threads_do_not_change_a_byte),
-        cmocka_unit_test(test_ended_early),           cmocka_unit_test(test_memory_that_runs_out),
+        cmocka_unit_test(test_white_furnace),
+        cmocka_unit_test(test_energy_in_a_closed_box),
+        cmocka_unit_test(test_area_light_has_its_form_factor),
+        cmocka_unit_test(test_threads_do_not_change_a_byte),
+        cmocka_unit_test(test_ended_early),
+        cmocka_unit_test(test_memory_that_runs_out),
         cmocka_unit_test(test_one_bounce_off_a_red_wall),
-        cmocka_unit_test(test_empty_scene_is_background), cmocka_unit_test(test_lights_that_reach_a_point_are_found),
+        cmocka_unit_test(test_empty_scene_is_background),
+        cmocka_unit_test(test_lights_that_reach_a_point_are_found),
     };
     return cmocka_run_group_tests_name("trace", tests, NULL, NULL);
 }

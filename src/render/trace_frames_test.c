@@ -6,9 +6,10 @@
 
 struct view {
     const char *source;
-    double radiance, color; /* PSNR that is reached, dB; of radiance by its 99th percentile, so that a bright lamp does not set the scale */
+    double radiance,
+        color; /* PSNR that is reached, dB; of radiance by its 99th percentile, so that a bright lamp does not set the scale */
     bool orthographic;
-    double seconds; /* of the animation */
+    double seconds;     /* of the animation */
     uint32_t scattered; /* lights */
 };
 
@@ -60,7 +61,8 @@ static void expect_same(const struct view *view) {
     assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
     double radiance = psnr_below_highlights(&trace.radiance, &shot.radiance);
     if (radiance < view->radiance || difference.psnr < view->color)
-        fail_msg("%s: %.1f dB of radiance, %.1f dB of the picture, must be %g and %g", view->source, radiance, difference.psnr, view->radiance, view->color);
+        fail_msg("%s: %.1f dB of radiance, %.1f dB of the picture, must be %g and %g", view->source, radiance,
+                 difference.psnr, view->radiance, view->color);
     fnl_trace_free(&s.scene->host, &trace);
     shot_free(&shot);
     stage_close(&s);
