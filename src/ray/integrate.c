@@ -35,7 +35,7 @@ static double light_visibility(const struct context *c, const struct ray_surface
     dvec3 to = source_point(c, light, s->position, to_light, infinite ? FAR : distance);
     if (!(dvec3_dot(s->geometric, dvec3_sub(to, s->position)) > 0))
         return 0; /* from behind the triangle, whatever its normals say */
-    dvec3 origin = dvec3_add_scaled(s->position, s->geometric, s->offset), ray = dvec3_sub(to, origin);
+    dvec3 origin = dvec3_add_scaled(s->position, s->geometric, s->offset), ray = dvec3_sub(to, infinite ? s->position : origin);
     double length = dvec3_length(ray),
            high = infinite ? (double)INFINITY : length - fmax(s->offset, ray_rounding(dvec3_reach(to)));
     if (!(high > 0)) return 1; /* the light lies on the surface */
@@ -68,8 +68,9 @@ static dvec3 indirect_light(const struct context *c, const struct ray_surface *f
     struct ray_surface s = *from;
     dvec3 out = {0, 0, 0}, carried = {1, 1, 1};
     for (uint32_t bounce = 0;; bounce++) {
-        const double random[3] = {chance(c), chance(c), chance(c)};
+        double random[3];
         dvec3 direction;
+        for (int i = 0; i < 3; i++) random[i] = chance(c);
         carried = dvec3_mul(carried, ray_brdf_sample(&s, to_view, random, &direction));
         if (!(dvec3_max(carried) > 0) || !(dvec3_dot(s.geometric, direction) > 0)) return out;
         if (c->params->russian_roulette && bounce > 1) {

@@ -379,6 +379,30 @@ static void test_sun_casts_a_penumbra(void **state) {
     fnl_scene_destroy(&scene);
 }
 
+/* Far from the origin rays start farther off the surface; the way to the sun stays what it is. */
+static void test_sun_far_from_the_origin(void **state) {
+    UNUSED(state);
+    const float o = 1000;
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1);
+    add_square(scene, &white, (vec3){20, 1, 20}, (vec3){o, 0, o});
+    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){o - 7.5f + 10, 10, o}); /* covers x > o - 7.5: its shadow begins at o */
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (vec3){0.6f, -0.8f, 0};
+    assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
+    fnl_trace_params p = look_down((vec3){o, 0, o}, 0.0625f, 0.5f, 32);
+    p.visibility = true;
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t x = 0; x < 32; x++) {
+        double at = ((x + 0.5) / 32 - 0.5) * 0.0625;
+        if (fabs(at) > 2e-3) assert_float_equal(pixel_at(&trace.visibility, x, 16)[0], at < 0, 0);
+    }
+    fnl_trace_free(NULL, &trace);
+    fnl_scene_destroy(&scene);
+}
+
 /* A shade over half of a tube hides the half that it covers, as seen from below its edge. */
 static void test_capsule_is_hidden_in_part(void **state) {
     UNUSED(state);
@@ -422,6 +446,7 @@ int main(void) {
         cmocka_unit_test(test_mirrored_instances_are_lit),
         cmocka_unit_test(test_normal_maps_lean_with_the_texture),
         cmocka_unit_test(test_sun_casts_a_penumbra),
+        cmocka_unit_test(test_sun_far_from_the_origin),
         cmocka_unit_test(test_capsule_is_hidden_in_part),
     };
     return cmocka_run_group_tests_name("trace_shadows", tests, NULL, NULL);
