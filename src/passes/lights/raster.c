@@ -7,7 +7,7 @@
 #include "shaders.h"
 
 enum { MAX_SUMS = 1 << 24, CHUNK = 4096, SLOTS_START = 1 << 18 };
-enum { ARGUMENT_BYTES = 32, DRAW_OFFSET = 12, DRAW_INDICES = 3 * GPU_SPHERE_TRIANGLES };
+enum { ARGUMENT_BYTES = 32, DRAW_OFFSET = 12, DRAW_INDICES = 3 * GPU_CONE_TRIANGLES };
 
 struct raster_params raster_params_default(void) {
     return (struct raster_params){
@@ -155,12 +155,11 @@ static void add_steps(struct graph *graph, const struct raster_data *d, uint32_t
              READS(in_view.sums), READS(in_view.ids), READS(in_view.bounds), WRITES(lights), WRITES(slot_sums),
              WRITES(arguments));
     prefix_sum_add(graph, "raster slots", d->input.queue, d->slot_sums, light_count + 1);
-    if (draws)
-        add_draw(graph, d);
-    else
-        ADD_STEP("raster shell", shader_raster_shell_comp, .indirect = d->arguments, READS(input.buffer),
-                 READS(in_view.sums), READS(in_view.ids), READS(in_view.bounds), READS(lights), READS(slot_sums),
-                 WRITES(slots));
+    d->block->draws = draws;
+    if (draws) add_draw(graph, d);
+    ADD_STEP("raster shell", shader_raster_shell_comp, .indirect = d->arguments, READS(input.buffer), READS(in_view.sums),
+             READS(in_view.ids), READS(in_view.bounds), READS(lights), READS(slot_sums),
+             draws ? graph_changes(NULL, d->slots) : WRITES(slots));
     ADD_STEP("raster count", shader_raster_count_comp, .groups = {walks}, SHELLS, WRITES(sums), WRITES(overflow));
     prefix_sum_add(graph, "raster cells", d->input.queue, d->sums, sum_count);
     ADD_STEP("raster fill", shader_raster_fill_comp, .groups = {walks}, SHELLS, READS(in_view.ids), READS(input.buffer),

@@ -27,7 +27,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer raster_block
 layout(push_constant, scalar) uniform push_block { gpu_raster_push push; };
 #define RASTER push.raster.r
 
-const uint MESH_SPHERE = 0u, MESH_CONE = 1u, MESH_BOX = 2u, MESH_OWN = 3u;
+const uint MESH_SPHERE = 0u, MESH_CONE = 1u, MESH_BOX = 2u, MESH_OWN = 3u; // of a sphere there is none
 
 // A slice is that of a depth moved by this much, relatively: slices are found by the same function as in shading, from rounded depths.
 const float DEPTH_SLACK = 2e-5;
@@ -37,20 +37,19 @@ const float DEPTH_SLACK = 2e-5;
 struct light_mesh {
     uint kind, place; // MESH_…, place of the bounds
     uint vertex_count, triangle_count;
-    uint first_vertex, first_triangle; // in RASTER.vertices and .triangles; of MESH_OWN in RASTER.points
+    uint first_triangle; // in RASTER.triangles; of MESH_OWN in RASTER.points
 };
 
 light_mesh mesh_of(uint place) {
     if (RASTER.own_meshes == 1u) {
         gpu_raster_mesh own = RASTER.meshes.at[place];
-        if (own.count != 0u) return light_mesh(MESH_OWN, place, 0u, own.count, 0u, own.first);
+        if (own.count != 0u) return light_mesh(MESH_OWN, place, 0u, own.count, own.first);
     }
     uint shape = RASTER.list.list.entities.at[place].shape, kind = GPU_SHAPE_SPHERE;
     if (shape != GPU_NO_SHAPE) kind = shape_at(RASTER.list, shape).shape.kind;
-    if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, place, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES, 0u, 0u);
-    if (kind == GPU_SHAPE_CONE)
-        return light_mesh(MESH_CONE, place, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, GPU_SPHERE_VERTICES, GPU_SPHERE_TRIANGLES);
-    return light_mesh(MESH_BOX, place, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, 0u, GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES);
+    if (kind == GPU_SHAPE_SPHERE) return light_mesh(MESH_SPHERE, place, 0u, 0u, 0u);
+    if (kind == GPU_SHAPE_CONE) return light_mesh(MESH_CONE, place, GPU_CONE_VERTICES, GPU_CONE_TRIANGLES, 0u);
+    return light_mesh(MESH_BOX, place, GPU_BOX_VERTICES, GPU_BOX_TRIANGLES, GPU_CONE_TRIANGLES);
 }
 
 vec3 to_view(vec3 world) {
@@ -58,12 +57,8 @@ vec3 to_view(vec3 world) {
     return vec3(p.xy, -p.z);
 }
 
-// Vertex of a mesh that is not of MESH_OWN. `bound` is the light's sphere.
-vec3 mesh_vertex(light_mesh mesh, gpu_bound bound, uint index) {
-    if (mesh.kind == MESH_SPHERE) {
-        vec3 at = bound.center + mat3(RASTER.view.view.world_to_view) * RASTER.vertices[index] * (bound.radius * float(GPU_SPHERE_SCALE));
-        return vec3(at.xy, -at.z);
-    }
+// Vertex of a cone or a box.
+vec3 mesh_vertex(light_mesh mesh, uint index) {
     gpu_entity_bounds entity = RASTER.list.list.entities.at[mesh.place];
     gpu_shape shape = shape_of(RASTER.list, entity);
     if (mesh.kind == MESH_BOX) {
@@ -71,7 +66,7 @@ vec3 mesh_vertex(light_mesh mesh, gpu_bound bound, uint index) {
         shape_corners(shape, entity.center, entity.radius, corners);
         return to_view(corners[index]);
     }
-    vec3 part = RASTER.vertices[mesh.first_vertex + index];
+    vec3 part = RASTER.vertices[index];
     // Rounding of the ramp may light a hair more than the cone.
     float cosine = clamp(-shape.spot_offset / shape.spot_scale - 1e-6, 0.0, 1.0), sine = sqrt(1.0 - cosine * cosine);
     float along = part.z == float(GPU_CONE_APEX) ? 0.0 : part.z == float(GPU_CONE_RIM) ? cosine : 1.0;
@@ -82,10 +77,9 @@ vec3 mesh_vertex(light_mesh mesh, gpu_bound bound, uint index) {
 }
 
 // A point well inside of the same.
-vec3 mesh_inside(light_mesh mesh, gpu_bound bound) {
-    if (mesh.kind == MESH_SPHERE) return vec3(bound.center.xy, -bound.center.z);
-    if (mesh.kind == MESH_BOX) return 0.5 * (mesh_vertex(mesh, bound, 0u) + mesh_vertex(mesh, bound, 7u));
-    return 0.5 * (mesh_vertex(mesh, bound, 0u) + mesh_vertex(mesh, bound, GPU_CONE_VERTICES - 1u));
+vec3 mesh_inside(light_mesh mesh) {
+    if (mesh.kind == MESH_BOX) return 0.5 * (mesh_vertex(mesh, 0u) + mesh_vertex(mesh, 7u));
+    return 0.5 * (mesh_vertex(mesh, 0u) + mesh_vertex(mesh, GPU_CONE_VERTICES - 1u));
 }
 
 uvec3 mesh_triangle(light_mesh mesh, uint index) {

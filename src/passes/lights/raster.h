@@ -2,10 +2,10 @@
 /**
  * Clusters filled by conservative rasterisation of light meshes (K. Ortegren & E. Persson, "Clustered Shading: Assigning Lights Using
  * Conservative Rasterization in DirectX 12", GPU Pro 7). Each light is drawn as a low mesh that encloses it onto the grid of tiles; its
- * shell, the nearest and farthest slice in each tile, is then filled with entries.
+ * shell, the nearest and farthest slice in each tile, is then filled with entries. The shell of a sphere is computed without a mesh, exactly.
  *
- * Cost: a thread for each light in view, a group for each that covers more than one tile (triangles times the tiles each covers), and
- * tiles times lights in view tests of rectangles, twice. Work grows with the number of lights, not with lights times clusters.
+ * Cost: a thread for each light in view, a group for each that covers more than one tile (of spheres the tiles of their rectangle, of meshes
+ * triangles times the tiles each covers), and tiles times lights in view tests of rectangles, twice. Work grows with the number of lights, not with lights times clusters.
  */
 #ifndef FNL_PASSES_RASTER_H
 #define FNL_PASSES_RASTER_H

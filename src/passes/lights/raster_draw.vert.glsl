@@ -20,12 +20,12 @@ void main() {
     light_mesh mesh = mesh_of(RASTER.visible_ids.at[index]);
     if (triangle >= mesh.triangle_count || !has_slots(index)) return;
     uvec3 corners = mesh_triangle(mesh, triangle);
-    out_a = mesh_vertex(mesh, bound, corners.x);
-    out_b = mesh_vertex(mesh, bound, corners.y);
-    out_c = mesh_vertex(mesh, bound, corners.z);
+    out_a = mesh_vertex(mesh, corners.x);
+    out_b = mesh_vertex(mesh, corners.y);
+    out_c = mesh_vertex(mesh, corners.z);
     // No mesh reaches farther from the middle of the light's sphere than three of its radii.
     shell s = shell_of(index, bound, -bound.center.z - 3.0 * bound.radius);
-    out_light.y = !s.cut_by_near || faces_viewer(out_a, out_b, out_c, mesh_inside(mesh, bound)) ? 1u : 0u;
+    out_light.y = !s.cut_by_near || faces_viewer(out_a, out_b, out_c, mesh_inside(mesh)) ? 1u : 0u;
 
     vec3 p = corner == 0u ? out_a : corner == 1u ? out_b : out_c;
     vec4 clip = RASTER.view.view.view_to_clip * vec4(p.xy, -p.z, 1.0);

@@ -7,40 +7,6 @@
 
 static uint32_t pack(uint32_t a, uint32_t b, uint32_t c) { return a | b << 8 | c << 16; }
 
-/* The middle of an edge, on the unit sphere; each is made once. */
-static uint32_t middle_of(vec3 *vertices, uint32_t *count, uint32_t a, uint32_t b) {
-    vec3 middle = vec3_normalize(vec3_add(vertices[a], vertices[b]));
-    for (uint32_t i = 12; i < *count; i++)
-        if (vec3_distance(vertices[i], middle) < 1e-3f) return i;
-    vertices[*count] = middle;
-    return (*count)++;
-}
-
-static void make_sphere(vec3 *vertices, uint32_t *triangles) {
-    /* An icosahedron: poles, and two rings of five. */
-    static const uint8_t faces[20][3] = {{0, 1, 2},  {0, 2, 3},  {0, 3, 4},  {0, 4, 5},  {0, 5, 1},   {1, 6, 2},  {2, 6, 7},
-                                         {2, 7, 3},  {3, 7, 8},  {3, 8, 4},  {4, 8, 9},  {4, 9, 5},   {5, 9, 10}, {5, 10, 1},
-                                         {1, 10, 6}, {11, 7, 6}, {11, 8, 7}, {11, 9, 8}, {11, 10, 9}, {11, 6, 10}};
-    const float z = 0.4472135955f, r = 0.8944271910f; /* 1 / sqrt(5), 2 / sqrt(5) */
-    vertices[0] = (vec3){0, 0, 1};
-    vertices[11] = (vec3){0, 0, -1};
-    for (uint32_t i = 0; i < 5; i++) {
-        float a = (float)i * 1.2566370614f, b = a + 0.6283185307f;
-        vertices[1 + i] = (vec3){r * cosf(a), r * sinf(a), z};
-        vertices[6 + i] = (vec3){r * cosf(b), r * sinf(b), -z};
-    }
-    uint32_t count = 12;
-    for (uint32_t f = 0; f < 20; f++) {
-        uint32_t a = faces[f][0], b = faces[f][1], c = faces[f][2];
-        uint32_t ab = middle_of(vertices, &count, a, b), bc = middle_of(vertices, &count, b, c),
-                 ca = middle_of(vertices, &count, c, a);
-        triangles[f * 4] = pack(a, ab, ca);
-        triangles[f * 4 + 1] = pack(b, bc, ab);
-        triangles[f * 4 + 2] = pack(c, ca, bc);
-        triangles[f * 4 + 3] = pack(ab, bc, ca);
-    }
-}
-
 static void make_cone(vec3 *vertices, uint32_t *triangles) {
     enum { SIDES = GPU_CONE_SIDES, RIM = 1, CAP = RIM + SIDES, POLE = CAP + SIDES };
     vertices[0] = (vec3){0, 0, GPU_CONE_APEX};
@@ -57,11 +23,10 @@ static void make_cone(vec3 *vertices, uint32_t *triangles) {
     }
 }
 
-void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[GPU_RASTER_TRIANGLES]) {
+void raster_mesh_tables(vec3 vertices[GPU_CONE_VERTICES], uint32_t triangles[GPU_RASTER_TRIANGLES]) {
     static const uint8_t sides[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
-    make_sphere(vertices, triangles);
-    make_cone(vertices + GPU_SPHERE_VERTICES, triangles + GPU_SPHERE_TRIANGLES);
-    triangles += GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES;
+    make_cone(vertices, triangles);
+    triangles += GPU_CONE_TRIANGLES;
     for (uint32_t i = 0; i < 6; i++) {
         triangles[i * 2] = pack(sides[i][0], sides[i][1], sides[i][2]);
         triangles[i * 2 + 1] = pack(sides[i][0], sides[i][2], sides[i][3]);
@@ -69,9 +34,7 @@ void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[G
 }
 
 /* As in raster.glsl. */
-static vec3 mesh_vertex(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 part) {
-    if (shape->kind == GPU_SHAPE_SPHERE)
-        return vec3_add_scaled(bounds->center, part, bounds->radius * (float)GPU_SPHERE_SCALE);
+static vec3 cone_vertex(const struct gpu_shape *shape, vec3 part) {
     float cosine = fminf(fmaxf(-shape->spot_offset / shape->spot_scale - 1e-6f, 0), 1), sine = sqrtf(1 - cosine * cosine);
     float along = part.z == (float)GPU_CONE_APEX ? 0 : part.z == (float)GPU_CONE_RIM ? cosine : 1;
     float across = part.z == (float)GPU_CONE_RIM ? sine : part.z == (float)GPU_CONE_CAP ? sine / (1 + cosine) : 0;
@@ -83,19 +46,15 @@ static vec3 mesh_vertex(const struct gpu_shape *shape, const struct gpu_entity_b
 }
 
 uint32_t light_mesh(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 *corners) {
-    vec3 tables[GPU_RASTER_VERTICES], points[GPU_SPHERE_VERTICES];
-    uint32_t triangles[GPU_RASTER_TRIANGLES], first = GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES, count = GPU_BOX_TRIANGLES;
+    vec3 tables[GPU_CONE_VERTICES], points[GPU_CONE_VERTICES];
+    uint32_t triangles[GPU_RASTER_TRIANGLES], first = 0, count = GPU_CONE_TRIANGLES;
     raster_mesh_tables(tables, triangles);
-    if (shape->kind == GPU_SHAPE_SPHERE) {
-        for (uint32_t i = 0; i < GPU_SPHERE_VERTICES; i++) points[i] = mesh_vertex(shape, bounds, tables[i]);
-        first = 0;
-        count = GPU_SPHERE_TRIANGLES;
-    } else if (shape->kind == GPU_SHAPE_CONE) {
-        for (uint32_t i = 0; i < GPU_CONE_VERTICES; i++) points[i] = mesh_vertex(shape, bounds, tables[GPU_SPHERE_VERTICES + i]);
-        first = GPU_SPHERE_TRIANGLES;
-        count = GPU_CONE_TRIANGLES;
+    if (shape->kind == GPU_SHAPE_CONE) {
+        for (uint32_t i = 0; i < GPU_CONE_VERTICES; i++) points[i] = cone_vertex(shape, tables[i]);
     } else {
         shape_corners(shape, bounds, points);
+        first = GPU_CONE_TRIANGLES;
+        count = GPU_BOX_TRIANGLES;
     }
     for (uint32_t i = 0; i < count * 3; i++) corners[i] = points[triangles[first + i / 3] >> i % 3 * 8 & 255];
     return count;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/** Meshes that enclose lights: unit ones for spheres, cones and boxes, and ones made for a single light. */
+/** Meshes that enclose lights: unit ones for cones and boxes, and ones made for a single light. */
 #ifndef FNL_PASSES_RASTER_MESH_H
 #define FNL_PASSES_RASTER_MESH_H
 
@@ -7,9 +7,10 @@
 #include "passes/lights/raster_shared.h"
 
 /** The tables of struct gpu_raster. */
-void raster_mesh_tables(vec3 vertices[GPU_RASTER_VERTICES], uint32_t triangles[GPU_RASTER_TRIANGLES]);
+void raster_mesh_tables(vec3 vertices[GPU_CONE_VERTICES], uint32_t triangles[GPU_RASTER_TRIANGLES]);
 
-/** The world-space mesh that the builder draws round a shape: `corners` has room for 80 triangles, three corners each. Returns their number. */
+/** The world-space mesh that the builder draws round a shape that is no sphere: `corners` has room for GPU_CONE_TRIANGLES, three corners each.
+    Returns their number. */
 uint32_t light_mesh(const struct gpu_shape *shape, const struct gpu_entity_bounds *bounds, vec3 *corners);
 
 /**

@@ -30,7 +30,7 @@ void main() {
         RASTER.arguments.at[0] = min(count, 32768u); // as gpu_dispatch_linear makes them
         RASTER.arguments.at[1] = (count + 32767u) / 32768u;
         RASTER.arguments.at[2] = 1u;
-        RASTER.arguments.at[3] = 3u * GPU_SPHERE_TRIANGLES; // and VkDrawIndexedIndirectCommand
+        RASTER.arguments.at[3] = 3u * GPU_CONE_TRIANGLES; // and VkDrawIndexedIndirectCommand
         RASTER.arguments.at[4] = count;
         RASTER.arguments.at[5] = RASTER.arguments.at[6] = RASTER.arguments.at[7] = 0u;
     }
@@ -45,7 +45,7 @@ void main() {
     if (mesh.kind == MESH_CONE || mesh.kind == MESH_BOX) {
         vec2 mesh_depths = vec2(3e38, -3e38), mesh_x = mesh_depths, mesh_y = mesh_depths;
         for (uint i = 0u; i < mesh.vertex_count; i++) {
-            vec3 p = mesh_vertex(mesh, bound, i);
+            vec3 p = mesh_vertex(mesh, i);
             mesh_depths = vec2(min(mesh_depths.x, p.z), max(mesh_depths.y, p.z));
             vec2 slopes = p.xy / max(depth_scale(p), 1e-30);
             mesh_x = vec2(min(mesh_x.x, slopes.x), max(mesh_x.y, slopes.x));

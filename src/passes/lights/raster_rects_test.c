@@ -19,7 +19,7 @@ static void test_cone_volumes_CL_2(void **state) {
         light.range = 3;
         light.outer_cone_angle = 0.01f * (float)i;
         struct list_light g = list_light_of(&light, 0);
-        vec3 corners[240];
+        vec3 corners[3 * GPU_CONE_TRIANGLES];
         double volume = 0, exact = 2.0 / 3 * M_PI * 27 * (1 - cos((double)light.outer_cone_angle));
         uint32_t triangles = light_mesh(&g.shape, &g.bounds, corners);
         for (uint32_t t = 0; t < triangles; t++)
@@ -49,7 +49,7 @@ static bool extent_of(const struct gpu_view *view, const struct list_light *ligh
         slopes[axis][1] = at[axis] + radius;
         if (!orthographic) reference_slopes(at[axis], -at[2], radius, 1e-6, slopes[axis]);
     }
-    vec3 corners[240];
+    vec3 corners[3 * GPU_CONE_TRIANGLES];
     uint32_t count = light->shape.kind == GPU_SHAPE_SPHERE ? 0 : 3 * light_mesh(&light->shape, &light->bounds, corners);
     double mesh[2][2] = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}, depths[2] = {INFINITY, -INFINITY};
     for (uint32_t i = 0; i < count; i++) {

@@ -7,12 +7,10 @@
 #include "lights/lights_shared.h"
 
 /*
- * Unit meshes. Spheres: an icosahedron with each face cut in four, corners on the unit sphere. Cones: apex, rim, a second ring where the
- * plane that touches the cap in its middle begins, and that middle; vertices are (cos, sin, GPU_CONE_…) and become points when the
- * cone's angle is known. Boxes have no vertices of their own: shape_corners() makes them.
+ * Unit meshes. Cones: apex, rim, a second ring where the plane that touches the cap in its middle begins, and that middle; vertices are
+ * (cos, sin, GPU_CONE_…) and become points when the cone's angle is known. Boxes have no vertices of their own: shape_corners() makes them.
+ * Spheres have no mesh.
  */
-#define GPU_SPHERE_VERTICES 42u
-#define GPU_SPHERE_TRIANGLES 80u
 #define GPU_CONE_SIDES 12u
 #define GPU_CONE_VERTICES 26u
 #define GPU_CONE_TRIANGLES 48u
@@ -23,11 +21,8 @@
 #define GPU_CONE_CAP 2.0
 #define GPU_CONE_POLE 3.0
 
-#define GPU_RASTER_VERTICES (GPU_SPHERE_VERTICES + GPU_CONE_VERTICES)
-#define GPU_RASTER_TRIANGLES (GPU_SPHERE_TRIANGLES + GPU_CONE_TRIANGLES + GPU_BOX_TRIANGLES)
+#define GPU_RASTER_TRIANGLES (GPU_CONE_TRIANGLES + GPU_BOX_TRIANGLES)
 
-/* The inscribed sphere of the unit sphere mesh has the radius 0.93417: vertices lie this far out for the mesh to enclose the sphere. */
-#define GPU_SPHERE_SCALE 1.07048
 /* 1 / cos(pi / GPU_CONE_SIDES): rings are drawn round their circles. */
 #define GPU_CONE_SCALE 1.0352762
 
@@ -56,8 +51,8 @@ struct gpu_raster_mesh {
 
 /* What all steps of a frame share. */
 struct gpu_raster {
-    vec3 vertices[GPU_RASTER_VERTICES];   /* spheres, cones */
-    uint triangles[GPU_RASTER_TRIANGLES]; /* three times eight bits; spheres, cones, boxes; numbers within the mesh */
+    vec3 vertices[GPU_CONE_VERTICES];
+    uint triangles[GPU_RASTER_TRIANGLES]; /* three times eight bits; cones, boxes; numbers within the mesh */
     ADDRESS(view_block) view;
     ADDRESS(light_list_block) list;
     ADDRESS(const_uint_array) visible_sums; /* its element light_count is the number of lights in view */
@@ -81,6 +76,7 @@ struct gpu_raster {
     uint slot_capacity;
     uint gradient;      /* 1: slices by the plane of a triangle over the tile, not by what the triangle covers of it (ES-61) */
     uint own_meshes;    /* 1: some lights have meshes of their own */
+    uint draws;         /* 1: meshes are drawn, and only spheres are left to raster_shell.comp.glsl */
     float near;         /* no surface is nearer, metres */
 };
 
