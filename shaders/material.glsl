@@ -94,10 +94,12 @@ bool material_culled(material_array materials, uint material) {
     return !material_front_facing() && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u;
 }
 
-surface material_surface(material_array materials, uint material) {
+// `hole`: material_cut() of it, which needs no second look at the base colour.
+surface material_surface(material_array materials, uint material, out bool hole) {
     gpu_material m = materials.at[material];
     bool front_facing = material_front_facing();
     vec4 base = material_base_color(materials, material);
+    hole = material_cut(materials, material, base.a);
     surface s;
     s.position = in_position;
     s.alpha = (m.flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
@@ -105,7 +107,12 @@ surface material_surface(material_array materials, uint material) {
     vec4 metallic_roughness = sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS);
     s.metallic = clamp(m.metallic * metallic_roughness.b, 0.0, 1.0);
     s.roughness = clamp(m.roughness * metallic_roughness.g, 0.0, 1.0);
-    s.occlusion = 1.0 + m.occlusion_strength * (sample_slot(materials, material, TEXTURE_OCCLUSION).r - 1.0);
+    float occlusion = metallic_roughness.r;
+#ifndef MATERIAL_TEXEL // which keeps it in another place
+    if ((m.flags & GPU_MATERIAL_SHARED_OCCLUSION) == 0u)
+#endif
+        occlusion = sample_slot(materials, material, TEXTURE_OCCLUSION).r;
+    s.occlusion = 1.0 + m.occlusion_strength * (occlusion - 1.0);
     s.emissive = m.emissive * sample_slot(materials, material, TEXTURE_EMISSIVE).rgb;
     s.dielectric_f90 = m.specular * sample_slot(materials, material, TEXTURE_SPECULAR).a;
     s.dielectric_f0 = min(m.dielectric_f0 * sample_slot(materials, material, TEXTURE_SPECULAR_COLOR).rgb, vec3(1.0)) * s.dielectric_f90;
@@ -132,6 +139,11 @@ surface material_surface(material_array materials, uint material) {
         s.dielectric_f90 = 0.0;
     }
     return s;
+}
+
+surface material_surface(material_array materials, uint material) {
+    bool hole;
+    return material_surface(materials, material, hole);
 }
 
 #endif

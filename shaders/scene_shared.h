@@ -12,6 +12,7 @@
 #define GPU_MATERIAL_MASK 2u
 #define GPU_MATERIAL_BLEND 4u
 #define GPU_MATERIAL_DOUBLE_SIDED 8u
+#define GPU_MATERIAL_SHARED_OCCLUSION 16u /* occlusion is the red of the very texture that metalness and roughness have */
 #define GPU_MATERIAL_CLASS_SHIFT 8u /* GPU_CLASS_… in the bits from here on */
 
 /* What of the code of material_surface() and shade_surface() a material needs, as bits. */

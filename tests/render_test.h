@@ -43,6 +43,11 @@ fnl_camera test_front_camera(void);
 /** 64x64, the front camera, forward, all lights, no exposure, no tone mapping, no timers, one recording thread. */
 fnl_frame test_frame(uint32_t outputs);
 
+/* ---- shaders ---- */
+
+/** How many instructions of a shader have an opcode from `first` to `last` (SPIR-V specification, 3.3). */
+uint32_t test_count_operations(const struct gpu_shader *shader, uint32_t first, uint32_t last);
+
 /* ---- pictures ---- */
 
 /** Reads an output of the renderer's last frame. */

@@ -15,8 +15,9 @@ layout(location = 0) out vec2 out_metal; // metalness, luminance of the diffuse 
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.view, push.scene);
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (hole) discard;
     out_metal = vec2(s.metallic, luminance(s.base_color) * (1.0 - s.metallic));
 }

@@ -26,9 +26,10 @@ layout(location = 7) out vec4 out_7;
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_gbuffer(s, push.view, push.scene);
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (hole) discard;
     vec3 rest = shade_rest(s, push.view, to_viewer(push.view, s.position), vec3(0.0));
     mobile_texel g = mobile_pack(s, gl_FragCoord.z, mobile_scaled(push.view, rest));
     out_0 = g.t[0];

@@ -45,7 +45,8 @@ vec3 coarse_base_color(material_array materials, uint material) {
 void main() {
     view_block v = push.geometry.view;
     material_array materials = push.geometry.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
 #ifndef COARSE_IDS
     float view_depth = -(v.view.world_to_view * vec4(in_position, 1.0)).z;
     float gradient = (abs(dFdxCoarse(view_depth)) + abs(dFdyCoarse(view_depth))) / max(view_depth, 1e-30);
@@ -55,7 +56,7 @@ void main() {
     decals_on_gbuffer(s, v, push.geometry.scene);
     // What decals and unlit materials make of the colour holds for blocks too.
     if (s.base_color != plain || (materials.at[in_ids.x].flags & GPU_MATERIAL_UNLIT) != 0u) coarse_color = s.base_color;
-    if (material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (hole) discard;
     gpu_material_entry entry;
     gbuffer_place place; // octahedral normals need none
     gbuffer g = gbuffer_pack(GBUFFER_FORM(GBUFFER_DEFAULT, NORMALS_OCTAHEDRAL), s, place, 0u, entry, vec3(0.0), ivec2(gl_FragCoord.xy));

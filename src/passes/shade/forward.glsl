@@ -10,12 +10,11 @@
 // point that is shaded.
 vec4 forward_shade(gpu_geometry_push push, out float view_depth) {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.view, push.scene);
 #ifdef HOLES_ARE_CUT
-    bool hole = false;
-#else
-    bool hole = material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
+    hole = false;
 #endif
     if (material_culled(materials, in_ids.x) || hole) discard;
     // Of the point that is shaded, not of gl_FragCoord: where MSAA covers a pixel in part, that may lie far off along the plane, and beside

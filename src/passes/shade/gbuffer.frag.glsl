@@ -26,9 +26,10 @@ layout(constant_id = HOLES_ARE_CUT_ID) const uint HOLES_ARE_CUT = 0u;
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_gbuffer(s, VIEW, push.geometry.scene);
-    if (HOLES_ARE_CUT == 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (HOLES_ARE_CUT == 0u && hole) discard;
     uint form = GBUFFER_GIVEN, count = gbuffer_target_count(form);
     bool is_forward = (materials.at[in_ids.x].forward_layouts >> GBUFFER_FORM_LAYOUT(form) & 1u) != 0u;
     uint id = is_forward ? 0u : in_ids.x;

@@ -33,10 +33,11 @@ float likeness(light_surface own, ivec2 texel, bool of_item, float allowed) {
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool cut;
+    surface s = material_surface(materials, in_ids.x, cut);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     // With several samples a pixel what is left of a cutout at its depth is no hole (forward.frag.glsl).
-    bool hole = SAMPLES <= 1u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
+    bool hole = SAMPLES <= 1u && cut;
     if (material_culled(materials, in_ids.x) || hole) discard;
     view_block v = push.geometry.view, low = push.low;
     ivec2 size = ivec2(low.view.size);

@@ -17,9 +17,10 @@ layout(location = 1) out uint out_item;
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.view, push.scene);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (material_culled(materials, in_ids.x) || hole) discard;
     uvec2 texel = uvec2(gl_FragCoord.xy);
     if (STIPPLED == 1u && ((texel.y & 1u) * 2u + (texel.x & 1u)) != INFERRED_PLACE(in_ids.y)) discard;
     vec4 reflectance;

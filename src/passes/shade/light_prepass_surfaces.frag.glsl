@@ -16,8 +16,9 @@ layout(location = 1) out vec4 out_reflectance; // where there is such a target
 
 void main() {
     material_array materials = push.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.view, push.scene);
-    if (HOLES_ARE_CUT == 0u && material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (HOLES_ARE_CUT == 0u && hole) discard;
     out_normal = light_surface_pack(s, out_reflectance);
 }

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** What glTF 2.0 says about materials, on pixels: a unit square fills the picture, a point of it is known in closed form. */
+#include "render/device/scene.h"
+#include "render/renderer_internal.h"
+#include "shaders.h"
 #include "tests/shade_reference.h"
 #include "tests/render_test.h"
 
@@ -432,6 +435,94 @@ static void test_occlusion_dims_only_ambient(void **state) {
     for (int i = 0; i < 3; i++) free_picture(&pictures[i]);
 }
 
+/* ---- how often textures are sampled ---- */
+
+static void test_shaders_sample_each_texture_once(void **state) {
+    UNUSED(state);
+    static const struct {
+        const struct gpu_shader *shader;
+        uint32_t textures; /* that it looks at */
+    } drawing[] = {{&shader_gbuffer_frag, GPU_TEXTURE_COUNT},
+                   {&shader_forward_frag, GPU_TEXTURE_COUNT},
+                   {&shader_forward_early_frag, GPU_TEXTURE_COUNT},
+                   {&shader_light_prepass_surfaces_frag, GPU_TEXTURE_COUNT - 2}, /* no occlusion, no emission */
+                   {&shader_light_prepass_material_frag, GPU_TEXTURE_COUNT},
+                   {&shader_inferred_surfaces_frag, GPU_TEXTURE_COUNT - 2},
+                   {&shader_inferred_material_frag, GPU_TEXTURE_COUNT},
+                   {&shader_zioma_frag, GPU_TEXTURE_COUNT},
+                   {&shader_batches_frag, GPU_TEXTURE_COUNT},
+                   {&shader_multipass_frag, GPU_TEXTURE_COUNT},
+                   {&shader_mobile_gbuffer_metallic_128_frag, GPU_TEXTURE_COUNT},
+                   {&shader_coarse_gbuffer_z_frag, GPU_TEXTURE_COUNT + 1}}; /* and the base colour of a block */
+    for (uint32_t i = 0; i < COUNT_OF(drawing); i++) {
+        uint32_t count = test_count_operations(drawing[i].shader, 87, 87); /* OpImageSampleImplicitLod */
+        if (count != drawing[i].textures)
+            fail_msg("%s samples %u times, expected %u", drawing[i].shader->name, count, drawing[i].textures);
+    }
+}
+
+/* Where occlusion comes from: a picture of its own; that of roughness, but sampled in another way; the very texels of roughness. */
+enum occlusion_case { OCCLUSION_OWN, OCCLUSION_SAMPLER, OCCLUSION_UV, OCCLUSION_TRANSFORM, OCCLUSION_SHARED, OCCLUSION_CASES };
+
+static fnl_scene *occluded_scene(enum occlusion_case which, bool copied) {
+    uint8_t texels[4 * 4 * 4];
+    for (int i = 0; i < 64; i++) texels[i] = (uint8_t)(i * 37 + i / 4 * 11);
+    fnl_scene *scene = test_scene();
+    add_front_light(scene);
+    assert_int_equal(fnl_scene_set_ambient(scene, (vec3){1, 2, 3}, (vec3){1, 2, 3}), FNL_OK);
+    struct scene_material m = scene_material_default();
+    struct scene_texture *rough = &m.textures[SCENE_TEXTURE_METALLIC_ROUGHNESS], *occlusion = &m.textures[SCENE_TEXTURE_OCCLUSION];
+    *occlusion = *rough = texture_of(scene, add_image(scene, 4, 4, texels, false));
+    if (which == OCCLUSION_OWN)
+        for (int i = 0; i < 64; i++) texels[i] = (uint8_t)(255 - texels[i]);
+    if (which == OCCLUSION_OWN || copied) occlusion->image = add_image(scene, 4, 4, texels, false);
+    if (which == OCCLUSION_SAMPLER) {
+        rough->sampler = nearest_sampler(scene, SCENE_WRAP_CLAMP, SCENE_WRAP_CLAMP);
+        rough->transform[0] = occlusion->transform[0] = 3;
+    }
+    if (which == OCCLUSION_UV) occlusion->uv_set = 1;
+    if (which == OCCLUSION_TRANSFORM) occlusion->transform[5] = 0.25f;
+    static const vec3 positions[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    static const vec2 uv[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}}, turned[4] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    struct scene_primitive p = {.material = scene_add_material(scene, &m),
+                                .vertex_count = 4,
+                                .index_count = 6,
+                                .indices = indices,
+                                .positions = positions,
+                                .uv = {uv, turned}};
+    assert_int_equal(mesh_complete(&scene->arena, &p), FNL_OK);
+    test_place(scene, scene_add_mesh(scene, "", &p, 1), (vec3){0, 0, 0}, (vec3){1, 1, 1});
+    return scene;
+}
+
+static void test_shared_occlusion_is_sampled_once(void **state) {
+    UNUSED(state);
+    static const fnl_shading paths[] = {FNL_SHADING_FORWARD, FNL_SHADING_DEFERRED, FNL_SHADING_VISIBILITY};
+    for (uint32_t which = 0; which < OCCLUSION_CASES; which++) {
+        fnl_image pictures[2][COUNT_OF(paths)];
+        for (int copied = 0; copied < 2; copied++) { /* a copy of the picture is a texture of its own, sampled by itself */
+            fnl_scene *scene = occluded_scene((enum occlusion_case)which, copied);
+            fnl_renderer *renderer = test_renderer(scene);
+            for (uint32_t k = 0; k < COUNT_OF(paths); k++) {
+                fnl_frame frame = test_frame(FNL_OUTPUT_RADIANCE);
+                frame.shading = paths[k];
+                test_render_frame(renderer, &frame);
+                pictures[copied][k] = test_read(renderer, FNL_OUTPUT_RADIANCE);
+            }
+            const struct gpu_material *sent = (const void *)renderer->device_scene->materials.sent.data;
+            bool shared = sent[0].flags & GPU_MATERIAL_SHARED_OCCLUSION;
+            assert_int_equal(shared, which == OCCLUSION_SHARED && !copied);
+            fnl_renderer_destroy(&renderer);
+            fnl_scene_destroy(&scene);
+        }
+        for (uint32_t k = 0; k < COUNT_OF(paths); k++) {
+            if (!test_equal(&pictures[0][k], &pictures[1][k])) fail_msg("case %u, path %u: a copy of the picture looks different", which, k);
+            for (int i = 0; i < 2; i++) free_picture(&pictures[i][k]);
+        }
+    }
+}
+
 static void test_unlit_and_emission(void **state) {
     UNUSED(state);
     for (uint32_t shading = 0; shading < FNL_SHADING_DEFERRED + 1; shading++) {
@@ -521,6 +612,8 @@ int main(void) {
         cmocka_unit_test(test_vertex_colors),
         cmocka_unit_test(test_texture_channels),
         cmocka_unit_test(test_occlusion_dims_only_ambient),
+        cmocka_unit_test(test_shaders_sample_each_texture_once),
+        cmocka_unit_test(test_shared_occlusion_is_sampled_once),
         cmocka_unit_test(test_unlit_and_emission),
         cmocka_unit_test(test_default_material),
         cmocka_unit_test(test_points_and_lines),

@@ -10,9 +10,10 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
-    if (!is_shown(materials)) discard;
+    if (!is_shown(materials, hole)) discard;
     view_block v = push.geometry.view;
     light_list_block lights = push.geometry.lights;
     vec3 to_view = to_viewer(v, s.position);

@@ -12,8 +12,8 @@ layout(location = 6) flat in uint in_corner;
 layout(push_constant, scalar) uniform push_block { gpu_regroup_draw_push push; };
 
 // To be asked after all textures are read: where neighbours have left, their derivatives are undefined.
-bool is_shown(material_array materials) {
-    bool hidden = material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a);
+bool is_shown(material_array materials, bool hole) {
+    bool hidden = material_culled(materials, in_ids.x) || hole;
     return !hidden && texelFetch(textures_uint[push.owners], ivec2(gl_FragCoord.xy), 0).rg == uvec2(in_ids.y, in_corner);
 }
 

@@ -16,9 +16,10 @@ layout(location = 0) out vec4 out_radiance;
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    surface s = material_surface(materials, in_ids.x);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
-    if (material_culled(materials, in_ids.x) || material_cut(materials, in_ids.x, material_base_color(materials, in_ids.x).a)) discard;
+    if (material_culled(materials, in_ids.x) || hole) discard;
     view_block v = push.geometry.view;
     light_list_block l = push.geometry.lights;
     ivec2 pixel = ivec2(gl_FragCoord.xy);

@@ -438,20 +438,8 @@ static void test_odd_textures(void **state) {
 
 /* ---- the first pass ---- */
 
-static uint32_t count_image_reads(const struct gpu_shader *shader) {
-    uint32_t count = 0;
-    const fnl_host host = fnl_host_default();
-    uint32_t *code = gpu_shader_code(&host, shader);
-    assert_non_null(code);
-    size_t words = shader->size / 4;
-    for (size_t i = 5; i < words; i += code[i] >> 16) {
-        uint32_t operation = code[i] & 0xffff;
-        count += operation >= 87 && operation <= 98; /* OpImageSampleImplicitLod .. OpImageRead */
-        assert_true(code[i] >> 16 > 0);
-    }
-    host_free(&host, code, shader->size);
-    return count;
-}
+/* OpImageSampleImplicitLod .. OpImageRead */
+static uint32_t count_image_reads(const struct gpu_shader *shader) { return test_count_operations(shader, 87, 98); }
 
 static void test_first_pass_reads_alpha_alone(void **state) {
     UNUSED(state);

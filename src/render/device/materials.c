@@ -62,6 +62,12 @@ static uint32_t material_class(const struct device_scene *d, const struct scene_
     return bits | (device_has_texture(d, m, SCENE_TEXTURE_NORMAL) ? GPU_CLASS_NORMAL_MAP : 0);
 }
 
+/* Where neither has a picture they are the same too. */
+static bool same_texture(const struct gpu_texture *a, const struct gpu_texture *b) {
+    return a->image == b->image && a->sampler_index == b->sampler_index && a->uv_set == b->uv_set &&
+           memcmp(a->transform, b->transform, sizeof a->transform) == 0;
+}
+
 static struct gpu_material device_material(struct device_scene *d, const struct scene_material *m, uint32_t id) {
     struct gpu_material g = {.base_color = m->base_color,
                              .emissive = m->emissive,
@@ -95,6 +101,8 @@ static struct gpu_material device_material(struct device_scene *d, const struct 
         if (t->uv_set) d->texture_bits |= GEOMETRY_UV1;
         memcpy(out->transform, t->transform, sizeof out->transform);
     }
+    if (same_texture(&g.textures[SCENE_TEXTURE_OCCLUSION], &g.textures[SCENE_TEXTURE_METALLIC_ROUGHNESS]))
+        g.flags |= GPU_MATERIAL_SHARED_OCCLUSION;
     return g;
 }
 
