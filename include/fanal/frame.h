@@ -195,6 +195,12 @@ typedef struct fnl_frame {
      * every frame must cost the same. Default false.
      */
     bool pin_choice;
+    /**
+     * FNL_SHADING_AUTO also measures FNL_SHADING_VISIBILITY, often the fastest, where the device can do it (fnl_device_info.primitive_ids). Its
+     * picture is close to that of the other candidates, not equal: textures are filtered in another way (docs/choosing.md has the differences).
+     * Default false.
+     */
+    bool choose_close;
     /** Threads that record commands, 0 .. 1024; 0 (default): as many as the job system has. */
     uint32_t record_threads;
     /** Lights whose bounding sphere has a smaller radius on the screen, in pixels, >= 0, are drawn as points of equal brightness and light nothing;

@@ -45,7 +45,7 @@ typedef enum fnl_shading {
     /** For tile-based GPUs: G-buffer, lighting and tone mapping in tile memory; only the picture is stored. Fewer bits per pixel, so the
         picture differs by rounding. docs/techniques/mobile.md */
     FNL_SHADING_MOBILE,
-    FNL_SHADING_AUTO, /**< measures the first three on this scene and device and keeps the fastest */
+    FNL_SHADING_AUTO, /**< measures the first three, and visibility with fnl_frame.choose_close, on this scene and device and keeps the fastest */
     FNL_SHADING_COUNT
 } fnl_shading;
 
@@ -58,12 +58,13 @@ FNL_API bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, ui
 /** What fnl_shading_likely() finds; bits. */
 typedef enum fnl_likely {
     FNL_LIKELY_SHADING = 1, /**< FNL_SHADING_AUTO chooses from paths with this one among them; with MSAA, from those that shade forward alone */
-    FNL_LIKELY_LISTS = 2    /**< FNL_LISTS_AUTO measures these lists with this path */
+    FNL_LIKELY_LISTS = 2,   /**< FNL_LISTS_AUTO measures these lists with this path */
+    FNL_LIKELY_CLOSE = 4    /**< as FNL_LIKELY_SHADING, but only in frames with fnl_frame.choose_close */
 } fnl_likely;
 
 /**
  * What `auto` would try of this pair, in a scene with `light_count` point, spot and shaped lights and `msaa` samples per pixel; fnl_likely bits.
- * Both are set for a few dozen pairs of several hundred. AUTO itself is never likely, nor are lists that do not go with the path.
+ * The first two are set for a few dozen pairs of several hundred. AUTO itself is never likely, nor are lists that do not go with the path.
  */
 FNL_API uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa);
 

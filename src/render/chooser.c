@@ -62,12 +62,16 @@ static fnl_light_lists likely_lists(const struct choice_case *at, fnl_shading sh
     return fnl_shading_supports(shading, FNL_LISTS_CLUSTERED, at->msaa) ? FNL_LISTS_CLUSTERED : FNL_LISTS_ALL;
 }
 
-static const fnl_shading orders[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_FORWARD};
+/* From the likeliest on; those that are only close to the others stand last. */
+static const fnl_shading orders[] = {FNL_SHADING_DEFERRED, FNL_SHADING_FORWARD_PREPASS, FNL_SHADING_FORWARD, FNL_SHADING_VISIBILITY};
+enum { EQUAL_ORDERS = 3 };
+
+static uint32_t order_count(const struct choice_case *at) { return at->close ? COUNT_OF(orders) : EQUAL_ORDERS; }
 
 uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa) {
     uint32_t likely = 0;
     for (uint32_t i = 0; i < COUNT_OF(orders); i++)
-        if (orders[i] == shading) likely |= FNL_LIKELY_SHADING;
+        if (orders[i] == shading) likely |= i < EQUAL_ORDERS ? FNL_LIKELY_SHADING : FNL_LIKELY_CLOSE;
     if ((uint32_t)shading >= FNL_SHADING_AUTO || (uint32_t)lists >= FNL_LISTS_AUTO) return likely;
     struct choice_case at = {.asked = {shading, FNL_LISTS_AUTO}, .light_count = light_count, .msaa = msaa};
     uint32_t count;
@@ -81,7 +85,7 @@ struct choice chooser_guess(const struct choice_case *at) {
     struct choice c = at->asked;
     if (c.shading == FNL_SHADING_AUTO) {
         c.shading = FNL_SHADING_FORWARD_PREPASS;
-        for (uint32_t i = COUNT_OF(orders); i-- > 0;) {
+        for (uint32_t i = order_count(at); i-- > 0;) {
             struct choice pair = {orders[i], c.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : c.lists};
             if (fnl_shading_supports(pair.shading, pair.lists, at->msaa) && !(is_deferred(pair.shading) && at->msaa > 1))
                 c.shading = pair.shading;
@@ -99,7 +103,7 @@ static void add_candidate(struct chooser *c, struct choice choice) {
 }
 
 static void add_orders(struct chooser *c, const struct choice_case *at) {
-    for (uint32_t i = 0; i < COUNT_OF(orders); i++) {
+    for (uint32_t i = 0; i < order_count(at); i++) {
         struct choice pair = {orders[i], at->asked.lists == FNL_LISTS_AUTO ? likely_lists(at, orders[i]) : at->asked.lists};
         if (fnl_shading_supports(pair.shading, pair.lists, at->msaa) && !(is_deferred(pair.shading) && at->msaa > 1))
             add_candidate(c, pair);
@@ -132,7 +136,8 @@ uint64_t chooser_key(const struct choice_case *at) {
                         step_of(at->light_count),
                         step_of(at->pixel_count),
                         at->msaa,
-                        at->depth_first};
+                        at->depth_first,
+                        at->close};
     return hash_bytes(parts, sizeof parts, HASH_SEED);
 }
 
@@ -368,7 +373,7 @@ static bool ratio_beyond(double a, double b, double factor) { return a > b * fac
 /* Other things are asked for, or the work is of another size. */
 static bool case_differs(const struct choice_case *a, const struct choice_case *b) {
     return a->asked.shading != b->asked.shading || a->asked.lists != b->asked.lists || a->scene != b->scene ||
-           a->msaa != b->msaa || a->depth_first != b->depth_first ||
+           a->msaa != b->msaa || a->depth_first != b->depth_first || a->close != b->close ||
            ratio_beyond((double)a->light_count + 8, (double)b->light_count + 8, 2) ||
            ratio_beyond((double)a->pixel_count, (double)b->pixel_count, 1.5);
 }

@@ -42,6 +42,7 @@ struct choice_case {
     uint32_t light_count, msaa;
     uint64_t pixel_count;
     bool depth_first; /* deferred: with a prepass */
+    bool close;       /* the path may be one whose picture is only close to that of the others */
     vec3 eye, forward;
     float scene_size; /* diagonal of the scene's bounds, metres */
 };

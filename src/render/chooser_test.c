@@ -144,6 +144,7 @@ static void test_likely_pairs_are_those_that_are_tried(void **state) {
                 uint32_t likely = fnl_shading_likely((fnl_shading)shading, (fnl_light_lists)l, at.light_count, at.msaa);
                 assert_int_equal(m.tried[l], (likely & FNL_LIKELY_LISTS) != 0);
                 assert_int_equal((likely & FNL_LIKELY_SHADING) != 0, shading < 3); /* as fnl_shading says */
+                assert_int_equal((likely & FNL_LIKELY_CLOSE) != 0, shading == FNL_SHADING_VISIBILITY);
                 tried += m.tried[l];
             }
             assert_true(tried >= 2 && tried <= CHOOSER_CANDIDATES);
@@ -183,6 +184,40 @@ static void test_order_and_lists_together(void **state) {
     settle(&m, &at);
     assert_int_not_equal(c.choice.shading, FNL_SHADING_DEFERRED);
     assert_true(m.tried[FNL_LISTS_TILED]);
+}
+
+/* A path whose picture is only close is a candidate where that is allowed, and nowhere else, however fast it is. */
+static void test_close_paths_where_they_are_allowed(void **state) {
+    UNUSED(state);
+    static struct chooser c;
+    for (uint32_t msaa = 1; msaa <= 4; msaa *= 4) {
+        c = (struct chooser){0};
+        struct machine m = machine_make(&c);
+        m.orders[FNL_SHADING_VISIBILITY] = 0.01;
+        m.orders[FNL_SHADING_FORWARD] = 3;
+        struct choice_case at = some_case(1000);
+        at.asked.shading = FNL_SHADING_AUTO;
+        at.msaa = msaa;
+        for (uint32_t frame = 0; c.state != CHOOSER_DECIDED; frame++) {
+            assert_true(frame < MOST_FRAMES);
+            assert_int_not_equal(step(&m, &at, false).shading, FNL_SHADING_VISIBILITY);
+        }
+        assert_int_equal(c.choice.shading, FNL_SHADING_FORWARD);
+
+        at.close = true;
+        assert_int_not_equal(chooser_guess(&at).shading, FNL_SHADING_VISIBILITY); /* before it is measured */
+        settle(&m, &at);
+        assert_int_equal(c.choice.shading, FNL_SHADING_VISIBILITY);
+        assert_int_equal(step(&m, &at, true).shading, FNL_SHADING_VISIBILITY);
+
+        at.close = false; /* from the next frame on, by what is remembered */
+        assert_int_equal(step(&m, &at, true).shading, FNL_SHADING_FORWARD);
+        assert_int_equal(c.state, CHOOSER_DECIDED);
+        at.asked.shading = FNL_SHADING_DEFERRED; /* a path that was named stays */
+        at.close = true;
+        settle(&m, &at);
+        assert_int_equal(c.choice.shading, FNL_SHADING_DEFERRED);
+    }
 }
 
 static void test_decides_again_when_much_changes(void **state) {
@@ -549,6 +584,41 @@ static void test_the_first_frame_has_the_likely_or_the_remembered_lists(void **s
     }
 }
 
+/* What is remembered for frames that allow a close picture is taken by them alone. */
+static void test_frames_say_whether_close_is_good_enough(void **state) {
+    UNUSED(state);
+    struct stage stage = stage_open("builtin:spheres?lights=16", 0);
+    fnl_frame frame = auto_frame(&stage);
+    frame.shading = FNL_SHADING_AUTO;
+    frame.pin_choice = true;
+    fnl_frame_stats stats;
+    for (int round = 0; round < 3; round++) {
+        frame.choose_close = round > 0;
+        assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+        assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
+        assert_int_equal(stats.shading, round < 2 ? FNL_SHADING_DEFERRED : FNL_SHADING_VISIBILITY);
+        if (round != 1) continue;
+        assert_true(stage.renderer->chooser.at.close);
+        char memory[128];
+        int length = snprintf(memory, sizeof memory, "%016llx visibility tiled 1.5\n", (unsigned long long)chooser_key(&stage.renderer->chooser.at));
+        fnl_renderer_destroy(&stage.renderer);
+        assert_int_equal(fnl_renderer_create(test_device, stage.scene, &stage.renderer), FNL_OK);
+        chooser_parse(&stage.renderer->chooser, memory, (size_t)length);
+    }
+    frame.choose_close = false;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+    assert_int_equal(fnl_renderer_query_stats(stage.renderer, &stats), FNL_OK);
+    assert_int_equal(stats.shading, FNL_SHADING_DEFERRED);
+
+    frame.choose_close = true; /* then the options of visibility have to go together */
+    frame.visibility.grid = true;
+    frame.msaa = 4;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_ERROR_UNSUPPORTED);
+    frame.choose_close = false;
+    assert_int_equal(fnl_renderer_render(stage.renderer, &frame), FNL_OK);
+    stage_close(&stage);
+}
+
 static void test_new_lights_count_in_the_very_next_frame(void **state) {
     UNUSED(state);
     struct stage stage = stage_open("builtin:spheres?lights=1", 0);
@@ -779,6 +849,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_likely_pairs_are_those_that_are_tried, harness_check),
         cmocka_unit_test_teardown(test_slow_candidates_get_fewer_turns, harness_check),
         cmocka_unit_test_teardown(test_order_and_lists_together, harness_check),
+        cmocka_unit_test_teardown(test_close_paths_where_they_are_allowed, harness_check),
         cmocka_unit_test_teardown(test_decides_again_when_much_changes, harness_check),
         cmocka_unit_test_teardown(test_pinned_measures_nothing, harness_check),
         cmocka_unit_test_teardown(test_without_times, harness_check),
@@ -789,6 +860,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_trials_of_other_cases_do_not_pile_up, harness_check),
         cmocka_unit_test_teardown(test_frames, harness_check),
         cmocka_unit_test_teardown(test_the_first_frame_has_the_likely_or_the_remembered_lists, harness_check),
+        cmocka_unit_test_teardown(test_frames_say_whether_close_is_good_enough, harness_check),
         cmocka_unit_test_teardown(test_new_lights_count_in_the_very_next_frame, harness_check),
         cmocka_unit_test_teardown(test_pinned_frames_ask_for_nothing, harness_check),
         cmocka_unit_test_teardown(test_the_next_run_goes_on, harness_check),

@@ -67,7 +67,10 @@ fnl_result frame_check(const struct call *call, fnl_renderer *r, const fnl_frame
     if (!(counts & frame->msaa))
         return unsupported(call, "this device cannot render with %u samples per pixel, only with 1%s%s%s", frame->msaa,
                            counts & 2 ? ", 2" : "", counts & 4 ? ", 4" : "", counts & 8 ? ", 8" : "");
-    if (frame->shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, frame));
+    fnl_frame checked = *frame;
+    if (frame->shading == FNL_SHADING_AUTO && frame->choose_close && gpu_info(r->device)->primitive_ids)
+        checked.shading = FNL_SHADING_VISIBILITY; /* it may be taken */
+    if (checked.shading != FNL_SHADING_AUTO) TRY(shading_check(call, r, &checked));
     TRY(debug_views_check(call, r, frame));
     if (temporal_needs_motion(frame) && frame->msaa > 1)
         return unsupported(call, "motion vectors and temporal antialiasing need 1 sample per pixel, not %u", frame->msaa);

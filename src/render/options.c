@@ -67,6 +67,7 @@ static const struct row rows[] = {
     SWITCH("count-lights", count_lights, EVERY, EVERY, "counts light evaluations exactly, which is slower", EXACT),
     SWITCH("timers", timers, EVERY, EVERY, "measures each pass on the GPU", EXACT),
     SWITCH("pin-choice", pin_choice, EVERY, EVERY, "auto keeps its choice and measures nothing", EXACT),
+    SWITCH("choose-close", choose_close, EVERY, EVERY, "shading=auto also measures visibility, whose picture is close, not equal"),
     COUNT("record-threads", record_threads, 0, 1024, "threads", EVERY, EVERY,
           "threads that record commands; 0: as many as there are jobs", EXACT),
     NUMBER("light-lod", light_lod, 0, (double)FLT_MAX, "pixels", EVERY, EVERY,

@@ -42,6 +42,7 @@ void renderer_choose(fnl_renderer *r, fnl_frame *frame) {
                              .msaa = frame->msaa,
                              .pixel_count = (uint64_t)frame->width * frame->height,
                              .depth_first = frame->gbuffer.prepass,
+                             .close = frame->choose_close && gpu_info(r->device)->primitive_ids,
                              .eye = camera->position,
                              .forward = vec3_normalize(vec3_sub(camera->target, camera->position)),
                              .scene_size = box_is_empty(&d->bounds) ? 1 : vec3_distance(d->bounds.low, d->bounds.high)};
