@@ -67,7 +67,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = graph_name(graph, "%s bounds", what),
                               .queue = input->queue,
-                              .pipeline = {build->bounds_shader, 2, {GPU_LIST_ALL, build->bounds_samples}},
+                              .pipeline = {build->bounds_shader, 3, {GPU_LIST_ALL, build->bounds_samples, build->bounds_rows}},
                               .groups = {build->bounds_groups_x, build->bounds_groups_y},
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_row_if(build->depth.id, graph_samples(&push.depth, build->depth)),

@@ -31,6 +31,7 @@ struct cells_build {
     const char *what; /* passes and buffers are called "`what` …" */
     const struct gpu_shader *bounds_shader;
     uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
+    uint32_t bounds_rows;                      /* and 2, where it includes tile_depth.glsl */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */
     graph_buffer bounds_input;                 /* what the bounds shader reads besides, or id 0 */
     graph_image depth, front;                  /* or id 0 */

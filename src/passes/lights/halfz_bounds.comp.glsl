@@ -8,7 +8,6 @@
 
 layout(constant_id = 1) const uint SAMPLES = 1u;
 
-layout(local_size_x = 8, local_size_y = 8) in; // one group a tile
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/tile_depth.glsl"
@@ -24,15 +23,18 @@ void main() {
     bool used = tile_depths(near, far); // has barriers
     float split = 0.5 * (near + far);
     uvec2 first = tile_first(), end = tile_end();
-    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += 8u)
-        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += 8u)
+    uint own_far = 0xffffffffu, own_near = 0u;
+    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += gl_WorkGroupSize.y)
+        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += gl_WorkGroupSize.x)
             for (uint s = 0u; s < SAMPLES; s++) {
                 float depth, same;
                 if (!tile_surfaces(ivec2(x, y), int(s), depth, same)) continue;
                 float view_depth = view_depth_of(push.view, depth);
-                if (view_depth <= split * (1.0 + CELL_SLACK)) atomicMin(near_half_far, floatBitsToUint(depth));
-                if (view_depth >= split * (1.0 - CELL_SLACK)) atomicMax(far_half_near, floatBitsToUint(depth));
+                if (view_depth <= split * (1.0 + CELL_SLACK)) own_far = min(own_far, floatBitsToUint(depth));
+                if (view_depth >= split * (1.0 - CELL_SLACK)) own_near = max(own_near, floatBitsToUint(depth));
             }
+    if (own_far != 0xffffffffu) atomicMin(near_half_far, own_far);
+    if (own_near != 0u) atomicMax(far_half_near, own_near);
     barrier();
     if (gl_LocalInvocationIndex != 0u) return;
     uint tile = tile_index(), tile_count = push.list.list.tiles_x * push.list.list.tiles_y;

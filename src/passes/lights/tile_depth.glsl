@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The depths of a tile, found by one work group of 8 x 8. Included after the push constants (gpu_cells_push), which must say SAMPLES.
+// The depths of a tile, found by one work group. Included after the push constants (gpu_cells_push), which must say SAMPLES.
 #ifndef TILE_DEPTH_GLSL
 #define TILE_DEPTH_GLSL
+
+// Eight columns, and as many rows as a subgroup has (tiled.c): barriers are cheap then, and few threads add their results by atomics.
+layout(local_size_x = 8, local_size_y = 8, local_size_y_id = 2) in;
 
 // Depth is reversed and not negative, so its bits order like the numbers: the greatest bits are the nearest.
 shared uint tile_nearest, tile_farthest;
@@ -18,9 +21,14 @@ float tile_fetch(uint image, ivec2 pixel, int s) {
 // Stored depths of the nearest and the farthest surface that looks lights up at a sample; far 0: it may be as far as can be. False:
 // nothing does. Blended surfaces lie between the nearest of them and what is opaque (ES-44).
 bool tile_surfaces(ivec2 pixel, int s, out float near, out float far) {
-    near = far = tile_fetch(push.depth, pixel, s);
-    if (push.front == GPU_NO_DEPTH) return near > 0.0;
+    if (push.front == GPU_NO_DEPTH) {
+        near = far = tile_fetch(push.depth, pixel, s);
+        return near > 0.0;
+    }
     near = tile_fetch(push.front, pixel, s);
+    far = 0.0;
+    if (near <= 0.0) return false; // mostly so: what is behind is not looked at
+    far = tile_fetch(push.depth, pixel, s);
     return near > far;
 }
 
@@ -41,8 +49,8 @@ bool tile_depths(out float near, out float far) {
     barrier();
     uvec2 first = tile_first(), end = tile_end();
     uint near_bits = 0u, far_bits = 0xffffffffu;
-    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += 8u)
-        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += 8u)
+    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += gl_WorkGroupSize.y)
+        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += gl_WorkGroupSize.x)
             for (uint s = 0u; s < SAMPLES; s++) {
                 float near_depth, far_depth;
                 if (!tile_surfaces(ivec2(x, y), int(s), near_depth, far_depth)) continue;

@@ -2,6 +2,7 @@
 /** Tiles in halves, with depth masks, and with depth ranges: built on the device, compared with geometry in double precision. */
 #include "passes/lights/tree.h"
 #include "tests/list_bench.h"
+#include "tests/vulkan_spy.h"
 
 enum { LIGHTS = 300, WIDTH = 157, HEIGHT = 93 };
 
@@ -469,6 +470,53 @@ static void test_evaluations_ES_45_ES_46_ES_65(void **state) {
     stage_close(&pole);
 }
 
+/* Work groups have as many rows of threads as the device's subgroups; lists are the same to the bit. */
+static void test_any_size_of_subgroups_gives_the_same_lists(void **state) {
+    UNUSED(state);
+    static const struct {
+        uint32_t subgroup, rows;
+    } sizes[] = {{8, 1}, {4, 1}, {16, 2}, {32, 4}, {64, 8}, {128, 8}};
+    static const enum list_builder kinds[] = {LIST_TILED, LIST_TILED, LIST_HALFZ, LIST_25D};
+    struct random_state random = {17};
+    struct gpu_view view = list_random_view(0, &random, WIDTH, HEIGHT);
+    list_random_lights(&view, &random, LIGHTS, params, lights);
+    float *depth = list_random_depth(&view, &random);
+    static float front[WIDTH * HEIGHT]; /* glass before some pixels, behind others, elsewhere none */
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) front[i] = i % WIDTH < 100 ? depth[i] * (i % 5 == 1 ? 1.5f : i % 3 == 1 ? 0.8f : 0) : 0;
+    fnl_device_info *info = (fnl_device_info *)(uintptr_t)gpu_info(harness_device());
+    const uint32_t own = info->subgroup_size;
+    spy_begin(harness_device());
+    for (uint32_t k = 0; k < COUNT_OF(kinds); k++) {
+        struct list_request r = request_of(kinds[k], &view, depth, LIGHTS);
+        if (k == 1) r.front = front;
+        struct list_copy first = {0};
+        for (uint32_t i = 0; i < COUNT_OF(sizes); i++) {
+            info->subgroup_size = sizes[i].subgroup;
+            spy_clear();
+            struct list_copy list = list_build(&r);
+            uint32_t found = 0;
+            for (uint32_t w = 0; w < spy.work_count; w++) {
+                const struct gpu_compute_params *pipeline = spy_compute_params(spy.work[w].pipeline);
+                if (!pipeline || !strstr(pipeline->shader->name, "_bounds")) continue;
+                assert_int_equal(pipeline->constants[2], sizes[i].rows);
+                found++;
+            }
+            if (found != 1) fail_msg("%u dispatches, %u of bounds", spy.work_count, found);
+            if (i == 0) {
+                first = list;
+                if (list_entries(&first) < 200) fail_msg("builder %u: %llu entries", k, (unsigned long long)list_entries(&first));
+                continue;
+            }
+            if (!list_equal(&first, &list)) fail_msg("builder %u: other lists with subgroups of %u", k, sizes[i].subgroup);
+            list_free(&list);
+        }
+        list_free(&first);
+    }
+    info->subgroup_size = own;
+    spy_end();
+    free(depth);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_halves_ES_45, harness_check),
@@ -479,6 +527,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_ranges_of_cones_ES_65, harness_check),
         cmocka_unit_test_teardown(test_sizes_and_counts, harness_check),
         cmocka_unit_test_teardown(test_overflow, harness_check),
+        cmocka_unit_test_teardown(test_any_size_of_subgroups_gives_the_same_lists, spy_tear_down),
         cmocka_unit_test_teardown(test_evaluations_ES_45_ES_46_ES_65, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);

@@ -20,7 +20,8 @@ struct cells_build tiled_build(struct graph *graph, gpu_device *device, const st
                                 .flags = bounds[params->bounds] | (params->min_depth ? CELLS_MIN_DEPTH : 0) |
                                          (params->max_depth ? CELLS_MAX_DEPTH : 0) | (params->cone_tests ? CELLS_CONES : 0),
                                 .pool_capacity = params->pool_capacity,
-                                .bounds_samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1};
+                                .bounds_samples = depth.id ? MAX(graph_image_info(graph, depth).samples, 1u) : 1,
+                                .bounds_rows = CLAMP(gpu_info(device)->subgroup_size / 8, 1u, 8u)};
     build.header = light_list_header(device, input, &build.header_address);
     build.bounds_groups_x = DIVIDE_UP(input->width, params->tile_size);
     build.bounds_groups_y = DIVIDE_UP(input->height, params->tile_size);

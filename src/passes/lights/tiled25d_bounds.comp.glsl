@@ -7,7 +7,6 @@
 
 layout(constant_id = 1) const uint SAMPLES = 1u;
 
-layout(local_size_x = 8, local_size_y = 8) in; // one group a tile
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/tile_depth.glsl"
@@ -21,8 +20,8 @@ void main() {
     gpu_cell_bounds bounds = tile_piece(near, far, used);
     uvec2 first = tile_first(), end = tile_end();
     uint mask = 0u;
-    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += 8u)
-        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += 8u)
+    for (uint y = first.y + gl_LocalInvocationID.y; y < end.y; y += gl_WorkGroupSize.y)
+        for (uint x = first.x + gl_LocalInvocationID.x; x < end.x; x += gl_WorkGroupSize.x)
             for (uint s = 0u; s < SAMPLES; s++) {
                 float depth, same;
                 if (tile_surfaces(ivec2(x, y), int(s), depth, same)) mask |= 1u << depth_cell(bounds, view_depth_of(push.view, depth));

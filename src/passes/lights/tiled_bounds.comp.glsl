@@ -7,7 +7,6 @@
 
 layout(constant_id = 1) const uint SAMPLES = 1u;
 
-layout(local_size_x = 8, local_size_y = 8) in; // one group a tile
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/tile_depth.glsl"
