@@ -12,7 +12,7 @@ void store_masks(uint first, uint count) {
     for (uint i = 0u; i < OWN; i++) {
         if (i % step != 0u) continue;
         uint at = 0u, mask = 0u, to = 0u;
-        for (uint w = 0u; w < KEPT_WORDS; w++) {
+        for (uint w = 0u; w < min(tested_words, KEPT_WORDS); w++) {
             for (uint k = 0u; k < OWN; k++) masks[k] = kept_masks[k * KEPT_WORDS + w];
             uint square = join_masks(i);
             if (w == 0u) to = first + square * words;
@@ -23,7 +23,7 @@ void store_masks(uint first, uint count) {
                 push.found.at[to++] = mask;
                 mask = 0u;
             }
-            barrier();
+            if (SIDE == 1u) barrier(); // see join_masks()
         }
     }
 }

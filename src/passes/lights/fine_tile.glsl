@@ -250,6 +250,7 @@ void test_staged(uint count) {
 
 // Masks of the thread's pixels over what the walk tests, kept where these are few enough lights.
 bool makes_masks = false, has_masks = false;
+uint tested_words = 0u;
 uint kept_masks[OWN * KEPT_WORDS + 1u];
 
 uint local_light(uint index) { return push.visible_ids.at[index]; }
@@ -296,6 +297,7 @@ uint flush(uint count, bool whole, uint_array out_ids, uint out_first, uint out_
     if (count == 0u) return 0u; // the whole group
     uint words = (count + 31u) / 32u;
     has_masks = makes_masks && whole && words <= KEPT_WORDS;
+    tested_words = words;
     if (thread < max(words, KEPT_WORDS)) {
         uint in_word = min(count - min(thread * 32u, count), 32u);
         kept_bits[thread] = tests || in_word == 0u ? 0u : 0xffffffffu >> (32u - in_word);
