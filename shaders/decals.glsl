@@ -27,9 +27,10 @@ struct decal_point {
 
 // A decal's place on a surface.
 struct decal_place {
-    vec3 q, dx, dy; // in its cube
-    vec3 side, up;  // world space
-    float cosine;   // between the surface's normal and the way the decal is seen from
+    vec2 uv, uv_dx, uv_dy; // on its picture; per pixel to the right and down
+    float height;          // in its cube, -0.5 .. 0.5
+    float cosine;          // between the surface's normal and the way the decal is seen from
+    bool on_mesh;
 };
 
 vec3 decal_cube(decal_array decals, uint index, vec3 p) {
@@ -43,6 +44,9 @@ vec3 decal_cube_direction(decal_array decals, uint index, vec3 d) {
     return vec3(dot(decals.at[index].rows[0].xyz, d), dot(decals.at[index].rows[1].xyz, d), dot(decals.at[index].rows[2].xyz, d));
 }
 
+vec2 decal_uv(vec3 q) { return vec2(q.x + 0.5, 0.5 - q.y); }
+vec2 decal_uv_direction(decal_array decals, uint index, vec3 d) { return decal_cube_direction(decals, index, d).xy * vec2(1.0, -1.0); }
+
 bool decal_holds(vec3 q) { return all(lessThanEqual(abs(q), vec3(0.5))); } // NaN: no
 
 bool decal_meets(decal_array decals, uint index, uint receivers) {
@@ -54,14 +58,14 @@ vec4 decal_texel(uint image, uint sampler_index, vec2 uv, vec2 dx, vec2 dy) {
 }
 
 // Of a stack of slices, between the two nearest; mips stop where a slice would be lost, and no texel is read across its rim.
-vec4 decal_slices(uint image, uint sampler_index, decal_place p, vec2 uv, vec2 dx, vec2 dy, float slices) {
+vec4 decal_slices(uint image, uint sampler_index, decal_place p, float slices) {
     vec2 size = vec2(textureSize(sampler2D(textures[nonuniformEXT(image)], samplers[nonuniformEXT(sampler_index)]), 0));
     size.y /= slices;
-    float lod = 0.5 * log2(max(max(dot(dx * size, dx * size), dot(dy * size, dy * size)), 1e-12));
+    float lod = 0.5 * log2(max(max(dot(p.uv_dx * size, p.uv_dx * size), dot(p.uv_dy * size, p.uv_dy * size)), 1e-12));
     lod = clamp(lod, 0.0, max(floor(log2(size.y)) - 1.0, 0.0));
     vec2 rim = min(0.5 * exp2(ceil(lod)) / size, vec2(0.5));
-    uv = clamp(uv, rim, 1.0 - rim);
-    float z = clamp((0.5 - p.q.z) * slices - 0.5, 0.0, slices - 1.0), low = floor(z), high = min(low + 1.0, slices - 1.0);
+    vec2 uv = clamp(p.uv, rim, 1.0 - rim);
+    float z = clamp((0.5 - p.height) * slices - 0.5, 0.0, slices - 1.0), low = floor(z), high = min(low + 1.0, slices - 1.0);
     vec4 a = textureLod(sampler2D(textures[nonuniformEXT(image)], samplers[nonuniformEXT(sampler_index)]),
                         vec2(uv.x, (low + uv.y) / slices), lod);
     vec4 b = textureLod(sampler2D(textures[nonuniformEXT(image)], samplers[nonuniformEXT(sampler_index)]),
@@ -80,93 +84,111 @@ vec3 decal_blend(uint blend, vec3 base, vec3 color, float alpha) {
     return rest + color;
 }
 
+// World space: where the right side and the top of the picture are.
+void decal_sides(decal_array decals, uint index, decal_place place, decal_point p, out vec3 side, out vec3 up) {
+    side = decals.at[index].side;
+    up = decals.at[index].up;
+    if (place.on_mesh) { // from how the picture lies on the surface
+        float turn = place.uv_dx.x * place.uv_dy.y - place.uv_dy.x * place.uv_dx.y > 0.0 ? -1.0 : 1.0;
+        side = (p.dy * place.uv_dx.y - p.dx * place.uv_dy.y) * turn;
+        up = (p.dy * place.uv_dx.x - p.dx * place.uv_dy.x) * turn;
+    }
+}
+
 // A mapped normal upon a surface's present one. The picture's directions lie in the plane of the surface without its maps, and turn with
 // the normal by the least rotation (Barre-Brisebois and Hill 2012): unlike a projection that has no pole that steep layers could come near.
-vec3 decal_bend(vec3 normal, vec3 mapped, decal_place p, vec3 facing) {
-    vec3 t = p.side - facing * dot(facing, p.side);
+vec3 decal_bend(vec3 normal, vec3 mapped, vec3 side, vec3 up, vec3 facing) {
+    vec3 t = side - facing * dot(facing, side);
     float t2 = dot(t, t);
     if (t2 < 1e-12) return normal;
     t *= inversesqrt(t2);
     t -= (normal + facing) * (dot(normal, t) / max(1.0 + dot(normal, facing), 1e-3));
     vec3 b = cross(normal, t);
-    if (dot(cross(facing, p.side), p.up) < 0.0) b = -b; // a mirrored picture
+    if (dot(cross(facing, side), up) < 0.0) b = -b; // a mirrored picture
     vec3 bent = mapped.x * t + mapped.y * b + mapped.z * normal;
     float length2 = dot(bent, bent);
     return length2 > 1e-12 ? bent * inversesqrt(length2) : normal;
 }
 
-// What a decal shows at a place.
-struct decal_look {
-    vec4 color; // premultiplied, faded, cut
-    vec3 emissive;
-    vec3 mapped; // normal of its map
-    float metallic, roughness;
-};
+// What a decal shows at a place, piece by piece: pieces that wait for each other would take registers.
 
-// False where nothing of it is left.
-bool decal_look_at(decal_array decals, uint index, uint sampler_index, decal_place p, out decal_look look) {
-    uint flags = decals.at[index].flags;
-    bool volume = (flags & GPU_DECAL_VOLUME) != 0u;
-    float fade = 1.0;
-    if (!volume) {
-        fade = clamp(p.cosine * decals.at[index].fade_scale + decals.at[index].fade_offset, 0.0, 1.0);
-        fade = fade * fade * (3.0 - 2.0 * fade);
-        if (fade <= 0.0) return false;
-    }
-    vec2 uv = vec2(p.q.x + 0.5, 0.5 - p.q.y), dx = vec2(p.dx.x, -p.dx.y), dy = vec2(p.dy.x, -p.dy.y);
-    vec4 factor = decals.at[index].color;
-    float slices = decals.at[index].slices;
-    look.color = vec4(factor.rgb * factor.a, factor.a);
-    uint image = decals.at[index].color_image;
+// 0: nothing.
+float decal_fade(decal_array decals, uint index, decal_place p) {
+    if ((decals.at[index].flags & GPU_DECAL_VOLUME) != 0u) return 1.0;
+    float fade = clamp(p.cosine * decals.at[index].fade_scale + decals.at[index].fade_offset, 0.0, 1.0);
+    return fade * fade * (3.0 - 2.0 * fade);
+}
+
+vec4 decal_picture(decal_array decals, uint index, uint image, uint sampler_index, decal_place p) {
+    if ((decals.at[index].flags & GPU_DECAL_VOLUME) != 0u) return decal_slices(image, sampler_index, p, decals.at[index].slices);
+    return decal_texel(image, sampler_index, p.uv, p.uv_dx, p.uv_dy);
+}
+
+// Premultiplied, faded, cut.
+vec4 decal_color(decal_array decals, uint index, uint sampler_index, decal_place p, float fade) {
+    uint flags = decals.at[index].flags, image = decals.at[index].color_image;
+    vec4 texel = vec4(1.0);
     if (image != GPU_DECAL_NO_IMAGE) {
-        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, slices) : decal_texel(image, sampler_index, uv, dx, dy);
+        texel = decal_picture(decals, index, image, sampler_index, p);
         if ((flags & GPU_DECAL_FIELD) != 0u) {
             // As wide as the distance changes from pixel to pixel: the cut is as soft as an edge.
             float cut = decals.at[index].cut, width = 0.0;
-            if (!volume) width = 0.5 * (abs(decal_texel(image, sampler_index, uv + dx, dx, dy).a - texel.a) +
-                                        abs(decal_texel(image, sampler_index, uv + dy, dx, dy).a - texel.a));
+            if ((flags & GPU_DECAL_VOLUME) == 0u)
+                width = 0.5 * (abs(decal_texel(image, sampler_index, p.uv + p.uv_dx, p.uv_dx, p.uv_dy).a - texel.a) +
+                               abs(decal_texel(image, sampler_index, p.uv + p.uv_dy, p.uv_dx, p.uv_dy).a - texel.a));
             width = max(width, 1.0 / 512.0);
             float inside = smoothstep(cut - width, cut + width, texel.a);
             texel = vec4(texel.rgb * inside, inside);
         }
-        look.color *= texel; // both are premultiplied
     }
-    look.color *= fade;
-    look.roughness = decals.at[index].roughness;
-    look.metallic = decals.at[index].metallic;
-    image = decals.at[index].metallic_roughness_image;
-    if (image != GPU_DECAL_NO_IMAGE && (flags & (GPU_DECAL_ROUGHNESS | GPU_DECAL_METALLIC)) != 0u) {
-        vec4 texel = volume ? decal_slices(image, sampler_index, p, uv, dx, dy, slices) : decal_texel(image, sampler_index, uv, dx, dy);
-        look.roughness *= texel.g;
-        look.metallic *= texel.b;
-    }
-    look.emissive = vec3(0.0);
-    if ((flags & GPU_DECAL_EMISSION) != 0u) {
-        look.emissive = decals.at[index].emissive;
-        image = decals.at[index].emissive_image;
-        if (image != GPU_DECAL_NO_IMAGE) look.emissive *= decal_texel(image, sampler_index, uv, dx, dy).rgb;
-    }
-    look.mapped = vec3(0.0, 0.0, 1.0);
-    if ((flags & GPU_DECAL_NORMAL) != 0u) {
-        image = decals.at[index].normal_image;
-        if (image != GPU_DECAL_NO_IMAGE) look.mapped = decal_texel(image, sampler_index, uv, dx, dy).xyz * 2.0 - 1.0;
-        look.mapped.xy *= decals.at[index].normal_scale;
-    }
-    return true;
+    vec4 factor = decals.at[index].color;
+    return vec4(factor.rgb * factor.a, factor.a) * texel * fade; // both are premultiplied
 }
 
-void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_index, decal_place p, vec3 facing) {
-    decal_look look;
-    if (!decal_look_at(decals, index, sampler_index, p, look)) return;
+// Roughness and metalness.
+vec2 decal_roughness_metallic(decal_array decals, uint index, uint sampler_index, decal_place p) {
+    vec2 result = vec2(decals.at[index].roughness, decals.at[index].metallic);
+    uint image = decals.at[index].metallic_roughness_image;
+    if (image != GPU_DECAL_NO_IMAGE && (decals.at[index].flags & (GPU_DECAL_ROUGHNESS | GPU_DECAL_METALLIC)) != 0u)
+        result *= decal_picture(decals, index, image, sampler_index, p).gb;
+    return result;
+}
+
+// With GPU_DECAL_EMISSION.
+vec3 decal_emissive(decal_array decals, uint index, uint sampler_index, decal_place p) {
+    vec3 emissive = decals.at[index].emissive;
+    uint image = decals.at[index].emissive_image;
+    return image != GPU_DECAL_NO_IMAGE ? emissive * decal_texel(image, sampler_index, p.uv, p.uv_dx, p.uv_dy).rgb : emissive;
+}
+
+// A surface's normal under the decal's; without GPU_DECAL_NORMAL as if its picture were flat.
+vec3 decal_normal(decal_array decals, uint index, uint sampler_index, decal_place place, decal_point p, vec3 normal) {
+    vec3 mapped = vec3(0.0, 0.0, 1.0), side, up;
+    if ((decals.at[index].flags & GPU_DECAL_NORMAL) != 0u) {
+        uint image = decals.at[index].normal_image;
+        if (image != GPU_DECAL_NO_IMAGE) mapped = decal_texel(image, sampler_index, place.uv, place.uv_dx, place.uv_dy).xyz * 2.0 - 1.0;
+        mapped.xy *= decals.at[index].normal_scale;
+    }
+    decal_sides(decals, index, place, p, side, up);
+    return decal_bend(normal, mapped, side, up, p.facing);
+}
+
+void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_index, decal_place place, decal_point p) {
+    float fade = decal_fade(decals, index, place);
+    if (fade <= 0.0) return;
     uint flags = decals.at[index].flags;
-    float alpha = look.color.a;
-    if ((flags & GPU_DECAL_COLOR) != 0u)
-        s.base_color = decal_blend(flags >> GPU_DECAL_BLEND_SHIFT & 15u, s.base_color, look.color.rgb, alpha);
-    if ((flags & GPU_DECAL_ROUGHNESS) != 0u) s.roughness = mix(s.roughness, look.roughness, alpha);
-    if ((flags & GPU_DECAL_METALLIC) != 0u) s.metallic = mix(s.metallic, look.metallic, alpha);
-    if ((flags & GPU_DECAL_EMISSION) != 0u) s.emissive = mix(s.emissive, look.emissive, alpha);
+    vec4 color = decal_color(decals, index, sampler_index, place, fade);
+    float alpha = color.a;
+    if ((flags & GPU_DECAL_COLOR) != 0u) s.base_color = decal_blend(flags >> GPU_DECAL_BLEND_SHIFT & 15u, s.base_color, color.rgb, alpha);
+    if ((flags & (GPU_DECAL_ROUGHNESS | GPU_DECAL_METALLIC)) != 0u) {
+        vec2 look = decal_roughness_metallic(decals, index, sampler_index, place);
+        if ((flags & GPU_DECAL_ROUGHNESS) != 0u) s.roughness = mix(s.roughness, look.x, alpha);
+        if ((flags & GPU_DECAL_METALLIC) != 0u) s.metallic = mix(s.metallic, look.y, alpha);
+    }
+    if ((flags & GPU_DECAL_EMISSION) != 0u)
+        s.emissive = mix(s.emissive, decal_emissive(decals, index, sampler_index, place), alpha);
     if ((flags & GPU_DECAL_NORMAL) != 0u) {
-        vec3 bent = decal_bend((flags & GPU_DECAL_FLATTEN) != 0u ? facing : s.normal, look.mapped, p, facing);
+        vec3 bent = decal_normal(decals, index, sampler_index, place, p, (flags & GPU_DECAL_FLATTEN) != 0u ? p.facing : s.normal);
         vec3 mixed = mix(s.normal, bent, alpha);
         float length2 = dot(mixed, mixed);
         if (length2 > 1e-12) s.normal = mixed * inversesqrt(length2);
@@ -174,23 +196,22 @@ void decal_apply(inout surface s, decal_array decals, uint index, uint sampler_i
 }
 
 decal_place decal_place_at(decal_array decals, uint index, vec3 q, decal_point p) {
-    return decal_place(q, decal_cube_direction(decals, index, p.dx), decal_cube_direction(decals, index, p.dy), decals.at[index].side,
-                       decals.at[index].up, dot(p.facing, decals.at[index].facing));
+    return decal_place(decal_uv(q), decal_uv_direction(decals, index, p.dx), decal_uv_direction(decals, index, p.dy), q.z,
+                       dot(p.facing, decals.at[index].facing), false);
 }
 
-// In the space of a mesh before it deforms, with directions from how the picture lies on the surface. `bind_dx` and `bind_dy`: how the
-// position there changes from pixel to pixel; `mirror` is -1 where the instance is mirrored.
+// In the space of a mesh before it deforms. `bind_dx` and `bind_dy`: how the position there changes from pixel to pixel; `mirror` is -1 where
+// the instance is mirrored.
 decal_place decal_place_on_mesh(decal_array decals, uint index, vec3 q, decal_point p, vec3 bind_dx, vec3 bind_dy, float mirror) {
     decal_place place;
     vec3 bind_normal = cross(bind_dx, bind_dy) * (dot(cross(p.dx, p.dy), p.facing) < 0.0 ? -mirror : mirror);
     float length2 = dot(bind_normal, bind_normal);
-    place.q = q;
-    place.dx = decal_cube_direction(decals, index, bind_dx);
-    place.dy = decal_cube_direction(decals, index, bind_dy);
-    float turn = place.dx.x * place.dy.y - place.dy.x * place.dx.y < 0.0 ? -1.0 : 1.0;
-    place.side = (p.dx * place.dy.y - p.dy * place.dx.y) * turn;
-    place.up = (p.dy * place.dx.x - p.dx * place.dy.x) * turn;
+    place.uv = decal_uv(q);
+    place.uv_dx = decal_uv_direction(decals, index, bind_dx);
+    place.uv_dy = decal_uv_direction(decals, index, bind_dy);
+    place.height = q.z;
     place.cosine = length2 > 1e-36 ? dot(bind_normal, decals.at[index].facing) * inversesqrt(length2) : 1.0;
+    place.on_mesh = true;
     return place;
 }
 
@@ -200,7 +221,7 @@ bool decal_at_point(inout surface s, decal_block d, uint index, decal_point p) {
     vec3 q = decal_cube(decals, index, p.position);
     if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) return false;
     decal_place place = decal_place_at(decals, index, q, p);
-    decal_apply(s, decals, index, d.set.sampler_index, place, p.facing);
+    decal_apply(s, decals, index, d.set.sampler_index, place, p);
     return true;
 }
 
@@ -208,7 +229,7 @@ bool decal_at_point(inout surface s, decal_block d, uint index, decal_point p) {
 void decals_apply(inout surface s, decal_block d, uvec2 pixel, float view_depth, decal_point p) {
     light_list_block list = d.set.list;
     light_cursor cursor = lights_begin_as(GPU_LIST_CLUSTERS, list, light_point(pixel, view_depth, p.position, s.normal, LIGHT_NO_ITEM));
-    for (uint index; lights_next_as(GPU_LIST_CLUSTERS, list, cursor, index);) decal_at_point(s, d, index, p);
+    for (uint index; p.receivers != 0u && lights_next_as(GPU_LIST_CLUSTERS, list, cursor, index);) decal_at_point(s, d, index, p);
 }
 
 // How many of the list hold the point.

@@ -39,14 +39,14 @@ decal_point decal_raster_point(view_block v, gpu_item item, vec3 dx, vec3 dy) {
 void decals_of_mesh(inout surface s, decal_block d, scene_block scene, gpu_item item, decal_point p, vec3 bind_dx, vec3 bind_dy) {
     gpu_instance instance = scene.scene.instances.at[item.instance];
     float mirror = dot(cross(instance.rows[0].xyz, instance.rows[1].xyz), instance.rows[2].xyz) < 0.0 ? -1.0 : 1.0;
-    uint next = d.set.mesh_ranges.at[item.instance], end = d.set.mesh_ranges.at[item.instance + 1u];
+    uint next = d.set.mesh_ranges.at[item.instance], end = p.receivers == 0u ? next : d.set.mesh_ranges.at[item.instance + 1u];
     decal_array decals = d.set.decals;
     for (; next < end; next++) {
         uint index = d.set.mesh_ids.at[next];
         vec3 q = decal_cube(decals, index, in_bind);
         if (!decal_holds(q) || !decal_meets(decals, index, p.receivers)) continue;
         decal_place place = decal_place_on_mesh(decals, index, q, p, bind_dx, bind_dy, mirror);
-        decal_apply(s, decals, index, d.set.sampler_index, place, p.facing);
+        decal_apply(s, decals, index, d.set.sampler_index, place, p);
     }
 }
 
@@ -61,7 +61,7 @@ void decals_on(inout surface s, view_block v, scene_block scene, bool to_gbuffer
     decal_block d = decals_of(v);
     gpu_item item = scene.scene.items.at[in_ids.y];
     decal_point p = decal_raster_point(v, item, dx, dy);
-    if (p.receivers == 0u) return;
+    // No way leads past the loops: registers would keep the surface as it was for it. What receives nothing has no turns.
     if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) decals_of_mesh(s, d, scene, item, p, bind_dx, bind_dy);
     if ((FEATURES & GPU_FEATURE_DECALS) == 0u || to_gbuffer && d.set.in_gbuffer == 1u) return;
     vec3 view_position = (v.view.world_to_view * vec4(in_position, 1.0)).xyz;

@@ -94,44 +94,44 @@ bool material_culled(material_array materials, uint material) {
     return !material_front_facing() && (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u;
 }
 
-// `hole`: material_cut() of it, which needs no second look at the base colour.
+// Members are read where they are used: registers need not hold them while textures are sampled. `hole`: whether the cutout has one.
 surface material_surface(material_array materials, uint material, out bool hole) {
-    gpu_material m = materials.at[material];
     bool front_facing = material_front_facing();
     vec4 base = material_base_color(materials, material);
     hole = material_cut(materials, material, base.a);
     surface s;
     s.position = in_position;
-    s.alpha = (m.flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
+    s.alpha = (materials.at[material].flags & GPU_MATERIAL_BLEND) != 0u ? clamp(base.a, 0.0, 1.0) : 1.0;
 
     vec4 metallic_roughness = sample_slot(materials, material, TEXTURE_METALLIC_ROUGHNESS);
-    s.metallic = clamp(m.metallic * metallic_roughness.b, 0.0, 1.0);
-    s.roughness = clamp(m.roughness * metallic_roughness.g, 0.0, 1.0);
+    s.metallic = clamp(materials.at[material].metallic * metallic_roughness.b, 0.0, 1.0);
+    s.roughness = clamp(materials.at[material].roughness * metallic_roughness.g, 0.0, 1.0);
     float occlusion = metallic_roughness.r;
 #ifndef MATERIAL_TEXEL // which keeps it in another place
-    if ((m.flags & GPU_MATERIAL_SHARED_OCCLUSION) == 0u)
+    if ((materials.at[material].flags & GPU_MATERIAL_SHARED_OCCLUSION) == 0u)
 #endif
         occlusion = sample_slot(materials, material, TEXTURE_OCCLUSION).r;
-    s.occlusion = 1.0 + m.occlusion_strength * (occlusion - 1.0);
-    s.emissive = m.emissive * sample_slot(materials, material, TEXTURE_EMISSIVE).rgb;
-    s.dielectric_f90 = m.specular * sample_slot(materials, material, TEXTURE_SPECULAR).a;
-    s.dielectric_f0 = min(m.dielectric_f0 * sample_slot(materials, material, TEXTURE_SPECULAR_COLOR).rgb, vec3(1.0)) * s.dielectric_f90;
+    s.occlusion = 1.0 + materials.at[material].occlusion_strength * (occlusion - 1.0);
+    s.emissive = materials.at[material].emissive * sample_slot(materials, material, TEXTURE_EMISSIVE).rgb;
+    s.dielectric_f90 = materials.at[material].specular * sample_slot(materials, material, TEXTURE_SPECULAR).a;
+    vec3 specular_color = sample_slot(materials, material, TEXTURE_SPECULAR_COLOR).rgb;
+    s.dielectric_f0 = min(materials.at[material].dielectric_f0 * specular_color, vec3(1.0)) * s.dielectric_f90;
     s.base_color = base.rgb;
 
     // A normal that vanished (a flattened instance, opposite neighbours) leaves something that is unit all the same.
     float length2 = dot(in_normal, in_normal);
     vec3 normal = length2 > 1e-30 && length2 < 1e30 ? in_normal * inversesqrt(length2) : vec3(0.0, 1.0, 0.0);
-    if (HAS_NORMAL_MAP == 1u && m.textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
+    if (HAS_NORMAL_MAP == 1u && materials.at[material].textures[TEXTURE_NORMAL].image != GPU_TEXTURE_NONE) {
         vec3 mapped = sample_slot(materials, material, TEXTURE_NORMAL).xyz * 2.0 - 1.0;
-        mapped.xy *= m.normal_scale;
+        mapped.xy *= materials.at[material].normal_scale;
         vec3 bitangent = cross(in_normal, in_tangent.xyz) * in_tangent.w;
         vec3 bent = mapped.x * in_tangent.xyz + mapped.y * bitangent + mapped.z * in_normal;
         float bent2 = dot(bent, bent);
         if (bent2 > 1e-20 && bent2 < 1e30) normal = bent * inversesqrt(bent2);
     }
-    s.normal = front_facing || (m.flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u ? normal : -normal;
+    s.normal = front_facing || (materials.at[material].flags & GPU_MATERIAL_DOUBLE_SIDED) == 0u ? normal : -normal;
 
-    if ((m.flags & GPU_MATERIAL_UNLIT) != 0u) {
+    if ((materials.at[material].flags & GPU_MATERIAL_UNLIT) != 0u) {
         s.emissive = s.base_color;
         s.base_color = vec3(0.0);
         s.metallic = 0.0;

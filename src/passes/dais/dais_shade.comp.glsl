@@ -28,7 +28,8 @@ vec3 probe(float view_depth, ivec2 pixel) {
 }
 
 // What threads have to shade besides the first triangle of their pixels: place | slot << 6 | samples << 9, reference, shading sample.
-shared uint more[64 * 7], more_references[64 * 7], more_shading[64 * 7];
+const uint MORE = SAMPLES > 1u ? 64u * (SAMPLES - 1u) : 1u;
+shared uint more[MORE], more_references[MORE], more_shading[MORE];
 shared uint more_count;
 
 ivec2 pixel_at(uint place) {

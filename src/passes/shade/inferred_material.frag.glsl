@@ -33,12 +33,11 @@ float likeness(light_surface own, ivec2 texel, bool of_item, float allowed) {
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    bool cut;
-    surface s = material_surface(materials, in_ids.x, cut);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     // With several samples a pixel what is left of a cutout at its depth is no hole (forward.frag.glsl).
-    bool hole = SAMPLES <= 1u && cut;
-    if (material_culled(materials, in_ids.x) || hole) discard;
+    if (material_culled(materials, in_ids.x) || SAMPLES <= 1u && hole) discard;
     view_block v = push.geometry.view, low = push.low;
     ivec2 size = ivec2(low.view.size);
     light_surface own;

@@ -76,12 +76,11 @@ light_sums sums_around(ivec2 pixel, surface s) {
 
 void main() {
     material_array materials = push.geometry.scene.scene.materials;
-    bool cut;
-    surface s = material_surface(materials, in_ids.x, cut);
+    bool hole;
+    surface s = material_surface(materials, in_ids.x, hole);
     decals_on_surface(s, push.geometry.view, push.geometry.scene);
     // With several samples a pixel what is left of a cutout at its depth is no hole (forward.frag.glsl).
-    bool hole = SAMPLES <= 1u && cut;
-    if (material_culled(materials, in_ids.x) || hole) discard;
+    if (material_culled(materials, in_ids.x) || SAMPLES <= 1u && hole) discard;
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     light_sums sums = light_sums_none();
     if (LIGHT_SCALE > 1u) {

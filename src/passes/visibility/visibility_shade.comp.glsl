@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Shades what a visibility buffer shows: one thread a pixel, or for each of the triangles that its samples show.
 #define MATERIAL_GRADIENTS
 #include "common.glsl"
@@ -27,23 +28,28 @@ void interpolate(triangle t, vec3 w, vec3 wx, vec3 wy) {
     in_position = t.positions[0] * w.x + t.positions[1] * w.y + t.positions[2] * w.z;
     in_normal = vec3(0.0);
     in_tangent = in_uv = in_color = in_uv_dx = in_uv_dy = vec4(0.0);
-    float mirror = 1.0, handedness = 1.0;
-    for (uint i = 0u; i < 3u; i++) {
-        gpu_attributes a = push.scene.scene.attributes.at[t.vertices[i]];
-        in_normal += unit(transform_normal(t.instance, unpack_normal(a.normal), mirror)) * w[i];
-        vec4 tangent = unpack_tangent(a.tangent);
+    float mirror = 1.0;
+    // Corner after corner, and first what needs the instance: with all of it in one go, twice the registers hold values that wait.
+    uvec3 vertices = uvec3(t.vertices[0], t.vertices[1], t.vertices[2]);
+    [[dont_unroll]] for (uint i = 0u; i < 3u; i++) {
+        uint normal = push.scene.scene.attributes.at[vertices[i]].normal, packed = push.scene.scene.attributes.at[vertices[i]].tangent;
+        in_normal += unit(transform_normal(t.instance, unpack_normal(normal), mirror)) * w[i];
+        vec4 tangent = unpack_tangent(packed);
         in_tangent += vec4(unit(transform_direction(t.instance, tangent.xyz)), tangent.w * mirror) * w[i];
-        vec4 uv = vec4(a.uv0, a.uv1);
+    }
+    [[dont_unroll]] for (uint i = 0u; i < 3u; i++) {
+        vec4 uv = vec4(push.scene.scene.attributes.at[vertices[i]].uv0, push.scene.scene.attributes.at[vertices[i]].uv1);
         in_uv += uv * w[i];
         in_uv_dx += uv * wx[i];
         in_uv_dy += uv * wy[i];
         if ((FEATURES & GPU_FEATURE_MESH_DECALS) != 0u) {
-            vec3 bind = push.scene.scene.positions.at[int(t.vertices[i]) + t.primitive.bind_offset];
+            vec3 bind = push.scene.scene.positions.at[int(vertices[i]) + t.primitive.bind_offset];
             in_bind += bind * w[i];
             in_bind_dx += bind * wx[i];
             in_bind_dy += bind * wy[i];
         }
-        in_color += vec4(unpackUnorm2x16(a.color.x), unpackUnorm2x16(a.color.y)) * w[i];
+        uvec2 color = push.scene.scene.attributes.at[vertices[i]].color;
+        in_color += vec4(unpackUnorm2x16(color.x), unpackUnorm2x16(color.y)) * w[i];
     }
     in_ids = uvec3(t.primitive.material, t.item_index, uint(mirror < 0.0 && t.primitive.corners == 3u));
 }
@@ -54,8 +60,8 @@ void interpolate_at(triangle t, vec2 pixel) {
     vec3 first = triangle_weights(t, push.view, corner);
     vec3 wx = triangle_weights(t, push.view, corner + vec2(1.0, 0.0)) - first;
     vec3 wy = triangle_weights(t, push.view, corner + vec2(0.0, 1.0)) - first;
-    interpolate(t, triangle_weights(t, push.view, pixel), wx, wy);
     in_front_facing = triangle_front_facing(t, push.view);
+    interpolate(t, triangle_weights(t, push.view, pixel), wx, wy);
 }
 
 // The same from what the id pass has stored: positions are not looked at, but for decals. False where it has stored nothing.
