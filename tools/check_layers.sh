@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, and a
-# licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
+# Enforces the layers: who may include whom, Vulkan calls in src/gpu only, barriers in src/gpu and src/graph only, shaders
+# that work the same for every size of subgroups, and a licence line on every source file. Prints each offence as FILE:LINE; exits 1 if there is any.
 set -u # not -e: a search that finds nothing is good news
 cd "$(dirname "$0")/.." || exit
 
@@ -58,6 +58,10 @@ done
     *) [ -e "cli/${header#cli/}" ] || echo "$place: the command must not include $header" >>"$offences" ;;
     esac
 done
+
+# Quads have four invocations everywhere. What other operations on subgroups give depends on their size, unless it is shown that it does not.
+grep -rnHE '#[[:space:]]*extension[[:space:]]+GL_[A-Z]+_shader_(subgroup|ballot|group)' --include='*.glsl' src shaders | grep -v GL_KHR_shader_subgroup_quad |
+    sed 's/$/   <- depends on the size of subgroups/' >>"$offences" || true
 
 find CMakeLists.txt build.sh .ci cmake include src shaders cli examples tests tools bench -type f \
     \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.glsl' -o -name '*.sh' -o -name '*.cmake' -o -name '*.in' -o -name CMakeLists.txt \
