@@ -6,9 +6,10 @@
 #include "common.glsl"
 #include "passes/lights/raster.glsl"
 
-layout(local_size_x = 64) in;
+const uint THREADS = 128u; // two waves of 64 share what 4 KiB of shared memory hold
+layout(local_size_x = THREADS) in;
 
-shared uint changes[1025];
+shared uint changes[1024]; // by slice
 
 void main() {
     uint tiles = RASTER.list.list.tiles_x * RASTER.list.list.tiles_y, slices = RASTER.list.list.slices;
@@ -18,15 +19,15 @@ void main() {
         RASTER.sums.at[RASTER.cell_count * RASTER.chunk_count] = 0u; // becomes the total
         RASTER.overflow.at[0] = 0u;
     }
-    for (uint i = thread; i <= slices; i += 64u) changes[i] = 0u;
+    for (uint i = thread; i < slices; i += THREADS) changes[i] = 0u;
     barrier();
     uvec2 at = uvec2(tile % RASTER.list.list.tiles_x, tile / RASTER.list.list.tiles_x);
     uint first = chunk * RASTER.chunk_size, end = min(first + RASTER.chunk_size, RASTER.visible_sums.at[RASTER.light_count]);
-    for (uint i = first + thread; i < end; i += 64u) {
+    for (uint i = first + thread; i < end; i += THREADS) {
         uvec2 range = slices_in_tile(i, at);
         if (range.x > range.y) continue;
         atomicAdd(changes[range.x], 1u);
-        atomicAdd(changes[range.y + 1u], 0xffffffffu);
+        if (range.y + 1u < slices) atomicAdd(changes[range.y + 1u], 0xffffffffu);
     }
     barrier();
     if (thread != 0u) return;

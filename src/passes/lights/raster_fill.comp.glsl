@@ -9,10 +9,11 @@
 
 layout(constant_id = 1) const uint NODES = GPU_NODES_ARRAY;
 
-layout(local_size_x = 64) in;
+const uint THREADS = 128u; // as many share the places of slices, lest these leave room for few waves
+layout(local_size_x = THREADS) in;
 
 shared uint places[1024]; // next place of each slice
-shared uint ranges[64], hits[2];
+shared uint ranges[THREADS], hits[THREADS / 32u];
 
 bool fits(uint cell) { return RASTER.sums.at[(cell + 1u) * RASTER.chunk_count] <= RASTER.capacity; }
 
@@ -46,15 +47,15 @@ void main() {
     uint tiles = RASTER.list.list.tiles_x * RASTER.list.list.tiles_y, slices = RASTER.list.list.slices;
     uint tile = LINEAR_GROUP % tiles, chunk = LINEAR_GROUP / tiles, thread = gl_LocalInvocationIndex;
     if (chunk >= RASTER.chunk_count) return;
-    for (uint slice = thread; slice < slices; slice += 64u) {
+    for (uint slice = thread; slice < slices; slice += THREADS) {
         uint cell = slice * tiles + tile;
         places[slice] = RASTER.sums.at[cell * RASTER.chunk_count + chunk];
         if (chunk == 0u) write_cell(cell);
     }
     uvec2 at = uvec2(tile % RASTER.list.list.tiles_x, tile / RASTER.list.list.tiles_x);
     uint first = chunk * RASTER.chunk_size, end = min(first + RASTER.chunk_size, RASTER.visible_sums.at[RASTER.light_count]);
-    for (; first < end; first += 64u) {
-        if (thread < 2u) hits[thread] = 0u;
+    for (; first < end; first += THREADS) {
+        if (thread < THREADS / 32u) hits[thread] = 0u;
         barrier();
         uint index = first + thread;
         if (index < end) {
@@ -63,12 +64,12 @@ void main() {
             if (range.x <= range.y) atomicOr(hits[thread >> 5], 1u << (thread & 31u));
         }
         barrier();
-        for (uint half_index = 0u; half_index < 2u; half_index++)
-            for (uint rest = hits[half_index]; rest != 0u; rest &= rest - 1u) {
-                uint hit = half_index * 32u + uint(findLSB(rest)), light = RASTER.visible_ids.at[first + hit];
+        for (uint word = 0u; word < THREADS / 32u; word++)
+            for (uint rest = hits[word]; rest != 0u; rest &= rest - 1u) {
+                uint hit = word * 32u + uint(findLSB(rest)), light = RASTER.visible_ids.at[first + hit];
                 uint low = ranges[hit] & 0xffffu, high = ranges[hit] >> 16;
-                // Threads own slices: slice % 64 == thread.
-                for (uint slice = low + (thread + 64u - low % 64u) % 64u; slice <= high; slice += 64u) {
+                // Threads own slices: slice % THREADS == thread.
+                for (uint slice = low + (thread + THREADS - low % THREADS) % THREADS; slice <= high; slice += THREADS) {
                     uint cell = slice * tiles + tile;
                     if (fits(cell)) write(cell, places[slice]++, light);
                 }
