@@ -305,7 +305,7 @@ static void add_backface(struct lists_context *c) {
 
 /* The bits beside the kind. */
 static void mark(struct light_list *list, const struct light_input *input) {
-    if (input->scattered && list->kind != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
+    if (input->scattered && list_kind(list) != GPU_LIST_ALL) list->kind |= GPU_LIST_SCATTERED;
     if (input->simple) list->kind |= GPU_LIST_SIMPLE;
 }
 

@@ -34,8 +34,10 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
 
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
-    struct light_list list = {
-        .kind = GPU_LIST_ALL, .lights = input->buffer, .totals_known = true, .known = {.in_view = input->local_count - input->unlit_count}};
+    struct light_list list = {.kind = input->simple || input->local_count == 0 ? GPU_LIST_ALL | GPU_LIST_SIMPLE : GPU_LIST_ALL,
+                              .lights = input->buffer,
+                              .totals_known = true,
+                              .known = {.in_view = input->local_count - input->unlit_count}};
     light_list_header(device, input, &list.header);
     return list;
 }

@@ -326,7 +326,7 @@ static void add_volumes(struct graph *graph, const struct shade_input *input, co
                                .counters = input->counters,
                                .state = {.fragment = shaders[params->layout][merged],
                                          .constant_count = VOLUME_BOUND_DEPTHS_ID + 1,
-                                         .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1,
+                                         .constants = {[LISTS_ID] = volumes->list.kind, [COUNT_LIGHTS_ID] = input->counters.id != 0, [HAS_LIGHTS_ID] = 1,
                                                        [HAS_METAL_ID] = 1},
                                          .color_count = 1,
                                          .color_formats = {graph_image_info(graph, sum).format},

@@ -17,7 +17,7 @@ static void execute_ids(const struct graph_context *context, const void *data) {
     bool images = d->packing != INDEXED_IDS;
     struct gpu_graphics_params state = {.fragment = &shader_light_indexed_frag,
                                         .constant_count = 15,
-                                        .constants = {[LISTS_ID] = GPU_LIST_ALL, [SAMPLES_ID] = d->samples, [INDEXED_PACKING_ID] = d->packing, [INDEXED_STEP_ID] = d->step},
+                                        .constants = {[LISTS_ID] = d->volumes.list.kind, [SAMPLES_ID] = d->samples, [INDEXED_PACKING_ID] = d->packing, [INDEXED_STEP_ID] = d->step},
                                         .color_count = images,
                                         .color_formats = {images ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_UNDEFINED},
                                         .blends = {d->packing == INDEXED_SHIFT ? GPU_BLEND_QUARTER
@@ -95,7 +95,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         ids.step = 0;
     }
 
-    struct light_list out = {.kind = GPU_LIST_TILES,
+    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & GPU_LIST_SIMPLE),
                              .lights = lights->buffer,
                              .cell_count = (uint32_t)pixels,
                              .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + count_bytes + slot_bytes +

@@ -262,7 +262,7 @@ static void execute_draw(const struct graph_context *context, const void *data) 
     const struct draw_data *d = data;
     struct gpu_graphics_params state = {.fragment = &shader_volumes_frag,
                                         .constant_count = 2,
-                                        .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = d->counters.id != 0},
+                                        .constants = {[LISTS_ID] = d->volumes.list.kind, [COUNT_LIGHTS_ID] = d->counters.id != 0},
                                         .color_count = 1,
                                         .color_formats = {d->format},
                                         .blends = {GPU_BLEND_ADD}};

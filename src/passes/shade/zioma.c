@@ -20,7 +20,7 @@ static void execute_layer(const struct graph_context *context, const void *data)
     struct gpu_graphics_params state = {
         .fragment = &shader_zioma_layer_frag,
         .constant_count = 14,
-        .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
+        .constants = {[LISTS_ID] = d->volumes.list.kind, [COUNT_LIGHTS_ID] = d->counters.id != 0, [HAS_LIGHTS_ID] = 1, [HAS_METAL_ID] = 1,
                       [SAMPLES_ID] = d->samples, [ZIOMA_LAYER_ID] = d->layer > 0},
         .color_count = d->samples > 1 ? 0 : 2,
         .color_formats = {RAY_FORMAT, COLOR_FORMAT},
@@ -121,7 +121,7 @@ void zioma_add(struct graph *graph, const struct shade_input *input, const struc
     }
     material.state = (struct gpu_graphics_params){.fragment = samples > 1 ? &shader_zioma_samples_frag : &shader_zioma_frag,
                                                   .constant_count = 2,
-                                                  .constants = {[LISTS_ID] = GPU_LIST_ALL, [COUNT_LIGHTS_ID] = input->counters.id != 0},
+                                                  .constants = {[LISTS_ID] = volumes->list.kind, [COUNT_LIGHTS_ID] = input->counters.id != 0},
                                                   .color_count = 1,
                                                   .color_formats = {graph_image_info(graph, radiance).format},
                                                   .depth_format = GEOMETRY_DEPTH_FORMAT,

@@ -250,6 +250,20 @@ static void test_simple_lights_have_simple_shaders(void **state) {
     check_programs(&s, 3, 0);
     assert_int_equal(fnl_scene_set_light(s.scene, ids[7], &light), FNL_OK);
     check_programs(&s, 3, 1);
+    /* And what has no lists: volumes, and those that other passes read. */
+    static const struct {
+        fnl_shading shading;
+        uint32_t programs; /* that light, or ask whether a light reaches a point */
+    } paths[] = {{FNL_SHADING_DEFERRED_VOLUMES, 1}, {FNL_SHADING_PRE_LIGHTING, 1}, {FNL_SHADING_LIGHT_INDEXED, 2},
+                 {FNL_SHADING_ZIOMA, 2},            {FNL_SHADING_MOBILE, 1}};
+    s.frame.mobile.lights = FNL_MOBILE_LIGHTS_VOLUMES;
+    for (size_t i = 0; i < COUNT_OF(paths); i++) {
+        s.frame.shading = paths[i].shading;
+        assert_int_equal(fnl_scene_set_light(s.scene, ids[7], &spot), FNL_OK);
+        check_programs(&s, paths[i].programs, 0);
+        assert_int_equal(fnl_scene_set_light(s.scene, ids[7], &light), FNL_OK);
+        check_programs(&s, paths[i].programs, 1);
+    }
     stage_close(&s);
 }
 
