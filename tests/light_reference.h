@@ -28,7 +28,13 @@ static inline void light_axes(const fnl_light_params *light, double axes[3][3]) 
  * volume does not hold the point.
  */
 static inline double light_reference(const fnl_light_params *light, const double position[3], double to_light[3]) {
-    const struct ray_light made = ray_light_make(light, light_reference_range(light), NULL);
+    const double range = light_reference_range(light);
+    if (light->kind == FNL_LIGHT_POINT || light->kind == FNL_LIGHT_SPOT || light->kind == FNL_LIGHT_WEDGE) { /* most are too far away */
+        const double ray[3] = {(double)light->position.x - position[0], (double)light->position.y - position[1],
+                               (double)light->position.z - position[2]};
+        if (light_dot(ray, ray) >= range * range) return 0;
+    }
+    const struct ray_light made = ray_light_make(light, range, NULL);
     double distance;
     dvec3 to;
     double strength = ray_light_strength(&made, dvec3_make(position[0], position[1], position[2]), &to, &distance);

@@ -64,7 +64,7 @@ typedef struct fnl_trace {
     fnl_image visibility;
     float ev;           /**< EV100 that `color` is exposed with */
     bool complete;      /**< false: fnl_trace_params.progress ended it; pixels may have fewer samples, or none, and are then transparent black */
-    uint64_t ray_count;
+    uint64_t ray_count; /**< of all kinds: from the camera, to lights, of paths */
     uint32_t unseen;    /**< primitives of lines and points, and decals that are not baked: rays do not see them */
 } fnl_trace;
 

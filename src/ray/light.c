@@ -15,8 +15,12 @@ struct ray_light ray_light_make(const fnl_light_params *params, double range, co
                           .hull = params->kind == FNL_LIGHT_DIRECTIONAL ? NULL : hull};
     l.color = dvec3_scale(dvec3_make((double)params->color[0], (double)params->color[1], (double)params->color[2]),
                           (double)params->intensity);
-    for (int i = 0; i < 2; i++) l.tangents[i] = tan((double)params->wedge_angles[i]);
     if (l.kind == FNL_LIGHT_POINT) return l;
+    if (l.kind == FNL_LIGHT_SPOT) {
+        l.inner_cosine = cos((double)params->inner_cone_angle);
+        l.outer_cosine = cos((double)params->outer_cone_angle);
+    }
+    for (int i = 0; i < 2 && l.kind == FNL_LIGHT_WEDGE; i++) l.tangents[i] = tan((double)params->wedge_angles[i]);
     dvec3 up = dvec3_from(params->up);
     l.along = dvec3_normalize(dvec3_from(params->direction));
     l.up = dvec3_normalize(dvec3_add_scaled(up, l.along, -dvec3_dot(up, l.along)));

@@ -4,8 +4,8 @@
 #include "base/check.h"
 #include "base/jobs.h"
 #include "ray/integrate.h"
-#include "scene/scene.h"
 #include "ray/tone.h"
+#include "scene/scene.h"
 
 #include <stdatomic.h>
 
