@@ -6,7 +6,7 @@
 # Lines of the checklist, read by tools/checklist.sh:
 # shows TD-7: tests 1-4 of the thesis: lights in view as constructed; which of light volumes, tiles and back faces is faster, beyond the spread
 # shows FP-6: fine pruning makes deferred lighting faster, beyond the spread, by at least a quarter of the lights per pixel
-# shows FP-7: building lists with fine pruning takes at most 3.4 times as long, within the spread
+# shows FP-7: building lists with fine pruning takes at most 3.4 times as long, beyond the spread
 # shows CL-6: clusters of 24x12x128 have fewer lights per pixel than 96x48 tiles, clearly so with spot lights
 # shows CL-7: finer clusters get fewer entries than they are more, and entries grow at most as the lights do
 # shows CL-8: clusters of 48x24x128 evaluate at most 63 % of the lights of 24x12x64, and take up to 7.5 times the memory
@@ -68,10 +68,10 @@ holds "$results" 'thesis: a picture differs' '[.results[].equal] | all'
 point fine-pruned '{
     "deferred lighting, coarse / fine, 80 lights": 1, "deferred lighting, coarse / fine, 120 lights": 1,
     "lights per pixel, coarse / fine, 40 lights": 4, "lights per pixel, coarse / fine, 80 lights": 4,
-    "lights per pixel, coarse / fine, 120 lights": 4
+    "lights per pixel, coarse / fine, 120 lights": 4,
+    "list build, fine / coarse, 40 lights": 3.4, "list build, fine / coarse, 80 lights": 3.4, "list build, fine / coarse, 120 lights": 3.4
     }' --sizes 320x180
 results=$work/fine-pruned/results.json
-holds "$results" 'fine pruning: building is too slow' '[.suite.rows[] | select(.quantity | startswith("list build"))] | length == 3 and all(.ours - .spread <= 3.4)'
 holds "$results" 'fine pruning: a picture differs' '[.results[].equal] | all'
 
 # ---- Ortegren, Persson: clusters by rasterised meshes; that suite takes minutes, so these are counts of its grids at a half and a quarter of its size ----
