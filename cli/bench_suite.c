@@ -92,12 +92,14 @@ static const struct row clustered_rows[] = {
 /* Coarse: the box of a light on the screen and in depth against that of a tile, by the same passes. */
 #define COARSE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine.pruning=off"}
 #define FINE {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, ""}
+/* Without masks of pixels, as the source builds its lists. */
+#define PRUNED {FNL_SHADING_DEFERRED, FNL_LISTS_FINE, "fine.masks=0"}
 #define INTERIOR(quantity, metric, lights, a, b, at_least, source)                                                           \
     {quantity ", " #lights " lights", metric, "builtin:interior?overlap=3", lights, lights, a, b, at_least, source, source}
 #define INTERIORS(lights)                                                                                                    \
     INTERIOR("deferred lighting, coarse / fine", "shading_ms", lights, COARSE, FINE, true, 3.86),                            \
     INTERIOR("lists and lighting, coarse / fine", "lists_ms+shading_ms", lights, COARSE, FINE, true, 1.64),                  \
-    INTERIOR("list build, fine / coarse", "lists_ms", lights, FINE, COARSE, false, 3.4),                                     \
+    INTERIOR("list build, fine / coarse", "lists_ms", lights, PRUNED, COARSE, false, 3.4),                                    \
     INTERIOR("lights per pixel, coarse / fine", "per_pixel", lights, COARSE, FINE, true, NAN)
 
 static const struct row fine_rows[] = {INTERIORS(40), INTERIORS(80), INTERIORS(120)};
