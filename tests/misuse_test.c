@@ -534,8 +534,13 @@ static void test_other_arguments(void **state) {
         frame = small_frame();                                                                                              \
     } while (0)
 #define FRAME_ENUM(field, type, most)                                                                                       \
-    FRAME(field, (type)1000, #field " is 1000, must be a value of " #type ", 0 .. " #most);                                 \
-    FRAME(field, (type)-1, #field " is -1, must be a value of " #type ", 0 .. " #most)
+    do {                                                                                                                    \
+        char words_[128];                                                                                                   \
+        for (int value_ = -1; value_ <= 1000; value_ += 1001) {                                                             \
+            snprintf(words_, sizeof words_, #field " is %d, must be a value of " #type ", 0 .. %d", value_, (int)(most));   \
+            FRAME(field, (type)value_, words_);                                                                             \
+        }                                                                                                                   \
+    } while (0)
 
 static fnl_frame small_frame(void) {
     fnl_frame small = fnl_frame_default();
@@ -552,8 +557,8 @@ static void test_fields_of_frames(void **state) {
     FRAME(camera.position.y, NAN, "camera.position.y is NaN, must be finite");
     FRAME(camera.vertical_fov, -1, "camera.vertical_fov is -1, must be above 0 and below pi radians");
     FRAME(camera.near_distance, INFINITY, "camera.near_distance is infinity, must be above 0 metres and finite");
-    FRAME_ENUM(shading, fnl_shading, 16);
-    FRAME_ENUM(lists, fnl_light_lists, 19);
+    FRAME_ENUM(shading, fnl_shading, FNL_SHADING_COUNT - 1);
+    FRAME_ENUM(lists, fnl_light_lists, FNL_LISTS_COUNT - 1);
     FRAME_ENUM(deferred.msaa_method, fnl_msaa_method, 5);
     FRAME_ENUM(transparency, fnl_transparency, 2);
     FRAME_ENUM(decals, fnl_decals, 2);
