@@ -47,7 +47,7 @@ typedef struct fnl_list_options {
     /** Culls lights outside the view before lists are built. Lists built on the GPU from the view, and the light volumes of shading paths; without
         it fnl_frame_stats.lights_in_view counts all lights. Default true. */
     bool frustum_cull;
-    /** Tests spot lights as cones, not as spheres: tiled, halfz, 2.5d, clustered, bvh. Default true. */
+    /** Tests spot lights as cones, not as spheres: tiled, halfz, 2.5d, enhanced, backface, clustered, sparse, bvh. Default true. */
     bool cone_tests;
     /** backface: where the axis of the cone around a tile's normals comes from. Default samples. */
     fnl_backface_axis backface_axis;
@@ -69,9 +69,9 @@ typedef enum fnl_tile_bounds {
 typedef struct fnl_tile_options {
     /** Side of a tile in pixels: 8, 16, 32 or 64. Default 16. */
     uint32_t size;
-    /** tiled, halfz, 2.5d. Default box. */
+    /** tiled, halfz, 2.5d, backface. Default box. */
     fnl_tile_bounds bounds;
-    /** tiled: drops lights in front of the nearest pixel of a tile, and behind the farthest. Default true. */
+    /** tiled, backface: drops lights in front of the nearest pixel of a tile, and behind the farthest. Default true. */
     bool min_depth, max_depth;
 } fnl_tile_options;
 
@@ -82,7 +82,7 @@ typedef enum fnl_slices {
     FNL_SLICES_COUNT
 } fnl_slices;
 
-/** Settings of lists of clusters. */
+/** Settings of lists of clusters; zbin divides depth by them too, four bins to a slice. */
 typedef struct fnl_cluster_options {
     /** Side of a cluster on the screen in pixels, 8 .. 256. Default 64. */
     uint32_t size;

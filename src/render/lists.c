@@ -142,7 +142,7 @@ static void add_25d(struct lists_context *c) {
 }
 
 static void add_enhanced(struct lists_context *c) {
-    struct lights_in_view visible = in_view(c, tile_reaches(c));
+    struct lights_in_view visible = in_view(c, c->frame->list.cone_tests);
     struct tiled_params params = tiled_params(c, 1);
     c->lights = enhanced_add(c->graph, c->device, c->input, &visible, &params);
 }

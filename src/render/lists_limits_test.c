@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The limits of light lists: numbers of lights, pools that overflow, runs that must be equal. */
+#include "fanal/options.h"
 #include "tests/list_pairs.h"
 
 /* ---- numbers of lights ---- */
@@ -22,6 +23,12 @@ static void test_light_counts(void **state) {
 
 /* ---- what lists share ---- */
 
+static bool heeds(uint32_t lists, const char *key) {
+    fnl_option option = {0};
+    assert_true(fnl_option_find(key, &option));
+    return option.lists >> lists & 1;
+}
+
 /* Cones and rectangles of lights are made for the lists that test them, and for no others; the pictures stay the same. */
 static void test_reaches_for_those_who_use_them(void **state) {
     UNUSED(state);
@@ -41,10 +48,7 @@ static void test_reaches_for_those_who_use_them(void **state) {
             frame.list.cone_tests = v == 0;
             frame.list.normal_cones = v == 0;
             frame.tiles.bounds = v == 2 ? FNL_TILE_BOUNDS_PROJECTED : FNL_TILE_BOUNDS_BOX;
-            bool clusters = l == FNL_LISTS_CLUSTERED || l == FNL_LISTS_BVH || l == FNL_LISTS_SPARSE;
-            bool tiles = l == FNL_LISTS_TILED || l == FNL_LISTS_HALFZ || l == FNL_LISTS_25D || l == FNL_LISTS_ENHANCED ||
-                         l == FNL_LISTS_BACKFACE;
-            bool uses = (clusters && v == 0) || (tiles && v != 1);
+            bool uses = (v == 0 && heeds(l, "list.cone-tests")) || (v == 2 && heeds(l, "tiles.bounds"));
             struct shot shot = stage_shoot(&stage, &frame);
             assert_int_equal(count_differing(&all.radiance, &shot.radiance), 0);
             assert_true(fnl_renderer_print(stage.renderer, FNL_PRINT_PLAN, plan, sizeof plan) < sizeof plan);

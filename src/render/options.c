@@ -24,7 +24,7 @@ enum {
                     PATH(VIRTUAL_TEXTURING) | PATH(MOBILE),
     PATHS_LIGHT_BUFFER = PATH(LIGHT_PREPASS) | PATH(LOW_RES) | PATH(INFERRED),
     TILES = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D) | LISTS(ENHANCED) | LISTS(TREE) | LISTS(BACKFACE) | LISTS(FINE) | LISTS(ZBIN),
-    TILES_WITH_BOUNDS = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D),
+    TILES_WITH_BOUNDS = LISTS(TILED) | LISTS(HALFZ) | LISTS(25D) | LISTS(BACKFACE),
     CLUSTERS = LISTS(CLUSTERED) | LISTS(CLUSTERED_CPU) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)
 };
 
@@ -87,9 +87,9 @@ static const struct row rows[] = {
 
     /* light lists */
     SWITCH("list.frustum-cull", list.frustum_cull, EVERY,
-           (TILES | LISTS(CLUSTERED) | LISTS(MESH) | LISTS(BATCHES) | LISTS(MULTIPASS) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)),
+           ((TILES & ~LISTS(TREE)) | LISTS(CLUSTERED) | LISTS(MESH) | LISTS(BATCHES) | LISTS(MULTIPASS) | LISTS(SPARSE) | LISTS(BVH) | LISTS(RASTER)),
            "culls lights outside the view first"),
-    SWITCH("list.cone-tests", list.cone_tests, EVERY, TILES_WITH_BOUNDS | LISTS(CLUSTERED) | LISTS(BVH),
+    SWITCH("list.cone-tests", list.cone_tests, EVERY, TILES_WITH_BOUNDS | LISTS(ENHANCED) | LISTS(CLUSTERED) | LISTS(SPARSE) | LISTS(BVH),
            "tests spot lights as cones, not as spheres"),
     NAME("list.backface-axis", list.backface_axis, FNL_ENUM_BACKFACE_AXIS, EVERY, LISTS(BACKFACE),
          "where the axis of a tile's normal cone comes from"),
@@ -98,15 +98,15 @@ static const struct row rows[] = {
            "drops lights behind all surfaces of a cluster (deferred paths)"),
     COUNT("tiles.size", tiles.size, 8, 64, "pixels", EVERY, TILES, "side of a tile", ONLY(8, 16, 32, 64)),
     NAME("tiles.bounds", tiles.bounds, FNL_ENUM_TILE_BOUNDS, EVERY, TILES_WITH_BOUNDS, "what bounds a tile"),
-    SWITCH("tiles.min-depth", tiles.min_depth, EVERY, LISTS(TILED), "drops lights in front of a tile's nearest pixel"),
-    SWITCH("tiles.max-depth", tiles.max_depth, EVERY, LISTS(TILED), "drops lights behind a tile's farthest pixel"),
+    SWITCH("tiles.min-depth", tiles.min_depth, EVERY, LISTS(TILED) | LISTS(BACKFACE), "drops lights in front of a tile's nearest pixel"),
+    SWITCH("tiles.max-depth", tiles.max_depth, EVERY, LISTS(TILED) | LISTS(BACKFACE), "drops lights behind a tile's farthest pixel"),
     COUNT("clusters.size", clusters.size, 8, 256, "pixels", EVERY, CLUSTERS, "side of a cluster on the screen"),
-    COUNT("clusters.slices", clusters.slices, 1, 1024, "", EVERY, CLUSTERS, "depth slices"),
-    NAME("clusters.distribution", clusters.distribution, FNL_ENUM_SLICES, EVERY, CLUSTERS,
+    COUNT("clusters.slices", clusters.slices, 1, 1024, "", EVERY, CLUSTERS | LISTS(ZBIN), "depth slices"),
+    NAME("clusters.distribution", clusters.distribution, FNL_ENUM_SLICES, EVERY, CLUSTERS | LISTS(ZBIN),
          "how depth is divided into slices"),
-    NUMBER("clusters.near", clusters.near, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS,
+    NUMBER("clusters.near", clusters.near, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS | LISTS(ZBIN),
            "view depth where the first slice ends; auto: from the scene", .above_low = true, .has_auto = true),
-    NUMBER("clusters.far", clusters.far, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS,
+    NUMBER("clusters.far", clusters.far, 0, (double)FLT_MAX, "metres", EVERY, CLUSTERS | LISTS(ZBIN),
            "view depth where the last slice begins; auto: from the scene", .above_low = true, .has_auto = true),
     SWITCH("fine.pruning", fine.pruning, EVERY, LISTS(FINE), "tests each pixel against the lights' volumes"),
     COUNT("fine.masks", fine.masks, 0, 2, "pixels", EVERY, LISTS(FINE),
