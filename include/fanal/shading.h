@@ -29,10 +29,10 @@ typedef enum fnl_shading {
     FNL_SHADING_LIGHT_INDEXED,
     /** The same, but the volumes write direction, colour and attenuation of each light, in layers. */
     FNL_SHADING_ZIOMA,
-    /** Visibility buffer: triangle ids, then a compute pass that fetches and interpolates vertices; blended surfaces forward. */
+    /** Visibility buffer: triangle ids, then a compute pass that fetches and interpolates vertices; blended surfaces forward. Close, not equal. */
     FNL_SHADING_VISIBILITY,
     /** Deferred texturing: texture coordinates, gradients, tangent frame and material, then a compute pass that samples the textures of visible
-        surfaces only. Normals are rounded as in a G-buffer. */
+        surfaces only. Normals are rounded as in a G-buffer. Close, not equal. */
     FNL_SHADING_TEXTURING,
     /** The same with 8 bytes per pixel: a place in a texture atlas and the tangent frame. The atlas holds the pages that frames need; where it is
         full, surfaces show less detail. Close, not equal. docs/techniques/deferred-texturing.md */
@@ -40,7 +40,7 @@ typedef enum fnl_shading {
     /** Deferred, but blocks of pixels with similar surfaces are shaded once. Close, not equal. docs/techniques/coarse.md */
     FNL_SHADING_COARSE,
     /** Deferred attribute interpolation: references to triangles, each visible triangle stored once, then a compute pass that interpolates by
-        derivatives. docs/techniques/dais.md */
+        derivatives. Close, not equal. docs/techniques/dais.md */
     FNL_SHADING_DAIS,
     /** For tile-based GPUs: G-buffer, lighting and tone mapping in tile memory; only the picture is stored. Fewer bits per pixel, so the
         picture differs by rounding. docs/techniques/mobile.md */
