@@ -3,8 +3,10 @@
 #ifndef FANAL_FRAME_H
 #define FANAL_FRAME_H
 
+#include "fanal/gbuffer.h"
 #include "fanal/scene.h"
 #include "fanal/shading.h"
+#include "fanal/shading_options.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -232,7 +234,7 @@ typedef struct fnl_frame {
     fnl_fine_options fine;
     fnl_raster_options raster;
 
-    /* Shading paths (fanal/shading.h). */
+    /* Shading paths (fanal/gbuffer.h, fanal/shading_options.h). */
     fnl_gbuffer_options gbuffer;
     fnl_deferred_options deferred;
     fnl_volume_shape volume_shape;
