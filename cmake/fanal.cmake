@@ -108,13 +108,13 @@ endfunction()
 
 # fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h). It is a part of
 # the program tests/test_render, whose parts share one device: making pipelines takes longer than all they draw. The CTest entries of
-# tests/CMakeLists.txt each run the parts of a few folders; `test_render tiled` runs this one alone. OWN_DEVICE: a program of its own, for tests
-# that make the device in their own way, or must see how its objects are made.
+# tests/CMakeLists.txt each run the parts of a few groups; `test_render tiled` runs this one alone. GROUP: instead of the group named as the folder.
+# OWN_DEVICE: a program of its own, for tests that make the device in their own way, or must see how its objects are made.
 function(fanal_render_test name)
   if(NOT FANAL_TESTS)
     return()
   endif()
-  cmake_parse_arguments(PARSE_ARGV 1 test "OWN_DEVICE" "" "SOURCES;HELPERS;SHADERS")
+  cmake_parse_arguments(PARSE_ARGV 1 test "OWN_DEVICE" "GROUP" "SOURCES;HELPERS;SHADERS")
   if(test_OWN_DEVICE)
     fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness ${test_HELPERS} SHADERS ${test_SHADERS}
       LAYERS base image scene ray gpu graph passes render)
@@ -126,9 +126,11 @@ function(fanal_render_test name)
   set_source_files_properties(${test_SOURCES} PROPERTIES COMPILE_OPTIONS -Wno-missing-prototypes) # of what is called main there
   target_link_libraries(part_${name} PRIVATE fanal_options PkgConfig::cmocka)
   target_include_directories(part_${name} PRIVATE ${PROJECT_SOURCE_DIR}) # "tests/render_harness.h"
-  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
+  if(NOT test_GROUP)
+    cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME test_GROUP)
+  endif()
   set_property(GLOBAL APPEND PROPERTY fanal_render_parts ${name})
-  set_property(GLOBAL APPEND PROPERTY fanal_render_parts_${folder} ${name})
+  set_property(GLOBAL APPEND PROPERTY fanal_render_parts_${test_GROUP} ${name})
   set_property(GLOBAL APPEND PROPERTY fanal_render_helpers ${test_HELPERS})
 endfunction()
 

@@ -19,8 +19,8 @@ static struct work measure(struct stage *stage, const fnl_frame *frame) {
     struct shot shot = stage_shoot(stage, frame);
     const fnl_frame_stats *s = &shot.stats;
     snprintf(work.numbers, sizeof work.numbers,
-             "%" PRIu64 " entries, %" PRIu64 " bytes used of %" PRIu64 ", %u lights in view, %" PRIu64 " evaluations", s->list_entries,
-             s->list_used_bytes, s->list_bytes, s->lights_in_view, s->evaluations);
+             "%" PRIu64 " entries, %" PRIu64 " bytes used of %" PRIu64 ", %u lights in view, %" PRIu64 " evaluations",
+             s->list_entries, s->list_used_bytes, s->list_bytes, s->lights_in_view, s->evaluations);
     shot_free(&shot);
     assert_true(fnl_renderer_print(stage->renderer, FNL_PRINT_PLAN, work.plan, sizeof work.plan) < sizeof work.plan);
     return work;
@@ -30,7 +30,8 @@ static bool differ(const struct work *a, const struct work *b) {
     return strcmp(a->numbers, b->numbers) != 0 || strcmp(a->plan, b->plan) != 0;
 }
 
-/* Value `index` of two or three that an option takes; false beyond the last. `row` is the option's: a later one gets a greater number. */
+/* Value `index` of two or three that an option takes; false beyond the last. A later row of the table gets a greater number, so that what
+   is set together goes together. */
 static bool option_value(const fnl_option *o, uint32_t row, uint32_t index, char *text, size_t capacity) {
     const fnl_frame usual = fnl_frame_default();
     const char *name = o->kind == FNL_OPTION_NAME ? fnl_value_name(o->names, index) : index == 0 ? "off" : index == 1 ? "on" : NULL;
@@ -60,7 +61,8 @@ static bool changes_work(struct stage *stage, const fnl_frame *frame, const stru
     return differ(before, after);
 }
 
-static uint32_t check_heeded(struct stage *stage, const fnl_frame *usual, const fnl_option *o, uint32_t row, const struct work *before) {
+static uint32_t check_heeded(struct stage *stage, const fnl_frame *usual, const fnl_option *o, uint32_t row,
+                             const struct work *before) {
     static struct work after;
     char value[64];
     for (uint32_t i = 0; option_value(o, row, i, value, sizeof value); i++) {
@@ -83,8 +85,8 @@ static uint32_t check_unheeded(struct stage *stage, const fnl_frame *usual, cons
             if (is_of_lists(&o) && !(o.lists >> usual->lists & 1) && option_value(&o, row, i, value, sizeof value))
                 assert_int_equal(fnl_frame_set(NULL, &frame, o.key, value), FNL_OK);
         if (!changes_work(stage, &frame, before, &after)) continue;
-        print_message("%s uses an option that is not said to matter: %s; with all of them as usual: %s\n", pair_name(usual), after.numbers,
-                      before->numbers);
+        print_message("%s uses an option that is not said to matter: %s; with all of them as usual: %s\n", pair_name(usual),
+                      after.numbers, before->numbers);
         return 1;
     }
     return 0;
