@@ -29,6 +29,24 @@ static uint32_t *read_words(const char *path, size_t *count) {
     return NULL;
 }
 
+enum { OP_VARIABLE = 59, OP_DECORATE = 71, STORAGE_INPUT = 1, STORAGE_OUTPUT = 3, DECORATION_LOCATION = 30, HEADER_WORDS = 5 };
+
+static int is_variable(const uint32_t *words, size_t count, uint32_t id, uint32_t storage) {
+    for (size_t i = HEADER_WORDS, length; i < count && (length = words[i] >> 16) && length <= count - i; i += length)
+        if ((words[i] & 0xffffu) == OP_VARIABLE && words[i + 2] == id) return words[i + 3] == storage;
+    return 0;
+}
+
+/* Bits of the locations of inputs or outputs; spirv-opt has removed those that nothing uses. */
+static uint32_t find_locations(const uint32_t *words, size_t count, uint32_t storage) {
+    uint32_t bits = 0;
+    for (size_t i = HEADER_WORDS, length; i < count && (length = words[i] >> 16) && length <= count - i; i += length)
+        if ((words[i] & 0xffffu) == OP_DECORATE && words[i + 2] == DECORATION_LOCATION && words[i + 3] < 32 &&
+            is_variable(words, count, words[i + 1], storage))
+            bits |= 1u << words[i + 3];
+    return bits;
+}
+
 int main(int argc, char **argv) {
     if (argc != 4) {
         fprintf(stderr, "usage: spirv_embed STEM.STAGE IN.spv OUT.c\n");
@@ -44,6 +62,7 @@ int main(int argc, char **argv) {
     size_t size = count * sizeof(*words), bound = ZSTD_compressBound(size);
     unsigned char *bytes = malloc(bound);
     size_t packed = bytes ? ZSTD_compress(bytes, bound, words, size, 19) : (size_t)-1;
+    uint32_t inputs = find_locations(words, count, STORAGE_INPUT), outputs = find_locations(words, count, STORAGE_OUTPUT);
     free(words);
     if (!bytes || ZSTD_isError(packed)) {
         fprintf(stderr, "%s: cannot be compressed\n", argv[2]);
@@ -60,7 +79,7 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < packed; i++) fprintf(out, "%s%u,", i % 32 ? "" : "\n    ", bytes[i]);
     fprintf(out, "\n};\n\nconst struct gpu_shader shader_");
     for (const char *c = argv[1]; *c; c++) fputc(*c == '.' ? '_' : *c, out);
-    fprintf(out, " = {\"%s\", packed, sizeof(packed), %zu};\n", argv[1], size);
+    fprintf(out, " = {\"%s\", packed, sizeof(packed), %zu, 0x%xu, 0x%xu};\n", argv[1], size, inputs, outputs);
     free(bytes);
     int failed = ferror(out);
     failed |= fclose(out);

@@ -12,7 +12,8 @@ struct gpu_shader {
     const char *name;            /**< such as "tiled_count.comp" */
     const unsigned char *packed; /**< optimised SPIR-V for Vulkan 1.3, entry point "main", compressed by zstd */
     size_t packed_size;
-    size_t size; /**< bytes of SPIR-V, a multiple of 4 */
+    size_t size;     /**< bytes of SPIR-V, a multiple of 4 */
+    uint32_t inputs, outputs; /**< bits of the locations below 32 that it reads and writes, after optimisation */
 };
 
 /** The SPIR-V; its `size` bytes are freed by host_free. NULL when memory ran out (logged). */

@@ -57,11 +57,20 @@ void geometry_draw(const struct graph_context *context, const struct geometry_sc
     geometry_draw_with(context, scene, draws, set, state, mask_fragment, &push, sizeof push);
 }
 
+/* The variant that writes all that a fragment shader reads, and the least besides. */
+static const struct gpu_shader *find_vertex(const struct gpu_shader *fragment) {
+    static const struct gpu_shader *const variants[] = {&shader_geometry_ids_vert, &shader_geometry_cutout_vert,
+                                                        &shader_geometry_surface_vert};
+    for (uint32_t i = 0; i < COUNT_OF(variants); i++)
+        if (!(fragment->inputs & ~variants[i]->outputs)) return variants[i];
+    return &shader_geometry_vert;
+}
+
 /* The shader that makes the corners of triangles. `own`, or NULL, is that of the caller. */
 static void set_corners(struct gpu_graphics_params *params, const struct gpu_shader *own, bool meshes, bool views) {
     params->mesh = !meshes ? NULL : params->fragment ? &shader_geometry_mesh : &shader_depth_mesh;
     params->vertex = own || meshes      ? own
-                     : params->fragment ? (views ? &shader_geometry_views_vert : &shader_geometry_vert)
+                     : params->fragment ? (views ? &shader_geometry_views_vert : find_vertex(params->fragment))
                                         : (views ? &shader_depth_views_vert : &shader_depth_vert);
 }
 

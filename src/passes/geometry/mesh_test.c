@@ -8,6 +8,7 @@
 #include "render/device/clusters.h"
 #include "tests/render_test.h"
 #include "render/shading.h"
+#include "shaders.h"
 #include "tests/vulkan_spy.h"
 
 static uint32_t add_shape(fnl_scene *scene, struct scene_primitive primitive) {
@@ -496,8 +497,59 @@ static void test_what_faces_away_is_not_drawn(void **state) {
     spy_end();
 }
 
+/* Vertex shaders: which variant draws how often in the passes of a label. Whatever they draw, they write all that is read. */
+static uint32_t count_variants(const char *label, const struct gpu_shader *variant) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < spy.work_count; i++) {
+        const struct gpu_graphics_params *params = spy_graphics_params(spy.work[i].pipeline);
+        if (!params || !params->fragment || !params->vertex) continue;
+        if (params->fragment->inputs & ~params->vertex->outputs)
+            fail_msg("%s reads what %s does not write", params->fragment->name, params->vertex->name);
+        count += !strcmp(spy.work[i].label, label) && params->vertex == variant;
+    }
+    return count;
+}
+
+static void test_vertices_have_what_is_read(void **state) {
+    UNUSED(state);
+    static const struct {
+        fnl_shading shading;
+        fnl_light_lists lists;
+        const char *label;
+        const struct gpu_shader *variant, *cutout; /* of opaque surfaces and of cutouts */
+    } cases[] = {
+        {FNL_SHADING_VISIBILITY, FNL_LISTS_TILED, "visibility", &shader_geometry_ids_vert, &shader_geometry_cutout_vert},
+        {FNL_SHADING_DEFERRED, FNL_LISTS_TILED, "gbuffer", &shader_geometry_surface_vert, &shader_geometry_surface_vert},
+        {FNL_SHADING_FORWARD_PREPASS, FNL_LISTS_MULTIPASS, "multipass owners", &shader_geometry_vert, &shader_geometry_vert},
+        {FNL_SHADING_FORWARD, FNL_LISTS_TILED, "forward", &shader_geometry_surface_vert, &shader_geometry_surface_vert},
+    };
+    fnl_scene *scene = garden(60);
+    spy_begin(test_device);
+    fnl_renderer *renderer = test_renderer(scene);
+    for (uint32_t i = 0; i < COUNT_OF(cases); i++) {
+        fnl_frame frame = garden_frame(0);
+        frame.culling = FNL_CULLING_INSTANCES;
+        frame.shading = cases[i].shading;
+        frame.lists = cases[i].lists;
+        spy_clear();
+        test_render_frame(renderer, &frame);
+        uint32_t all = 0, others = 0;
+        for (uint32_t k = 0; k < spy.work_count; k++) all += !strcmp(spy.work[k].label, cases[i].label);
+        uint32_t plain = count_variants(cases[i].label, cases[i].variant), cut = count_variants(cases[i].label, cases[i].cutout);
+        others = all - plain - (cases[i].cutout == cases[i].variant ? 0 : cut);
+        print_message("%s: %u draws, %u of them for cutouts\n", cases[i].label, all, cut);
+        assert_true(plain > 0 && cut > 0);
+        assert_int_equal(others, 0);
+    }
+    fnl_renderer_destroy(&renderer);
+    fnl_scene_destroy(&scene);
+    spy_end();
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        {"vertex shaders write what fragment shaders read, and little besides", test_vertices_have_what_is_read, NULL, spy_tear_down,
+         NULL},
         {"the words of clusters", test_words, NULL, NULL, NULL},
         {"ES-77: what culling leaves out does not reach the rasteriser", test_what_faces_away_is_not_drawn, NULL, spy_tear_down,
          NULL},
