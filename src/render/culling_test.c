@@ -8,6 +8,7 @@ enum { RINGS = 162, SPHERES = 10, PARTS = 256 }; /* a sphere has 104 976 triangl
 /* Renders with auto and says whether that was on. Then the picture is the same to the bit, and without it nothing is hidden. */
 static bool culls(struct stage *s) {
     s->frame.occlusion = FNL_OCCLUSION_AUTO;
+    s->frame.count_lights = true; /* counts triangles as well */
     struct shot shot = stage_shoot(s, &s->frame);
     bool on = shot.stats.occlusion;
     assert_int_equal(shot.stats.items_occluded > 0, on);
@@ -17,6 +18,9 @@ static bool culls(struct stage *s) {
         assert_false(plain.stats.occlusion);
         assert_int_equal(plain.stats.items_occluded, 0);
         assert_int_equal(count_differing(&shot.radiance, &plain.radiance), 0);
+        print_message("%llu of %llu triangles drawn\n", (unsigned long long)shot.stats.triangles_visible,
+                      (unsigned long long)plain.stats.triangles_visible);
+        assert_true(shot.stats.triangles_visible < plain.stats.triangles_visible / 2);
         shot_free(&plain);
     }
     shot_free(&shot);
@@ -64,9 +68,28 @@ static void test_large_scenes_of_many_parts_cull_occluded_surfaces(void **state)
     stage_close(&s);
 }
 
+/* The city takes less time with it, the hall more (docs/techniques/culling.md): a frame that asks for nothing has what is faster. */
+static void test_the_city_culls_and_the_hall_does_not(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *name;
+        bool culls;
+    } scenes[] = {{"builtin:city", true}, {"builtin:hall", false}};
+    for (uint32_t i = 0; i < COUNT_OF(scenes); i++) {
+        struct stage s = stage_open(scenes[i].name, 16);
+        s.frame.width = 67;
+        s.frame.height = 35;
+        s.frame.outputs = FNL_OUTPUT_RADIANCE;
+        s.frame.culling = fnl_frame_default().culling;
+        assert_int_equal(culls(&s), scenes[i].culls);
+        stage_close(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_large_scenes_of_many_parts_cull_occluded_surfaces, harness_check),
+        cmocka_unit_test_teardown(test_the_city_culls_and_the_hall_does_not, harness_check),
     };
     return cmocka_run_group_tests(tests, harness_begin, harness_end);
 }
