@@ -14,6 +14,7 @@ static const struct {
              {"msaa", "msaa"},
              {"msaa-method", "deferred.msaa-method"},
              {"gbuffer", "gbuffer.layout"},
+             {"shadows", "shadows"},
              {"transparency", "transparency"},
              {"decals", "decals"},
              {"aa", "aa"},

@@ -56,7 +56,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
 
     uint directional_count = lights.list.directional_count;
     for (uint i = 0u; i < directional_count; i++) {
-        sum += lights.list.lights.at[i].color * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(lights, i, s.position, s.normal) * brdf_cos(s, b, -lights.list.lights.at[i].shape.direction);
     }
 
     light_cursor cursor = lights_begin(lights, light_point(pixel, view_depth, s.position, s.normal, item));
@@ -66,6 +66,7 @@ vec3 shade_surface(surface s, view_block v, light_list_block lights, uint_array 
         vec3 illuminance = illuminate(lights, light, s.position, to_light);
         if (COUNT_LIGHTS == 1u) visited++;
         if (illuminance != vec3(0.0)) {
+            if (LIST_SHADOWED) illuminance *= shadow_visibility(lights, light, s.position, s.normal, to_light);
             sum += illuminance * brdf_cos(s, b, to_light);
             if (COUNT_LIGHTS == 1u) useful++;
         }

@@ -132,15 +132,15 @@ static bool is_wanted(const VkPipelineShaderStageCreateInfo *stages, uint32_t co
 }
 
 /*
- * Shaders that light come in two kinds, which have a row each: for lights of all shapes, and for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
- * the kind of list in constant 0). The worst of both would hide what the simple ones gain.
+ * Shaders that light come in kinds, which have a row each: for lights of all shapes or for spheres and cones alone (GPU_LIST_SIMPLE, a bit beside
+ * the kind of list in constant 0), without shadows or with (GPU_LIST_SHADOWED). The worst of all would hide what the others gain.
  */
-static void name_simple(struct row *row) {
-    enum { KINDS = 0xff, LAST_KIND = 12, SCATTERED = 0x100, SIMPLE = 0x200 };
+static void name_kind(struct row *row) {
+    enum { KINDS = 0xff, LAST_KIND = 12, SCATTERED = 0x100, SIMPLE = 0x200, SHADOWED = 0x400 };
     unsigned value = 0;
-    bool simple = sscanf(row->constants, "0=%u", &value) == 1 && (value & SIMPLE) && (value & KINDS) <= LAST_KIND && value <= (SIMPLE | SCATTERED | KINDS);
+    if (sscanf(row->constants, "0=%u", &value) != 1 || (value & KINDS) > LAST_KIND || value >= 2 * SHADOWED) return;
     size_t length = strlen(row->shader);
-    if (simple) snprintf(row->shader + length, sizeof row->shader - length, " simple");
+    snprintf(row->shader + length, sizeof row->shader - length, "%s%s", value & SIMPLE ? " simple" : "", value & SHADOWED ? " shadowed" : "");
 }
 
 static void add_row(const struct row *row) {
@@ -204,7 +204,7 @@ static void add_pipeline(VkPipeline pipeline, const VkPipelineShaderStageCreateI
             print_constants(stages[s].pSpecializationInfo, row.constants, sizeof row.constants);
         }
         if (!row.shader[0]) continue; /* made by the driver, such as copies of geometry shaders */
-        name_simple(&row);
+        name_kind(&row);
         for (uint32_t i = 0; i < statistic_count; i++)
             for (uint32_t c = 0; c < COUNT_OF(columns); c++)
                 if (strcmp(statistics[i].name, columns[c].statistic) == 0) row.values[c] = statistic_value(&statistics[i]);

@@ -44,6 +44,14 @@ typedef enum fnl_multiview {
     FNL_MULTIVIEW_COUNT
 } fnl_multiview;
 
+/** What finds out where light is stopped on its way. docs/techniques/shadows.md tells more. */
+typedef enum fnl_shadows {
+    FNL_SHADOWS_OFF = 0, /**< nothing: light goes through walls */
+    /** A ray from each surface to each light that reaches it: exact hard shadows of all lights, cutouts and glass too. Slow without much to spare. */
+    FNL_SHADOWS_RAYS,
+    FNL_SHADOWS_COUNT
+} fnl_shadows;
+
 /** How blended surfaces (FNL_ALPHA_BLEND) that overlap in a pixel are composited. docs/techniques/transparency.md compares them. */
 typedef enum fnl_transparency {
     FNL_TRANSPARENCY_SORTED = 0, /**< objects back to front by their centres: wrong where they intersect */
@@ -165,6 +173,8 @@ typedef struct fnl_frame {
     fnl_shading shading;
     /** Default FNL_LISTS_AUTO. */
     fnl_light_lists lists;
+    /** Default off. */
+    fnl_shadows shadows;
     /** Samples per pixel: 1, 2, 4 or 8, up to fnl_device_info.max_msaa. Default 1. */
     uint32_t msaa;
     /** Default sorted. */

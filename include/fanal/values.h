@@ -22,6 +22,7 @@ typedef enum fnl_enum {
     FNL_ENUM_LIGHT_BUFFER,     /**< fnl_light_buffer */
     FNL_ENUM_LIGHT_PACKING,    /**< fnl_light_packing */
     FNL_ENUM_MSAA_METHOD,      /**< fnl_msaa_method */
+    FNL_ENUM_SHADOWS,          /**< fnl_shadows */
     FNL_ENUM_TRANSPARENCY,     /**< fnl_transparency */
     FNL_ENUM_DECALS,           /**< fnl_decals */
     FNL_ENUM_CULLING,          /**< fnl_culling */

@@ -7,7 +7,10 @@
 #ifndef LIGHTS_ILLUMINATE_GLSL
 #define LIGHTS_ILLUMINATE_GLSL
 
+#extension GL_EXT_buffer_reference_uvec2 : require
+
 #include "lights/iterate.glsl"
+#include "shadows/rays.glsl"
 
 // Which part of the light is left at `part` of the way from the axis to the edge (0 .. 1).
 float light_edge(float part, float scale) {
@@ -97,6 +100,49 @@ vec3 illuminate(light_list_block l, uint light, vec3 position, out vec3 to_light
     if (strength == 0.0) return vec3(0.0);
     precise vec3 result = l.list.lights.at[light].color * strength;
     return result;
+}
+
+// Metres from a position to where light comes from: the light, the nearest point of a capsule, the face of a box.
+float light_distance(light_list_block l, uint light, vec3 position, vec3 to_light) {
+    vec3 ray = l.list.lights.at[light].shape.position - position;
+    uint kind = l.list.lights.at[light].shape.kind;
+    if (LIST_SIMPLE || kind <= GPU_SHAPE_CONE || kind == GPU_SHAPE_WEDGE) return length(ray);
+    vec3 direction = l.list.lights.at[light].shape.direction, size = l.list.lights.at[light].shape.size;
+    if (kind == GPU_SHAPE_BOX) return size.z - dot(ray, direction);
+    return length(ray + direction * clamp(-dot(ray, direction), -size.x, size.x));
+}
+
+// How far from their surfaces the positions may be that pixels are shaded at, metres. Depths of orthographic views are all as coarse as the
+// farthest. With several samples a pixel, positions are interpolated somewhere in it, and may be a pixel's width beside the triangle.
+float shadow_slack(light_list_block l, vec3 position) {
+    view_block v = l.list.view;
+    float seen_from = length(v.view.eye - position), slack = 1e-5 * (length(position) + seen_from);
+    slack += v.view.orthographic * 1.2e-7 * abs(v.view.depth_decode.y);
+    return v.view.samples > 1u ? slack + pixel_width(v, seen_from) : slack;
+}
+
+// The part, 0 .. 1, of a light that no surface stops on its way to the position; `to_light` and `light` as illuminate() has them. 0 also for
+// light that comes from behind the surface, which reflects none of it.
+float shadow_visibility(light_list_block l, uint light, vec3 position, vec3 normal, vec3 to_light) {
+    if (!LIST_SHADOWED) return 1.0;
+    if (!(dot(normal, to_light) > 0.0)) return 0.0;
+    float slack = shadow_slack(l, position), high = light_distance(l, light, position, to_light);
+    float margin = max(slack, 1e-6 * length(l.list.lights.at[light].shape.position)); // a lamp on a surface shines
+    return ray_visibility(rays_block(l.list.rays), position, to_light, high - margin, slack);
+}
+
+// The same of a directional light.
+float sun_visibility(light_list_block l, uint light, vec3 position, vec3 normal) {
+    if (!LIST_SHADOWED) return 1.0;
+    vec3 to_light = -l.list.lights.at[light].shape.direction;
+    if (!(dot(normal, to_light) > 0.0)) return 0.0;
+    return ray_visibility(rays_block(l.list.rays), position, to_light, 1e30, shadow_slack(l, position));
+}
+
+// What a directional light gives, in lux.
+vec3 sun_illuminance(light_list_block l, uint light, vec3 position, vec3 normal) {
+    vec3 color = l.list.lights.at[light].color;
+    return LIST_SHADOWED ? color * sun_visibility(l, light, position, normal) : color;
 }
 
 // Whether the light's volume holds the position: true wherever illuminate() is not zero. Broken positions are held by all lights.

@@ -1,182 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Shadows whose edges are known: a light above a floor, and between them a square in many guises. */
-#include "tests/trace_world.h"
+/* Shadows of the tracer: those whose edges are known, lights in awkward places, and soft ones. */
+#include "tests/shadow_cases.h"
 
 #include "scene/scene.h"
 
+enum { SIZE = SHADOW_SIZE };
 static const vec3 LIGHT = {0.3f, 3, -0.2f};
-enum { SIZE = 64 };
-#define EXTENT 8.0 /* metres of the floor that are seen */
 
-/* What lies between the light and the floor at the height 1: a rectangle. */
-struct shade {
-    double low[2], high[2];
-};
-
-static fnl_scene *open_floor(void) {
-    fnl_scene *scene = world_create(NULL);
-    fnl_material_params floor = matt(1);
-    add_square(scene, &floor, vec3_make(10, 1, 10), vec3_make(0, 0, 0));
-    add_point_light(scene, LIGHT, 50);
-    return scene;
-}
-
-/* From just above the floor, where nothing hides it. */
-static fnl_trace trace_floor(const fnl_scene *scene) {
-    fnl_trace_params p = look_down(vec3_make(0, 0, 0), (float)EXTENT, 0.5f, SIZE);
+static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
+    fnl_trace_params p = *view;
     p.visibility = true;
-    return trace_scene(scene, &p);
-}
-
-/* Closes the scene. Every pixel of the floor is as visible as `inside` or `outside` of the shade's shadow says; but for a strip of a millimetre at the edge. */
-static void expect_shadow(fnl_scene *scene, struct shade shade, double inside, double outside, const char *what) {
-    fnl_trace trace = trace_floor(scene);
-    uint32_t dark = 0, lit = 0;
-    for (uint32_t y = 0; y < SIZE; y++)
-        for (uint32_t x = 0; x < SIZE; x++) {
-            /* Where the way to the light is at the height of the shade. */
-            const double light[2] = {(double)LIGHT.x, (double)LIGHT.z},
-                         floor[2] = {((x + 0.5) / SIZE - 0.5) * EXTENT, ((y + 0.5) / SIZE - 0.5) * EXTENT};
-            double edge = INFINITY; /* metres inside of the nearest edge */
-            for (int i = 0; i < 2; i++) {
-                double at = floor[i] + (light[i] - floor[i]) / (double)LIGHT.y;
-                edge = fmin(edge, fmin(at - shade.low[i], shade.high[i] - at));
-            }
-            if (fabs(edge) < 1e-3) continue;
-            double wanted = edge > 0 ? inside : outside, got = (double)pixel_at(&trace.visibility, x, y)[0];
-            if (fabs(got - wanted) > 1e-6)
-                fail_msg("%s: at %g, %g visibility is %g, must be %g", what, floor[0], floor[1], got, wanted);
-            *(edge > 0 ? &dark : &lit) += 1;
-        }
-    assert_true(dark > 20 && lit > 20);
+    fnl_trace trace = trace_scene(scene, &p);
+    for (uint32_t i = 0; i < SIZE * SIZE; i++) out[i] = pixel_at(&trace.visibility, i % SIZE, i / SIZE)[0];
     fnl_trace_free(NULL, &trace);
     fnl_scene_destroy(&scene);
 }
 
-static const struct shade SQUARE = {{-1, -1}, {1, 1}};
-
-static void test_hard_shadow(void **state) {
+static void test_known_shadows(void **state) {
     UNUSED(state);
-    for (int turned = 0; turned < 2; turned++) { /* the back of a single-sided square stops light too */
-        fnl_scene *scene = open_floor();
-        fnl_material_params material = matt(1);
-        fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
-        add_instance(
-            scene, mesh,
-            mat4_from_trs(vec3_make(0, 1, 0), quat_axis_angle(vec3_make(1, 0, 0), turned ? PI : 0), vec3_make(1, 1, 1)));
-        expect_shadow(scene, SQUARE, 0, 1, turned ? "turned" : "plain");
-    }
-    fnl_scene *scene = open_floor();
-    expect_shadow(scene, (struct shade){{-100, -100}, {0, 100}}, 1, 1, "without a square");
+    shadow_cases(measure, 1e-6);
 }
 
-static void test_shadow_of_instances(void **state) {
-    UNUSED(state);
-    fnl_scene *scene = open_floor();
-    fnl_material_params material = matt(1);
-    fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
-    add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0.5f, 1, -0.25f}), mat4_scaling((vec3){-0.5f, 7, 1.25f})));
-    add_instance(
-        scene, mesh,
-        mat4_mul(mat4_translation((vec3){0, -5, 0}), mat4_scaling((vec3){3, 1, 3}))); /* of the same mesh, elsewhere */
-    expect_shadow(scene, (struct shade){{0, -1.5}, {1, 1}}, 0, 1, "mirrored and stretched");
-    scene = open_floor();
-    mesh = add_square_mesh(scene, add_material(scene, &material));
-    add_instance(scene, mesh,
-                 mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){1, 0, 0.5f}))); /* has no inverse */
-    expect_shadow(scene, (struct shade){{-1, -0.5}, {1, 0.5}}, 0, 1, "flattened");
-    /* An instance that is hidden, or gone, casts none. */
-    scene = open_floor();
-    fnl_instance_id hidden = add_square(scene, &material, (vec3){1, 1, 1}, (vec3){0, 1, 0});
-    assert_int_equal(fnl_scene_set_instance_visible(scene, hidden, false), FNL_OK);
-    expect_shadow(scene, SQUARE, 1, 1, "hidden");
-}
-
-/* The half of the texture with x < 0.5 is a hole; linear filtering crosses the cutoff in the middle. */
-static fnl_image_id half_hole(fnl_scene *scene) {
-    static uint8_t texels[8] = {255, 255, 255, 0, 255, 255, 255, 255};
-    fnl_image image = {2, 1, FNL_PIXEL_FORMAT_RGBA8, texels};
-    fnl_image_id id;
-    assert_int_equal(fnl_scene_add_image(scene, &image, true, &id), FNL_OK);
-    return id;
-}
-
-static void test_cutout_lets_light_through_its_holes(void **state) {
-    UNUSED(state);
-    fnl_scene *scene = open_floor();
-    fnl_material_params leaf = matt(1);
-    leaf.base_color_image = half_hole(scene);
-    leaf.alpha_mode = FNL_ALPHA_MASK;
-    /* The texture repeats, and is filtered over its edge: a mirrored wrap keeps both halves whole. */
-    fnl_material_id material = add_material(scene, &leaf);
-    const struct scene_sampler clamped = {
-        .mag = SCENE_FILTER_LINEAR, .min = SCENE_FILTER_LINEAR, .wrap_u = SCENE_WRAP_CLAMP, .wrap_v = SCENE_WRAP_CLAMP};
-    scene->materials.data[material.index].textures[SCENE_TEXTURE_BASE_COLOR].sampler = scene_add_sampler(scene, &clamped);
-    add_instance(scene, add_square_mesh(scene, material), mat4_translation((vec3){0, 1, 0}));
-    expect_shadow(scene, (struct shade){{0, -1}, {1, 1}}, 0, 1, "cutout");
-}
-
-static void test_blended_surfaces_attenuate(void **state) {
-    UNUSED(state);
-    fnl_scene *scene = open_floor();
-    fnl_material_params glass = matt(1);
-    glass.alpha_mode = FNL_ALPHA_BLEND;
-    glass.base_color[3] = 0.25f;
-    add_square(scene, &glass, (vec3){1, 1, 1}, (vec3){0, 1, 0});
-    expect_shadow(scene, SQUARE, 0.75, 1, "one pane");
-    scene = open_floor();
-    add_square(scene, &glass, (vec3){1, 1, 1}, (vec3){0, 1, 0});
-    glass.base_color[3] = 0.5f;
-    add_square(scene, &glass, (vec3){100, 1, 100}, (vec3){0, 2, 0});
-    expect_shadow(scene, SQUARE, 0.375, 0.5, "two panes");
-}
-
-/* ---- poses ---- */
-
-/* The square of a mesh with a morph target that moves it by 2 in x, and a skin of one joint. */
-static void test_posed_meshes_cast_their_shadow(void **state) {
-    UNUSED(state);
-    enum { ROOM = 6 }; /* vertices may have been split between the triangles */
-    static const vec3 moved[ROOM] = {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}};
-    static const struct scene_morph_target target = {.positions = moved};
-    static float weight = 0.5f; /* of the mesh: it is moved by 1 */
-    fnl_scene *scene = open_floor();
-    fnl_material_params material = matt(1);
-    fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
-    struct scene_primitive *p = &scene->primitives.data[scene->meshes.data[mesh.index].first_primitive];
-    assert_true(p->vertex_count <= ROOM);
-    p->morph_targets = &target;
-    p->morph_target_count = 1;
-    scene->meshes.data[mesh.index].morph_weights = &weight;
-    scene->meshes.data[mesh.index].morph_target_count = 1;
-    add_instance(scene, mesh, mat4_mul(mat4_translation((vec3){0, 1, 0}), mat4_scaling((vec3){0.5f, 1, 1})));
-    expect_shadow(scene, (struct shade){{0, -1}, {1, 1}}, 0, 1, "morphed");
-
-    static const uint16_t joints[ROOM * 4] = {0};
-    static const float weights[ROOM * 4] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
-    static const mat4 inverse = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1}};
-    scene = open_floor();
-    mesh = add_square_mesh(scene, add_material(scene, &material));
-    p = &scene->primitives.data[scene->meshes.data[mesh.index].first_primitive];
-    p->joints = joints;
-    p->weights = weights;
-    p->joint_count = 4;
-    mat4 joint_pose = mat4_mul(mat4_translation((vec3){2, 1, 0}), mat4_scaling((vec3){0.5f, 1, 0.5f}));
-    const uint32_t joint = scene_add_node(scene, "joint", SCENE_NONE, &joint_pose, SCENE_NONE);
-    fnl_instance_id body = add_instance(scene, mesh, mat4_translation((vec3){0, 77, 0}));
-    scene_update_transforms(scene);
-    const struct scene_skin skin = {.joints = &joint, .inverse_bind = &inverse, .joint_count = 1};
-    assert_true(array_push(&scene->host, &scene->skins, skin));
-    scene->nodes.data[body.index].skin = scene->skins.count - 1; /* the place of the node itself no longer matters */
-    /* x -> (x - 4) / 2 + 2 */
-    expect_shadow(scene, (struct shade){{-0.5, -0.5}, {0.5, 0.5}}, 0, 1, "skinned");
+/* From just above the floor, where nothing hides it. */
+static fnl_trace trace_floor(const fnl_scene *scene) {
+    fnl_trace_params p = look_down(vec3_make(0, 0, 0), 8, 0.5f, SIZE);
+    p.visibility = true;
+    return trace_scene(scene, &p);
 }
 
 /* ---- lights in awkward places ---- */
 
 static void test_light_inside_a_wall(void **state) {
     UNUSED(state);
-    fnl_scene *scene = open_floor();
+    fnl_scene *scene = shadow_floor();
     fnl_material_params wall = matt(1);
     add_square(scene, &wall, (vec3){10, 1, 10},
                (vec3){0, LIGHT.y + 0.01f, 0}); /* two faces, a centimetre from the light each */
@@ -187,29 +43,6 @@ static void test_light_inside_a_wall(void **state) {
     assert_true(mean_of(&trace.visibility, 1) > 0.1);
     fnl_trace_free(NULL, &trace);
     fnl_scene_destroy(&scene);
-}
-
-/* A lamp in the plane of the ceiling lights the room below, and not the one above; no surface shadows itself, also far from the origin. */
-static void test_light_on_a_surface(void **state) {
-    UNUSED(state);
-    static const float offsets[] = {0, 1000};
-    for (uint32_t i = 0; i < COUNT_OF(offsets); i++) {
-        const float o = offsets[i];
-        fnl_scene *scene = world_create(NULL);
-        fnl_material_params white = matt(1);
-        add_square(scene, &white, (vec3){9, 1, 9}, (vec3){o, 0, o});
-        add_square(scene, &white, (vec3){9, 1, 9}, (vec3){o, 3, o});
-        add_square(scene, &white, (vec3){9, 1, 9}, (vec3){o, 6, o});
-        add_point_light(scene, (vec3){o + 0.1f, 3, o}, 10);
-        fnl_trace_params p = look_down((vec3){o, 0, o}, 8, 2, SIZE);
-        p.visibility = true;
-        fnl_trace trace = trace_scene(scene, &p);
-        for (uint32_t k = 0; k < SIZE * SIZE; k++)
-            assert_float_equal(pixel_at(&trace.visibility, k % SIZE, k / SIZE)[0], 1, 0);
-        assert_true(mean_of(&trace.radiance, 0) > 0.05);
-        fnl_trace_free(NULL, &trace);
-        fnl_scene_destroy(&scene);
-    }
 }
 
 /* Where the triangle is turned away, there is no light, whatever its normals say. */
@@ -434,13 +267,8 @@ static void test_capsule_is_hidden_in_part(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hard_shadow),
-        cmocka_unit_test(test_shadow_of_instances),
-        cmocka_unit_test(test_cutout_lets_light_through_its_holes),
-        cmocka_unit_test(test_blended_surfaces_attenuate),
-        cmocka_unit_test(test_posed_meshes_cast_their_shadow),
+        cmocka_unit_test(test_known_shadows),
         cmocka_unit_test(test_light_inside_a_wall),
-        cmocka_unit_test(test_light_on_a_surface),
         cmocka_unit_test(test_light_from_behind_the_triangle),
         cmocka_unit_test(test_camera_sees_fronts_and_layers),
         cmocka_unit_test(test_mirrored_instances_are_lit),

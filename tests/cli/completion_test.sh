@@ -22,7 +22,7 @@ completes() {
     [ -z "$only" ] || [ ${#COMPREPLY[@]} = $# ] || { echo "FAILED: '$line' becomes ${COMPREPLY[*]}"; failures=$((failures + 1)); }
 }
 completes 're' render !
-completes 'render builtin:hall --shad' --shading !
+completes 'render builtin:hall --shadi' --shading !
 completes 'bench --war' --warm-up !
 completes 'render --shading vi' visibility virtual-texturing !
 completes 'render --lists 2' 2.5d !

@@ -12,6 +12,7 @@ void light_list_use(struct graph_pass *pass, const struct light_list *list, enum
     if (list->extra.id) graph_use_buffer(pass, list->extra, use);
     if (list->bounds.id) graph_use_buffer(pass, list->bounds, use);
     if (list->spare.id) graph_use_buffer(pass, list->spare, use);
+    if (list->rays.address) rays_use(pass, &list->rays, use);
 }
 
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address) {
@@ -28,13 +29,17 @@ struct gpu_light_list *light_list_header(gpu_device *device, const struct light_
                                                                        .entities = input->entities,
                                                                        .shapes = input->shapes,
                                                                        .planes = input->planes,
-                                                                       .view = input->view};
+                                                                       .view = input->view,
+                                                                       .rays = {(uint32_t)input->rays.address,
+                                                                                (uint32_t)(input->rays.address >> 32)}};
     return slice.data;
 }
 
 struct light_list light_list_all_add(struct graph *graph, gpu_device *device, const struct light_input *input) {
     UNUSED(graph);
-    struct light_list list = {.kind = input->simple || input->local_count == 0 ? GPU_LIST_ALL | GPU_LIST_SIMPLE : GPU_LIST_ALL,
+    const bool simple = input->simple || input->local_count == 0, shadowed = input->rays.address != 0;
+    struct light_list list = {.kind = GPU_LIST_ALL | (simple ? GPU_LIST_SIMPLE : 0) | (shadowed ? GPU_LIST_SHADOWED : 0),
+                              .rays = input->rays,
                               .lights = input->buffer,
                               .totals_known = true,
                               .known = {.in_view = input->local_count - input->unlit_count}};

@@ -13,6 +13,7 @@
 
 #include "graph/graph.h"
 #include "lights/lights_shared.h"
+#include "passes/shadow/rays.h"
 
 /** What lists are built over, on the device. */
 struct light_input {
@@ -27,6 +28,7 @@ struct light_input {
     VkDeviceAddress view; /* struct gpu_view */
     uint32_t width, height;
     bool keep_unseen;       /* lights out of the view count as in view */
+    struct rays rays;       /* that find shadows; address 0: there are none */
     bool simple;            /* every light is a sphere or a cone without a hull: shaders get GPU_LIST_SIMPLE */
     bool scattered;         /* points may be shaded off the surfaces that depth shows (MSAA): shaders get GPU_LIST_SCATTERED */
     bool spheres_only;      /* no builder tests cones, rectangles on the screen, or which way cells face: no reaches */
@@ -41,6 +43,7 @@ struct light_list {
     graph_buffer extra;      /* or id 0 */
     graph_buffer bounds;     /* of cells, where scattered points compare themselves with them; or id 0 */
     graph_buffer spare;      /* the spare list, or id 0 */
+    struct rays rays;        /* with GPU_LIST_SHADOWED */
     uint32_t cell_count;
     uint64_t byte_count;  /* of cells and pool */
     uint64_t fixed_bytes; /* the part of byte_count that does not depend on the number of entries */

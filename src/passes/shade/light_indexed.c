@@ -95,7 +95,7 @@ struct light_list light_indexed_add(struct graph *graph, gpu_device *device, con
         ids.step = 0;
     }
 
-    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & GPU_LIST_SIMPLE),
+    struct light_list out = {.kind = GPU_LIST_TILES | (volumes->list.kind & (GPU_LIST_SIMPLE | GPU_LIST_SHADOWED)),
                              .lights = lights->buffer,
                              .cell_count = (uint32_t)pixels,
                              .byte_count = pixels * (sizeof(struct gpu_cell) + 4ull * capacity) + count_bytes + slot_bytes +

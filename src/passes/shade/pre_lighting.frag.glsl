@@ -43,6 +43,8 @@ void main() {
     if (illuminance == vec3(0.0)) discard;
     if (COUNT_LIGHTS == 1u) atomicAdd(push.head.counters.at[counter + 1u], 1u);
     light_surface s = light_surface_of(push.surfaces, pixel, at, position);
+    if (LIST_SHADOWED)
+        illuminance *= shadow_visibility(push.head.list, push.head.list.list.directional_count + in_light, position, s.normal, to_light);
     surface shape;
     shape.normal = s.normal;
     shape.roughness = s.roughness;

@@ -27,7 +27,7 @@ void main() {
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += l.list.lights.at[i].color * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(l, i, s.position, s.normal) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
     uint stored = 0u, visited = 0u, useful = 0u;
     for (; stored < push.layers; stored++) {
         vec4 ray = texelFetch(textures[push.rays[stored]], pixel, 0);
@@ -44,6 +44,7 @@ void main() {
             vec3 illuminance = illuminate(l, light, s.position, to_light);
             visited++;
             if (illuminance == vec3(0.0)) continue;
+            if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, s.position, s.normal, to_light);
             sum += illuminance * brdf_cos(s, b, to_light);
             useful++;
         }

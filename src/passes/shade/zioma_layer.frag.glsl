@@ -37,9 +37,11 @@ void main() {
         return;
     }
     vec3 to_light;
-    float strength = light_strength(push.head.list, light, gbuffer_position(v, pixel, view_depth_of(v, depth)), to_light);
+    vec3 position = gbuffer_position(v, pixel, view_depth_of(v, depth));
+    float strength = light_strength(push.head.list, light, position, to_light);
     vec3 color = push.head.list.list.lights.at[light].color;
     if (strength <= 0.0 || color * strength == vec3(0.0)) discard;
+    if (LIST_SHADOWED) color *= shadow_visibility(push.head.list, light, position, to_light, to_light);
     out_ray = vec4(to_light, strength);
     out_color = vec4(color, 0.0);
     gl_FragDepth = place;

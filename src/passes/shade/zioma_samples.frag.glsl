@@ -29,7 +29,7 @@ void main() {
     brdf_view b = brdf_prepare(s, to_view);
     precise vec3 sum = vec3(0.0);
     for (uint i = 0u; i < l.list.directional_count; i++)
-        sum += l.list.lights.at[i].color * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
+        sum += sun_illuminance(l, i, s.position, s.normal) * brdf_cos(s, b, -l.list.lights.at[i].shape.direction);
     bool known = sample_bounds_hold(texelFetch(textures[push.ranges], pixel, 0), -view_position.z);
     uint next = 0u, end = l.list.local_count, stored = 0u, visited = 0u, useful = 0u;
     for (;;) {
@@ -41,10 +41,12 @@ void main() {
         }
         if (next >= end) break;
         vec3 to_light;
-        vec3 illuminance = illuminate(l, l.list.directional_count + next, s.position, to_light);
+        uint light = l.list.directional_count + next;
+        vec3 illuminance = illuminate(l, light, s.position, to_light);
         next++;
         visited++;
         if (illuminance == vec3(0.0)) continue;
+        if (LIST_SHADOWED) illuminance *= shadow_visibility(l, light, s.position, s.normal, to_light);
         sum += illuminance * brdf_cos(s, b, to_light);
         useful++;
     }

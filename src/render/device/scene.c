@@ -7,7 +7,8 @@ void device_scene_init(struct device_scene *d, gpu_device *device, fnl_scene *sc
                                .scene = scene,
                                .structure_version = UINT64_MAX,
                                .material_version = UINT64_MAX,
-                               .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                               .sent = {UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX, UINT64_MAX},
+                               .ray_structure = UINT64_MAX,
                                .decals = {.version = UINT64_MAX}};
 }
 
@@ -72,6 +73,8 @@ static void free_structure(struct device_scene *d) {
     device_users_trim(d);
     d->group_list.count = d->item_list.count = d->item_nodes.count = 0;
     d->primitive_places.count = d->nodes.count = d->buckets.count = d->deformed.count = d->deform_vertex_counts.count = 0;
+    d->ray_structure = UINT64_MAX;
+    d->ray_key = 0;
     d->color_bits = d->index_count = d->influence_count = d->morph_count = d->pool_triangles = 0;
 }
 
@@ -80,6 +83,7 @@ void device_scene_finish(struct device_scene *d) {
     device_images_free(d);
     device_decals_finish(d);
     device_lights_finish(d);
+    device_rays_finish(d);
     array_free(&d->host, &d->images);
     array_free(&d->host, &d->buckets);
     array_free(&d->host, &d->group_list);

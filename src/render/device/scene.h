@@ -17,6 +17,7 @@
 #include "passes/texturing/virtual.h"
 #include "decals_shared.h"
 #include "passes/lights/light_list.h"
+#include "passes/shadow/rays.h"
 #include "scene/scene.h"
 #include "view_shared.h"
 
@@ -104,6 +105,7 @@ struct device_decals {
 struct device_scene_sent {
     uint64_t transforms, poses, lights; /* poses: what deforms has its vertices of these transforms */
     uint64_t decals, decal_transforms;
+    uint64_t ray_meshes, ray_items; /* transforms of what the trees of rays.c were made for */
 };
 
 struct device_scene {
@@ -155,6 +157,12 @@ struct device_scene {
     struct box bounds;      /* of the scene when it was uploaded, grown by what moved or came since */
     uint32_t bounds_edits;  /* nodes added or removed since */
     struct device_decals decals;
+
+    /* For shadow rays (rays.c), once some frame has traced any; the structure that they are of. */
+    uint64_t ray_structure, ray_key; /* key: of the triangles and where they lie */
+    struct device_array ray_table; /* struct gpu_ray_mesh */
+    struct gpu_buffer ray_meshes, ray_items;
+    uint32_t ray_primitives, ray_triangles;
 
     struct gpu_buffer lights;           /* room for `sun_room` directional ones, the last of them used; then a place for each slot of the scene */
     struct gpu_buffer bound_buffer;     /* of the lights: struct gpu_entity_bounds, a place for each slot */
@@ -287,6 +295,12 @@ void device_light(const fnl_light_params *light, uint32_t slot, struct gpu_light
  * lights where `walk` says that the frame has such lists, or to undo it.
  */
 fnl_result device_lights_fade(struct device_scene_user *user, const struct gpu_view *view, float lod, bool walk);
+
+/** Outside of frames, after device_scene_prepare, for frames that trace shadow rays (rays.c). */
+fnl_result device_rays_prepare(struct device_scene *d);
+/** Then, in the frame: makes what of it changed. `geometry` is of device_scene_add. */
+struct rays device_rays_add(struct device_scene *d, struct graph *graph, const struct geometry_scene *geometry);
+void device_rays_finish(struct device_scene *d);
 
 /** Outside of frames, when structure or decals changed: pictures, tables of mesh decals. */
 fnl_result device_decals_prepare(struct device_scene *d);

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// Shadow rays through the trees of rays_shared.h, in every shader stage and without support of the device. The walk goes from left to right and
+// needs no stack (the ropes of Popov et al. 2007, "Stackless KD-Tree Traversal for High Performance GPU Ray Tracing", on a tree of boxes).
+#ifndef SHADOWS_RAYS_GLSL
+#define SHADOWS_RAYS_GLSL
+
+#include "scene.glsl"
+
+layout(buffer_reference) buffer ray_node_array;
+layout(buffer_reference) buffer ray_mesh_array;
+layout(buffer_reference) buffer ray_item_array;
+
+#include "shadows/rays_shared.h"
+
+#ifndef RAY_NODE_ACCESS
+#define RAY_NODE_ACCESS readonly
+#endif
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) RAY_NODE_ACCESS buffer ray_node_array { gpu_ray_node at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ray_mesh_array { gpu_ray_mesh at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ray_item_array { gpu_ray_item at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer rays_block { gpu_rays rays; };
+
+struct shadow_ray {
+    vec3 origin, direction, inverse; // in the space that is walked; the direction's length is that of a metre of the world's
+    float high;                      // where it ends, metres
+};
+
+shadow_ray shadow_ray_make(vec3 origin, vec3 direction, float high) {
+    vec3 safe = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
+    return shadow_ray(origin, direction, 1.0 / safe, high);
+}
+
+bool ray_meets_box(shadow_ray r, vec3 low, vec3 high) {
+    vec3 a = (low - r.origin) * r.inverse, b = (high - r.origin) * r.inverse, near = min(a, b), far = max(a, b);
+    float begin = max(max(near.x, near.y), max(near.z, 0.0)), end = min(min(far.x, far.y), min(far.z, r.high));
+    return begin <= end * 1.00001; // what rounds does not let rays slip through flat boxes
+}
+
+uvec3 ray_corners(rays_block b, gpu_ray_mesh mesh, uint primitive, uint triangle) {
+    uint at = b.rays.scene.scene.primitives.at[primitive].first_index + 3u * (triangle - mesh.first);
+    uint offset = uint(b.rays.scene.scene.primitives.at[primitive].vertex_offset);
+    return uvec3(b.rays.indices.at[at], b.rays.indices.at[at + 1u], b.rays.indices.at[at + 2u]) + offset;
+}
+
+// What part of the light a surface of this material takes where the ray meets it.
+float ray_coverage(rays_block b, uint material, uvec3 corners, vec3 weights) {
+    material_array materials = b.rays.scene.scene.materials;
+    uint flags = materials.at[material].flags;
+    if ((flags & (GPU_MATERIAL_MASK | GPU_MATERIAL_BLEND)) == 0u) return 1.0;
+    float alpha = materials.at[material].base_color.a;
+    vec4 uvs = vec4(0.0);
+    float vertex_alpha = 0.0;
+    for (int k = 0; k < 3; k++) {
+        gpu_attributes a = b.rays.scene.scene.attributes.at[corners[k]];
+        uvs += vec4(a.uv0, a.uv1) * weights[k];
+        vertex_alpha += unpackUnorm2x16(a.color.y).y * weights[k];
+    }
+    gpu_texture t = materials.at[material].textures[0]; // base colour
+    if (t.image != GPU_TEXTURE_NONE) {
+        vec2 uv = t.uv_set == 0u ? uvs.xy : uvs.zw;
+        uv = vec2(t.transform[0] * uv.x + t.transform[1] * uv.y + t.transform[2], t.transform[3] * uv.x + t.transform[4] * uv.y + t.transform[5]);
+        alpha *= textureLod(sampler2D(textures[nonuniformEXT(t.image)], samplers[nonuniformEXT(t.sampler_index)]), uv, 0.0).a;
+    }
+    alpha *= vertex_alpha;
+    if ((flags & GPU_MATERIAL_MASK) != 0u) return alpha < materials.at[material].alpha_cutoff ? 0.0 : 1.0;
+    return clamp(alpha, 0.0, 1.0);
+}
+
+// Whether the ray meets the triangle between its ends, and where. Both triangles at an edge decide about it by the same products, so that no ray
+// passes between them (Davidovič et al. 2012, "3D rasterization: a bridge between rasterization and ray casting").
+bool ray_meets_triangle(shadow_ray r, vec3 a, vec3 b, vec3 c, out vec3 weights) {
+    a -= r.origin;
+    b -= r.origin;
+    c -= r.origin;
+    precise vec3 bc = vec3(b.y * c.z - b.z * c.y, b.z * c.x - b.x * c.z, b.x * c.y - b.y * c.x);
+    precise vec3 ca = vec3(c.y * a.z - c.z * a.y, c.z * a.x - c.x * a.z, c.x * a.y - c.y * a.x);
+    precise vec3 ab = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    precise vec3 w = vec3(dot(bc, r.direction), dot(ca, r.direction), dot(ab, r.direction));
+    weights = w;
+    bool front = all(greaterThanEqual(w, vec3(0.0))), back = all(lessThanEqual(w, vec3(0.0)));
+    float sum = w.x + w.y + w.z;
+    if (!(front || back) || !(abs(sum) > 0.0)) return false;
+    weights = w / sum;
+    float at = dot(a * weights.x + b * weights.y + c * weights.z, r.direction) / dot(r.direction, r.direction);
+    return at > 0.0 && at < r.high;
+}
+
+// The part of light that comes through one item. `slack`: what holds the ray's origin within so many metres casts no shadow on it.
+float ray_through_item(rays_block b, gpu_ray_item item, shadow_ray world, float slack) {
+    shadow_ray r = shadow_ray_make(
+        vec3(dot(item.rows[0], vec4(world.origin, 1.0)), dot(item.rows[1], vec4(world.origin, 1.0)), dot(item.rows[2], vec4(world.origin, 1.0))),
+        vec3(dot(item.rows[0].xyz, world.direction), dot(item.rows[1].xyz, world.direction), dot(item.rows[2].xyz, world.direction)), world.high);
+    gpu_ray_mesh mesh = b.rays.mesh_table.at[item.primitive];
+    if (mesh.count == 0u) return 1.0;
+    uint end = mesh.first + mesh.count - 1u, material = b.rays.scene.scene.primitives.at[item.primitive].material;
+    float open = 1.0;
+    for (uint reference = b.rays.roots.at[item.primitive]; reference != RAY_END;) {
+        uint last = reference & ~RAY_LEAF;
+        if ((reference & RAY_LEAF) == 0u) {
+            gpu_ray_node node = b.rays.meshes.nodes.at[reference];
+            if (ray_meets_box(r, node.low, node.high)) {
+                reference = node.first;
+                continue;
+            }
+            last = node.last;
+        } else {
+            uvec3 corners = ray_corners(b, mesh, item.primitive, b.rays.meshes.ids.at[last]);
+            position_array positions = b.rays.scene.scene.positions;
+            vec3 p = positions.at[corners.x], q = positions.at[corners.y], s = positions.at[corners.z], weights;
+            if (ray_meets_triangle(r, p, q, s, weights)) {
+                vec3 n = cross(q - p, s - p), to_world = item.rows[0].xyz * n.x + item.rows[1].xyz * n.y + item.rows[2].xyz * n.z;
+                if (abs(dot(n, p - r.origin)) > slack * length(to_world)) open *= 1.0 - ray_coverage(b, material, corners, weights);
+                if (open <= 0.0) return 0.0;
+            }
+        }
+        reference = last == end ? RAY_END : b.rays.meshes.next.at[last];
+    }
+    return open;
+}
+
+// The part of light, 0 .. 1, that comes from `origin` + `high` metres along the unit `direction`.
+float ray_visibility(rays_block b, vec3 origin, vec3 direction, float high, float slack) {
+    shadow_ray r = shadow_ray_make(origin, direction, high);
+    float open = 1.0;
+    for (uint reference = b.rays.items.root; reference != RAY_END;) {
+        uint last = reference & ~RAY_LEAF;
+        if ((reference & RAY_LEAF) == 0u) {
+            gpu_ray_node node = b.rays.items.nodes.at[reference];
+            if (ray_meets_box(r, node.low, node.high)) {
+                reference = node.first;
+                continue;
+            }
+            last = node.last;
+        } else {
+            open *= ray_through_item(b, b.rays.placed.at[b.rays.items.ids.at[last]], r, slack);
+            if (open <= 0.0) return 0.0;
+        }
+        reference = b.rays.items.next.at[last];
+    }
+    return open;
+}
+
+#endif

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: MIT */
+/* Frames with shadows by rays: against shadows whose edges are known, against the tracer, in all shading paths, and what the trees cost. */
+#include "tests/render_harness.h"
+#include "tests/shadow_cases.h"
+
+#include "fanal/trace.h"
+#include "render/renderer_internal.h"
+
+/* ---- shadows whose edges are known ---- */
+
+static void measure(fnl_scene *scene, const fnl_trace_params *view, float *out) {
+    struct stage s = stage_open_scene(scene);
+    s.frame.width = view->width, s.frame.height = view->height;
+    s.frame.camera = view->camera;
+    s.frame.outputs = FNL_OUTPUT_RADIANCE;
+    struct shot plain = stage_shoot(&s, &s.frame);
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    struct shot shadowed = stage_shoot(&s, &s.frame);
+    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
+        const float *open = pixel_at(&plain.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE);
+        assert_true(open[1] > 0);
+        out[i] = pixel_at(&shadowed.radiance, i % SHADOW_SIZE, i / SHADOW_SIZE)[1] / open[1];
+    }
+    shot_free(&plain);
+    shot_free(&shadowed);
+    stage_close(&s);
+}
+
+static void test_known_shadows(void **state) {
+    UNUSED(state);
+    shadow_cases(measure, 1e-3); /* radiance is kept in 16 bits */
+}
+
+/* ---- against the tracer, which is another program with other trees in double precision ---- */
+
+/* Decibels of the pictures, and the part of pixels that differ by more than 8 of 255: those at the edges of shadows. */
+static void expect_traced(const char *source, double seconds, uint32_t scattered, double psnr, double edges) {
+    struct stage s = stage_open(source, scattered);
+    s.frame.shading = FNL_SHADING_FORWARD;
+    s.frame.transparency = FNL_TRANSPARENCY_LINKED;
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    if (seconds > 0) { /* after a frame in another pose */
+        assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+        assert_int_equal(fnl_scene_set_time(s.scene, 0, seconds), FNL_OK);
+    }
+    struct shot shot = stage_shoot(&s, &s.frame);
+    fnl_trace_params p = fnl_trace_params_default();
+    p.width = s.frame.width, p.height = s.frame.height, p.camera = s.frame.camera;
+    p.exposure = s.frame.exposure, p.ev = s.frame.ev, p.tonemap = s.frame.tonemap;
+    fnl_trace trace;
+    assert_int_equal(fnl_scene_trace(s.scene, &p, &trace), FNL_OK);
+    fnl_image_difference difference;
+    assert_int_equal(fnl_image_compare(NULL, &trace.color, &shot.color, &difference), FNL_OK);
+    double beyond = (double)count_beyond(&trace.color, &shot.color, 8) / (s.frame.width * s.frame.height);
+    if (difference.psnr < psnr || beyond > edges)
+        fail_msg("%s: %.1f dB, %.4f of the pixels differ; must be %g and %g", source, difference.psnr, beyond, psnr, edges);
+    fnl_trace_free(&s.scene->host, &trace);
+    shot_free(&shot);
+    stage_close(&s);
+}
+
+static void test_frames_are_what_rays_show(void **state) {
+    UNUSED(state);
+    expect_traced("builtin:interior?lights=40", 0, 0, 30, 0.01); /* all shapes of lights */
+    expect_traced("builtin:glass?lights=40&crossing=1", 0, 0, 30, 0.02);
+    expect_traced("builtin:hall?lights=24", 0, 0, 30, 0.02); /* cutouts, a sun, many instances */
+}
+
+static void test_animated_frames(void **state) {
+    UNUSED(state);
+    expect_traced("Fox.glb", 0.4, 60, 35, 0.01);
+}
+
+/* ---- paths and lists ---- */
+
+static void test_lists_give_the_same_shadows(void **state) {
+    UNUSED(state);
+    static const fnl_light_lists lists[] = {FNL_LISTS_TILED, FNL_LISTS_FINE, FNL_LISTS_ZBIN, FNL_LISTS_BVH};
+    struct stage s = stage_open("builtin:interior?lights=40", 0);
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    s.frame.lists = FNL_LISTS_ALL;
+    struct shot all = stage_shoot(&s, &s.frame);
+    for (uint32_t i = 0; i < COUNT_OF(lists); i++) {
+        s.frame.lists = lists[i];
+        struct shot shot = stage_shoot(&s, &s.frame);
+        if (count_differing(&all.radiance, &shot.radiance)) fail_msg("%s", fnl_value_name(FNL_ENUM_LISTS, lists[i]));
+        shot_free(&shot);
+    }
+    shot_free(&all);
+    stage_close(&s);
+}
+
+/* Each path with shadows is as close to forward shading with shadows as both are without. */
+static void test_paths_give_the_same_shadows(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:interior?lights=40", 0);
+    s.frame.width = 64, s.frame.height = 36, s.frame.ev = 1;
+    struct shot forward[2];
+    for (int k = 0; k < 2; k++) {
+        s.frame.shading = FNL_SHADING_FORWARD;
+        s.frame.shadows = k ? FNL_SHADOWS_RAYS : FNL_SHADOWS_OFF;
+        forward[k] = stage_shoot(&s, &s.frame);
+    }
+    assert_true(count_beyond(&forward[0].color, &forward[1].color, 8) > 500);
+    for (fnl_shading shading = FNL_SHADING_FORWARD + 1; shading < FNL_SHADING_AUTO; shading++) {
+        double psnr[2];
+        for (int k = 0; k < 2; k++) {
+            s.frame.shading = shading;
+            s.frame.shadows = k ? FNL_SHADOWS_RAYS : FNL_SHADOWS_OFF;
+            struct shot shot = stage_shoot(&s, &s.frame);
+            fnl_image_difference difference;
+            assert_int_equal(fnl_image_compare(NULL, &forward[k].color, &shot.color, &difference), FNL_OK);
+            psnr[k] = fmin(difference.psnr, 60);
+            shot_free(&shot);
+        }
+        if (psnr[1] < psnr[0] - 4 || psnr[1] < 24)
+            fail_msg("%s: %.1f dB with shadows, %.1f without", fnl_value_name(FNL_ENUM_SHADING, shading), psnr[1], psnr[0]);
+    }
+    shot_free(&forward[0]);
+    shot_free(&forward[1]);
+    stage_close(&s);
+}
+
+/* Surfaces of one pixel each have shadows of their own. */
+static void test_samples_have_shadows(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:interior?lights=40", 0);
+    s.frame.msaa = 4, s.frame.ev = 1;
+    s.frame.shadows = FNL_SHADOWS_RAYS;
+    s.frame.shading = FNL_SHADING_FORWARD;
+    struct shot forward = stage_shoot(&s, &s.frame);
+    s.frame.shading = FNL_SHADING_DEFERRED;
+    struct shot deferred = stage_shoot(&s, &s.frame);
+    const uint64_t differing = count_beyond(&forward.color, &deferred.color, 8);
+    if (differing > 113 * 65 / 25) fail_msg("%u of %d pixels differ", (uint32_t)differing, 113 * 65);
+    shot_free(&forward);
+    shot_free(&deferred);
+    stage_close(&s);
+}
+
+/* ---- the trees ---- */
+
+enum { MADE_MESHES = 1, MADE_ITEMS = 2 };
+
+/* Which trees the next frame makes. */
+static int makes(struct stage *s) {
+    int made = 0;
+    s->frame.timers = true;
+    s->frame.shadows = FNL_SHADOWS_RAYS;
+    assert_int_equal(fnl_renderer_render(s->renderer, &s->frame), FNL_OK);
+    fnl_frame_stats stats = harness_stats(s->renderer);
+    for (uint32_t i = 0; i < stats.pass_count; i++) {
+        if (strcmp(stats.passes[i].name, "ray meshes boxes") == 0) made |= MADE_MESHES;
+        if (strcmp(stats.passes[i].name, "ray items boxes") == 0) made |= MADE_ITEMS;
+    }
+    return made;
+}
+
+static void test_trees_are_made_when_something_changes(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = shadow_floor();
+    fnl_material_params material = matt(1);
+    fnl_mesh_id mesh = add_square_mesh(scene, add_material(scene, &material));
+    fnl_instance_id instance = add_instance(scene, mesh, mat4_translation((vec3){0, 1, 0}));
+    struct stage s = stage_open_scene(scene);
+    s.frame.shadows = FNL_SHADOWS_OFF;
+    assert_int_equal(fnl_renderer_render(s.renderer, &s.frame), FNL_OK);
+    assert_null(s.renderer->device_scene->ray_meshes.handle); /* frames without shadows pay nothing */
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    assert_int_equal(makes(&s), 0);
+    s.frame.camera.position.x += 1;
+    assert_int_equal(makes(&s), 0);
+    mat4 moved = mat4_translation((vec3){1, 1, 0});
+    assert_int_equal(fnl_scene_set_instance_transform(scene, instance, &moved), FNL_OK);
+    assert_int_equal(makes(&s), MADE_ITEMS);
+    assert_int_equal(makes(&s), 0);
+    add_instance(scene, mesh, mat4_translation((vec3){3, 1, 0}));
+    assert_int_equal(makes(&s), MADE_ITEMS);
+    assert_int_equal(makes(&s), 0);
+    mesh = add_square_mesh(scene, add_material(scene, &material));
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    assert_int_equal(makes(&s), 0);
+    device_scene_forget(s.renderer->device_scene); /* as after an error: everything comes anew */
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    stage_close(&s);
+    s = stage_open("Fox.glb", 1);
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    assert_int_equal(makes(&s), 0);
+    assert_int_equal(fnl_scene_set_time(s.scene, 0, 0.4), FNL_OK);
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    stage_close(&s);
+}
+
+/* What stands in a tree, as the device has it. */
+struct tree {
+    struct gpu_ray_node *nodes;
+    uint32_t *next, *ids;
+    uint32_t count;
+};
+
+static double area(const struct gpu_ray_node *n) {
+    double x = (double)(n->high.x - n->low.x), y = (double)(n->high.y - n->low.y), z = (double)(n->high.z - n->low.z);
+    return x * y + y * z + z * x;
+}
+
+/* Goes through what is below a reference, from leaf `first` on; returns the last leaf. Boxes are in those of their parents. Sums areas up. */
+static uint32_t walk(const struct tree *t, uint32_t reference, uint32_t first, const struct gpu_ray_node *parent, bool *seen, double *sum) {
+    if (reference & RAY_LEAF) {
+        assert_int_equal(reference & ~RAY_LEAF, first);
+        assert_true(t->ids[first] < t->count && !seen[t->ids[first]]);
+        seen[t->ids[first]] = true;
+        return first;
+    }
+    const struct gpu_ray_node *n = &t->nodes[reference];
+    assert_true(n->low.x <= n->high.x && n->low.y <= n->high.y && n->low.z <= n->high.z);
+    if (parent)
+        assert_true(n->low.x >= parent->low.x && n->low.y >= parent->low.y && n->low.z >= parent->low.z &&
+                    n->high.x <= parent->high.x && n->high.y <= parent->high.y && n->high.z <= parent->high.z);
+    *sum += area(n);
+    uint32_t middle = walk(t, n->first, first, n, seen, sum), last = walk(t, t->next[middle], middle + 1, n, seen, sum);
+    assert_int_equal(n->last, last);
+    return last;
+}
+
+/* Every triangle and every item is in its tree once, and boxes are small: halving space costs a few times the root for each level. */
+static void test_trees_hold_everything_in_small_boxes(void **state) {
+    UNUSED(state);
+    struct stage s = stage_open("builtin:hall?lights=16", 0);
+    assert_int_equal(makes(&s), MADE_MESHES | MADE_ITEMS);
+    const struct device_scene *d = s.renderer->device_scene;
+    uint32_t primitive = 0; /* the largest */
+    const struct gpu_ray_mesh *table = (const struct gpu_ray_mesh *)(const void *)d->ray_table.sent.data;
+    for (uint32_t i = 0; i < d->ray_primitives; i++)
+        if (table[i].count > table[primitive].count) primitive = i;
+    for (int meshes = 0; meshes < 2; meshes++) {
+        const struct gpu_buffer *buffer = meshes ? &d->ray_meshes : &d->ray_items;
+        struct tree t = {.count = meshes ? d->ray_triangles : d->item_count};
+        assert_true(t.count > 100);
+        char *bytes = malloc(buffer->size);
+        assert_int_equal(gpu_wait_idle(d->device), FNL_OK);
+        assert_int_equal(gpu_read_buffer(d->device, buffer, 0, bytes, buffer->size), FNL_OK);
+        t.nodes = (struct gpu_ray_node *)(void *)bytes;
+        t.next = (uint32_t *)(void *)(bytes + t.count * sizeof *t.nodes);
+        t.ids = t.next + t.count;
+        bool *seen = calloc(t.count, 1);
+        double sum = 0;
+        assert_int_equal(walk(&t, 0, 0, NULL, seen, &sum), t.count - 1);
+        assert_int_equal(t.next[t.count - 1], RAY_END);
+        if (meshes) { /* the root of a primitive holds its triangles, and no others */
+            const uint32_t *roots = t.ids + t.count;
+            const struct gpu_ray_mesh *m = &table[primitive];
+            const struct gpu_ray_node *root = &t.nodes[roots[primitive]];
+            assert_int_equal(root->last, m->first + m->count - 1);
+            for (uint32_t i = 0; i < m->count; i++)
+                assert_true(t.ids[m->first + i] >= m->first && t.ids[m->first + i] < m->first + m->count);
+            sum = 0;
+            memset(seen, 0, t.count);
+            walk(&t, roots[primitive], m->first, NULL, seen, &sum);
+            print_message("%u triangles: %.1f times the root's area\n", m->count, sum / area(root));
+            assert_true(sum < 40 * area(root));
+        } else {
+            print_message("%u items: %.1f times the root's area\n", t.count, sum / area(&t.nodes[0]));
+            assert_true(sum < 60 * area(&t.nodes[0]));
+        }
+        free(seen);
+        free(bytes);
+    }
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(test_known_shadows, harness_check),
+        cmocka_unit_test_teardown(test_frames_are_what_rays_show, harness_check),
+        cmocka_unit_test_teardown(test_animated_frames, harness_check),
+        cmocka_unit_test_teardown(test_lists_give_the_same_shadows, harness_check),
+        cmocka_unit_test_teardown(test_paths_give_the_same_shadows, harness_check),
+        cmocka_unit_test_teardown(test_samples_have_shadows, harness_check),
+        cmocka_unit_test_teardown(test_trees_are_made_when_something_changes, harness_check),
+        cmocka_unit_test_teardown(test_trees_hold_everything_in_small_boxes, harness_check),
+    };
+    return cmocka_run_group_tests_name("shadows", tests, harness_begin, harness_end);
+}
