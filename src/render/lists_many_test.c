@@ -136,9 +136,14 @@ static void test_tests_of_a_dispatch_are_bounded(void **state) {
         spy_begin(harness_device());
         spy_clear();
         struct list_copy flat = list_build(&r);
-        uint64_t groups = DIVIDE_UP(flat.cell_count + 1, 64u) * (uint64_t)DIVIDE_UP(r.light_count, CELL_CHUNK);
-        assert_true(check_dispatches("clustered count", 64ull * CELL_CHUNK, 1ull << 26, groups) > 1);
-        assert_true(check_dispatches("clustered fill", 64ull * CELL_CHUNK, 1ull << 26, groups) > 1);
+        const uint32_t chunk = few ? CELL_CHUNK : CELL_MARKED_CHUNK, chunks = DIVIDE_UP(r.light_count, chunk);
+        uint64_t groups = DIVIDE_UP(flat.cell_count + 1, 64u) * (uint64_t)chunks;
+        assert_true(check_dispatches("clustered count", 64ull * chunk, 1ull << 26, groups) > 1);
+        groups = DIVIDE_UP(flat.cell_count, 64u) * (uint64_t)chunks;
+        assert_true(check_dispatches("clustered fill", 64ull * chunk, 1ull << 26, groups) > 1);
+        const uint32_t blocks = DIVIDE_UP(20u, 2u) * DIVIDE_UP(12u, 2u) * DIVIDE_UP(8u, CELLS_BLOCK_SLICES);
+        uint32_t marking = check_dispatches("clustered mark", 64ull * chunk, 1ull << 26, few ? 0 : DIVIDE_UP(blocks, 64u) * (uint64_t)chunks);
+        assert_int_equal(marking, few ? 0 : 1);
         spy_end();
         r.builder = LIST_BVH;
         struct list_copy tree = list_build(&r);

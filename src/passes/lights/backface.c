@@ -36,8 +36,6 @@ static struct gpu_cells_push push_of(const struct own_data *d) {
     return (struct gpu_cells_push){.view = d->input.view,
                                    .list = d->build.header_address,
                                    .extra = d->block,
-                                   .light_count = d->input.local_count,
-                                   .flags = d->build.flags,
                                    .front = GPU_NO_DEPTH};
 }
 
@@ -56,7 +54,8 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
                                                    GRAPH_ROWS(graph_reads(&push.sums, counted->sums),
                                                               graph_writes(NULL, d->cones), graph_changes(NULL, d->picks))});
     push = common;
-    struct gpu_compute_params pipeline = {.shader = &shader_backface_cull_comp};
+    struct gpu_compute_params pipeline = counted->tests;
+    pipeline.shader = &shader_backface_cull_comp;
     gbuffer_specialise(&d->gbuffer, pipeline.constants, &pipeline.constant_count);
     bool reaches = cells_use_reaches(d->build.flags);
     struct graph_pass *pass = graph_dispatch(
@@ -71,6 +70,7 @@ static void add_refine(struct graph *graph, const struct cells_counted *counted,
                               graph_reads(&push.visible_sums, d->in_view.sums),
                               graph_reads(&push.visible_ids, d->in_view.ids), graph_reads(&push.bounds, d->in_view.bounds),
                               graph_row_if(reaches, graph_reads(&push.reaches, d->in_view.reaches)),
+                              graph_row_if(counted->marks.id, graph_reads(&push.marks, counted->marks)),
                               graph_changes(&push.sums, counted->sums), graph_changes(NULL, d->cones),
                               graph_row_if(d->axes.id, graph_reads(NULL, d->axes)))});
     gbuffer_use_normal(pass, &d->gbuffer, GRAPH_SAMPLE_COMPUTE);

@@ -10,7 +10,7 @@ layout(local_size_x = 64) in; // one group a picked tile
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/cells_takes.glsl"
-
+#include "passes/lights/cells_marks.glsl"
 
 const uint PROBES = 4u, LISTED = 1024u;
 
@@ -66,7 +66,7 @@ void main() {
     uint cell = BACKFACE.picks.at[4u + pick], first_sum = cell * push.chunk_count, tile_size = push.list.list.tile_size;
     uvec2 first = uvec2(cell % push.list.list.tiles_x, cell / push.list.list.tiles_x) * tile_size;
     uvec2 end = min(first + tile_size, push.view.view.size);
-    uint visible = push.visible_sums.at[push.light_count];
+    uint visible = push.visible_sums.at[push.list.list.local_count];
     if (thread == 0u) {
         taken_count = candidate_count = dropped_count = 0u;
         lowest = floatBitsToUint(1.0);
@@ -81,8 +81,11 @@ void main() {
     barrier();
 
     gpu_cell_bounds bounds = push.cells.at[cell];
-    for (uint i = thread; i < visible; i += 64u)
-        if (cell_takes(bounds, i)) {
+    uint marks = cells_marks_of(cell);
+    for (uint w = thread; w < cells_end_word(visible); w += 64u)
+        for (uint bits = cells_marked(marks, w, visible); bits != 0u; bits &= bits - 1u) {
+            uint i = w * 32u + uint(findLSB(bits));
+            if (!cell_takes(bounds, i)) continue;
             uint slot = atomicAdd(taken_count, 1u);
             if (slot < LISTED) taken[slot] = i;
         }

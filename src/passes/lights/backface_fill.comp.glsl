@@ -9,7 +9,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/cells_takes.glsl"
-
+#include "passes/lights/cells_marks.glsl"
 
 void main() {
     uint cell = push.first_cell + gl_GlobalInvocationID.x, chunk = push.first_chunk + gl_WorkGroupID.y;
@@ -29,13 +29,16 @@ void main() {
     bool culls = cone.sine < 1.0 && (cone.dropped != 0u || marking);
     backface_tile tile;
     if (culls) tile = backface_tile_at(push.view, push.list, bounds, cell, cone.axis, cone.sine);
-    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
-    for (uint i = chunk * push.chunk_size; i < end; i++) {
-        if (!cell_takes(bounds, i)) continue;
-        uint id = push.visible_ids.at[i];
-        bool behind = culls && light_is_behind(tile, light_source_of(push.list, id));
-        if (marking) atomicOr(BACKFACE.marks.at[i], behind ? 1u : 2u);
-        if (behind && cone.keeps == 0u) continue;
-        if (fits) push.ids.at[slot++] = id;
-    }
+    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
+    uint marks = cells_marks_of(cell);
+    for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++)
+        for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u) {
+            uint i = w * 32u + uint(findLSB(bits));
+            if (!cell_takes(bounds, i)) continue;
+            uint id = push.visible_ids.at[i];
+            bool behind = culls && light_is_behind(tile, light_source_of(push.list, id));
+            if (marking) atomicOr(BACKFACE.marks.at[i], behind ? 1u : 2u);
+            if (behind && cone.keeps == 0u) continue;
+            if (fits) push.ids.at[slot++] = id;
+        }
 }

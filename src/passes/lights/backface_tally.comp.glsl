@@ -11,6 +11,6 @@ layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 void main() {
     uint i = LINEAR_INVOCATION;
-    if (i < push.visible_sums.at[push.light_count] && BACKFACE.marks.at[i] == 1u)
+    if (i < push.visible_sums.at[push.list.list.local_count] && BACKFACE.marks.at[i] == 1u)
         atomicAdd(BACKFACE.tally.at[0], 1u);
 }

@@ -7,20 +7,38 @@
 enum { MAX_SUMS = 1 << 24, MAX_CHUNKS = 65535 };
 enum { MAX_TESTS = 1 << 26 }; /* of lights against cells in a dispatch: a fraction of a second on a slow device */
 
-/* Count and fill: a pass of all lights against all cells. Each row's member is in `push`. */
-static struct graph_pass *add_tests(struct graph *graph, const char *name, enum graph_queue queue, const struct gpu_shader *shader,
-                                    struct gpu_cells_push *push, const struct graph_row *rows, uint32_t row_count) {
+/* Lights are marked from so many on; fewer are tested as fast. */
+enum { MARKED_LIGHTS = 2048, MARK_BYTES = 64 << 20 };
+
+static uint32_t blocks_of(const struct gpu_light_list *grid, uint32_t side) {
+    return DIVIDE_UP(grid->tiles_x, side) * DIVIDE_UP(grid->tiles_y, side) * DIVIDE_UP(grid->slices, CELLS_BLOCK_SLICES);
+}
+
+/* Side of the blocks that lights are marked for, in tiles; 0: they are not. Blocks grow until their marks fit. */
+static uint32_t block_side(const struct cells_build *build, uint32_t light_count) {
+    const struct gpu_light_list *grid = build->header;
+    if (!grid || build->scattered_cells || light_count < MARKED_LIGHTS) return 0;
+    const uint64_t bytes = DIVIDE_UP(light_count, 32u) * 4ull;
+    uint32_t side = grid->slices > 2 ? 2 : 4; /* clusters have larger tiles */
+    while (blocks_of(grid, side) * bytes > MARK_BYTES && side < MAX(grid->tiles_x, grid->tiles_y)) side *= 2;
+    return side;
+}
+
+/* Mark, count and fill: chunks of lights against so many cells, or blocks of them. Each row's member is in `push`. */
+static struct graph_pass *add_tests(struct graph *graph, const char *name, enum graph_queue queue,
+                                    const struct gpu_compute_params *pipeline, struct gpu_cells_push *push, uint32_t count,
+                                    const struct graph_row *rows, uint32_t row_count) {
     /* Systems reset a device that stays with one piece of work for seconds. */
-    const uint32_t groups = DIVIDE_UP(push->cell_count + 1, 64u);
+    const uint32_t groups = DIVIDE_UP(count, 64u);
     const uint32_t cells = 64 * (uint32_t)CLAMP(MAX_TESTS / (64ull * push->chunk_size), 1u, (uint64_t)groups);
     const uint32_t chunks = (uint32_t)MAX(MAX_TESTS / ((uint64_t)cells * push->chunk_size), 1u);
     struct graph_pass *pass = NULL;
-    for (push->first_cell = 0; push->first_cell <= push->cell_count; push->first_cell += cells)
+    for (push->first_cell = 0; push->first_cell < count; push->first_cell += cells)
         for (push->first_chunk = 0; push->first_chunk < push->chunk_count; push->first_chunk += chunks)
             pass = graph_dispatch(graph, &(struct graph_dispatch){.pass = pass,
                                                                   .name = name,
                                                                   .queue = queue,
-                                                                  .pipeline = {.shader = shader},
+                                                                  .pipeline = *pipeline,
                                                                   .groups = {MIN(cells / 64, groups - push->first_cell / 64),
                                                                              MIN(chunks, push->chunk_count - push->first_chunk)},
                                                                   .push = push,
@@ -36,7 +54,10 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     /* Without memory for the header the device already carries a sticky error; the grid only has to be valid. */
     const uint32_t cell_count = build->header ? build->header->tiles_x * build->header->tiles_y * build->header->slices : 1;
     /* Chunks keep a big device busy; there need not be more than a few million of them. */
-    uint32_t chunk_size = CELL_CHUNK;
+    const uint32_t side = block_side(build, input->local_count);
+    const struct gpu_compute_params tests = {.constant_count = 3, .constants = {GPU_LIST_ALL, build->flags, side}};
+    struct gpu_compute_params pipeline = tests;
+    uint32_t chunk_size = side ? CELL_MARKED_CHUNK : CELL_CHUNK;
     for (uint32_t chunks; (chunks = DIVIDE_UP(input->local_count, chunk_size)) > MAX_CHUNKS ||
                           (chunks > 1 && (uint64_t)cell_count * chunks > MAX_SUMS);)
         chunk_size *= 2;
@@ -55,19 +76,19 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     const struct cells_refine *refine = &build->refine;
     const struct gpu_cells_push common = {.view = input->view,
                                           .list = build->header_address,
-                                          .light_count = input->local_count,
                                           .cell_count = cell_count,
                                           .chunk_size = chunk_size,
                                           .chunk_count = chunk_count,
                                           .capacity = build->pool_capacity,
-                                          .flags = build->flags,
                                           .depth = GPU_NO_DEPTH,
                                           .front = GPU_NO_DEPTH};
     struct gpu_cells_push push = common;
     graph_dispatch(graph, &(struct graph_dispatch){
                               .name = graph_name(graph, "%s bounds", what),
                               .queue = input->queue,
-                              .pipeline = {build->bounds_shader, 3, {GPU_LIST_ALL, build->bounds_samples, build->bounds_rows}},
+                              .pipeline = {build->bounds_shader,
+                                           4,
+                                           {GPU_LIST_ALL, build->bounds_samples, build->bounds_rows, build->flags}},
                               .groups = {build->bounds_groups_x, build->bounds_groups_y},
                               GRAPH_PUSH(push),
                               GRAPH_ROWS(graph_row_if(build->depth.id, graph_samples(&push.depth, build->depth)),
@@ -76,9 +97,36 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
                                          graph_writes(&push.cells, bounds),
                                          graph_row_if(extra.id && !ranges, graph_writes(&push.extra, extra)))});
 
+    graph_buffer marks = {0};
+    if (side) {
+        const uint32_t block_count = blocks_of(build->header, side);
+        graph_buffer blocks =
+            graph_create_buffer(graph, graph_name(graph, "%s blocks", what), block_count * sizeof(struct gpu_cell_block));
+        marks = graph_create_buffer(graph, graph_name(graph, "%s marks", what),
+                                    block_count * (uint64_t)DIVIDE_UP(input->local_count, 32u) * 4);
+        push = common;
+        pipeline.shader = &shader_cells_blocks_comp;
+        graph_dispatch(graph, &(struct graph_dispatch){
+                                  .name = graph_name(graph, "%s blocks", what),
+                                  .queue = input->queue,
+                                  .pipeline = pipeline,
+                                  .groups = {DIVIDE_UP(block_count, 64u)},
+                                  GRAPH_PUSH(push),
+                                  GRAPH_ROWS(graph_reads(&push.cells, bounds), graph_writes(&push.extra, blocks))});
+        push = common;
+        const struct graph_row mark_rows[] = {graph_reads(&push.extra, blocks), graph_reads(&push.visible_sums, in_view->sums),
+                                              graph_reads(&push.bounds, in_view->bounds),
+                                              graph_row_if(reaches, graph_reads(&push.reaches, in_view->reaches)),
+                                              graph_writes(&push.marks, marks)};
+        pipeline.shader = &shader_cells_mark_comp;
+        add_tests(graph, graph_name(graph, "%s mark", what), input->queue, &pipeline, &push, block_count, mark_rows,
+                  COUNT_OF(mark_rows));
+    }
+
     push = common;
     if (refine->add) push.extra = refine->address;
     const struct graph_row count_rows[] = {
+        graph_row_if(side, graph_reads(&push.marks, marks)),
         graph_reads(&push.cells, bounds),
         graph_reads(&push.visible_sums, in_view->sums),
         graph_reads(&push.bounds, in_view->bounds),
@@ -86,11 +134,21 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         graph_writes(&push.sums, sums),
         graph_writes(&push.overflow, overflow),
         graph_row_if(extra.id && !ranges, graph_reads(refine->add ? NULL : &push.extra, extra))};
-    add_tests(graph, graph_name(graph, "%s count", what), input->queue, &shader_cells_count_comp, &push, count_rows,
+    pipeline.shader = &shader_cells_count_comp;
+    add_tests(graph, graph_name(graph, "%s count", what), input->queue, &pipeline, &push, cell_count + 1, count_rows,
               COUNT_OF(count_rows));
 
     if (refine->add)
-        refine->add(graph, &(struct cells_counted){input, in_view, build, bounds, sums, cell_count, chunk_size, chunk_count},
+        refine->add(graph, &(struct cells_counted){.input = input,
+                                                   .in_view = in_view,
+                                                   .build = build,
+                                                   .bounds = bounds,
+                                                   .sums = sums,
+                                                   .marks = marks,
+                                                   .cell_count = cell_count,
+                                                   .chunk_size = chunk_size,
+                                                   .chunk_count = chunk_count,
+                                                   .tests = tests},
                     refine->user);
 
     prefix_sum_add(graph, what, input->queue, sums, sum_count);
@@ -98,6 +156,7 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
     push = common;
     if (refine->add) push.extra = refine->address;
     const struct graph_row fill_rows[] = {
+        graph_row_if(side, graph_reads(&push.marks, marks)),
         graph_reads(&push.cells, bounds),
         graph_reads(&push.sums, sums),
         graph_reads(&push.visible_sums, in_view->sums),
@@ -112,8 +171,9 @@ struct light_list cells_add(struct graph *graph, const struct light_input *input
         graph_writes(&push.ids, ids),
         graph_row_if(extra.id, graph_buffer_row(refine->add ? NULL : &push.extra, extra,
                                                 ranges ? GRAPH_WRITE_COMPUTE : GRAPH_READ_COMPUTE))};
-    add_tests(graph, graph_name(graph, "%s fill", what), input->queue,
-              refine->add ? refine->fill_shader : &shader_cells_fill_comp, &push, fill_rows, COUNT_OF(fill_rows));
+    pipeline.shader = refine->add ? refine->fill_shader : &shader_cells_fill_comp;
+    add_tests(graph, graph_name(graph, "%s fill", what), input->queue, &pipeline, &push, cell_count, fill_rows,
+              COUNT_OF(fill_rows));
     if (build->header) {
         graph_put_address(graph, &build->header->cells, cells);
         graph_put_address(graph, &build->header->ids, ids);

@@ -11,8 +11,9 @@ struct cells_counted {
     const struct light_input *input;
     const struct lights_in_view *in_view;
     const struct cells_build *build;
-    graph_buffer bounds, sums;
+    graph_buffer bounds, sums, marks; /* marks: id 0 where lights are not marked */
     uint32_t cell_count, chunk_size, chunk_count;
+    struct gpu_compute_params tests; /* the constants of count and fill, without a shader */
 };
 
 /** Passes that take counted lights out of cells again, and what fills cells without them (backface.c). */
@@ -31,11 +32,12 @@ struct cells_build {
     const char *what; /* passes and buffers are called "`what` …" */
     const struct gpu_shader *bounds_shader;
     uint32_t bounds_samples;                   /* specialisation constant 1 of the bounds shader */
-    uint32_t bounds_rows;                      /* and 2, where it includes tile_depth.glsl */
+    uint32_t bounds_rows;                      /* and 2, where it includes tile_depth.glsl; 3: flags */
     uint32_t bounds_groups_x, bounds_groups_y; /* y 0: x groups in a row */
     graph_buffer bounds_input;                 /* what the bounds shader reads besides, or id 0 */
     graph_image depth, front;                  /* or id 0 */
     uint32_t flags;                            /* CELLS_… */
+    bool scattered_cells;                      /* neighbours in the grid are not neighbours in space */
     uint32_t pool_capacity;
     uint64_t extra_bytes;          /* 0: nothing extra */
     struct gpu_light_list *header; /* grid filled in */
@@ -47,7 +49,11 @@ struct cells_build {
 struct cells_build tiled_build(struct graph *graph, gpu_device *device, const struct light_input *input, graph_image depth,
                                const struct tiled_params *params);
 
-/** Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). */
+/**
+ * Adds bounds, count, sum, fill and totals, and returns the list (its kind is left to the caller). Where there are enough lights and cells, the
+ * lights that touch each block of cells are marked first ("`what` blocks", "`what` mark"), so that a cell only looks at those; the lists are the
+ * same bytes. Cost: a test for each light and block, a bit each of at most 64 MiB, two tests for each cell and light of its block.
+ */
 struct light_list cells_add(struct graph *graph, const struct light_input *input, const struct lights_in_view *in_view,
                             const struct cells_build *build);
 

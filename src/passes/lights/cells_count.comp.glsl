@@ -9,6 +9,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform push_block { gpu_cells_push push; };
 
 #include "passes/lights/cells_entry.glsl"
+#include "passes/lights/cells_marks.glsl"
 
 void main() {
     uint cell = push.first_cell + gl_GlobalInvocationID.x, chunk = push.first_chunk + gl_WorkGroupID.y;
@@ -19,9 +20,10 @@ void main() {
         return;
     }
     gpu_cell_bounds bounds = push.cells.at[cell];
-    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.light_count]);
-    uint count = 0u, range;
-    for (uint i = chunk * push.chunk_size; i < end; i++)
-        if (cell_takes_entry(bounds, cell, i, range)) count++;
+    uint end = min((chunk + 1u) * push.chunk_size, push.visible_sums.at[push.list.list.local_count]);
+    uint count = 0u, range, marks = cells_marks_of(cell);
+    for (uint w = chunk * push.chunk_size / 32u; w < cells_end_word(end); w++)
+        for (uint bits = cells_marked(marks, w, end); bits != 0u; bits &= bits - 1u)
+            if (cell_takes_entry(bounds, cell, w * 32u + uint(findLSB(bits)), range)) count++;
     push.sums.at[cell * push.chunk_count + chunk] = count;
 }

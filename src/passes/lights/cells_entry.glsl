@@ -9,12 +9,12 @@
 // `i`: index among the lights in view. `range`: of CELLS_RANGES.
 bool cell_takes_entry(gpu_cell_bounds bounds, uint cell, uint i, out uint range) {
     range = 0u;
-    if ((push.flags & CELLS_MASKS) != 0u && (push.extra.at[cell] & cell_light_mask(bounds, push.bounds.at[i])) == 0u) return false;
+    if ((FLAGS & CELLS_MASKS) != 0u && (push.extra.at[cell] & cell_light_mask(bounds, push.bounds.at[i])) == 0u) return false;
     if (!cell_takes(bounds, i)) return false;
-    if ((push.flags & CELLS_RANGES) == 0u) return true;
+    if ((FLAGS & CELLS_RANGES) == 0u) return true;
     vec2 depths;
     if (!cell_sphere_depths(bounds, push.bounds.at[i], depths)) return false;
-    if ((push.flags & CELLS_CONES) != 0u && !cone_depths(push.reaches.at[i], depths)) return false;
+    if ((FLAGS & CELLS_CONES) != 0u && !cone_depths(push.reaches.at[i], depths)) return false;
     range = depth_range(depths.x, depths.y);
     return true;
 }

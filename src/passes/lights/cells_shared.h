@@ -6,8 +6,9 @@
 #include "shared.h"
 #include "lights/lights_shared.h"
 
-/* Fewest lights that one thread tests against one cell. */
+/* Fewest lights that one thread looks at for one cell; whole words of 32. */
 #define CELL_CHUNK 256u
+#define CELL_MARKED_CHUNK 1024u /* … where marks leave few of them */
 
 /*
  * Far from the world's origin the way to view space rounds: bounding radii grow by this part of the distances of light and viewer
@@ -58,17 +59,27 @@ struct gpu_cells_push {
     ADDRESS(uint_array) ids;       /* the pool */
     ADDRESS(uint_array) extra;     /* what else the kind of list needs: see gpu_light_list */
     ADDRESS(uint_array) overflow;  /* [0]: number of cells that did not fit */
-    uint light_count;
+    ADDRESS(uint_array) marks;     /* a bit for each light in view, for each block of cells; or 0 */
     uint cell_count;
-    uint chunk_size;               /* lights that one thread tests */
+    uint chunk_size;               /* lights that one thread looks at */
     uint chunk_count;
     uint capacity;                 /* of the pool */
     uint depth;                    /* tiles: bindless index of the depth image, or GPU_NO_DEPTH */
-    uint flags;
     uint front;                    /* tiles: bindless index of the depth of the nearest blended surfaces, or GPU_NO_DEPTH */
-    uint first_cell;               /* count and fill: of this dispatch */
+    uint first_cell;               /* mark, count and fill: of this dispatch */
     uint first_chunk;
 };
+
+/*
+ * A box of neighbouring cells of the grid: `side` by `side` tiles times CELLS_BLOCK_SLICES slices. Lights that do not touch it touch none of its
+ * cells, by any of the tests.
+ */
+struct gpu_cell_block {
+    STRUCT(gpu_cell_bounds) bounds; /* planes of the cells at its edges, boxes of all together */
+    vec4 inner[4];               /* planes of the same sides of the cells at the opposite edges */
+    uint all;                    /* 1: a cell has bounds that are not numbers; every light touches */
+};
+#define CELLS_BLOCK_SLICES 4u
 
 struct gpu_spare_push {
     ADDRESS(view_block) view;
@@ -82,6 +93,9 @@ struct gpu_spare_push {
 };
 
 #define GPU_NO_DEPTH 0xffffffffu
+/* Specialisation constants of mark, count and fill, beside the kind of list: flags; tiles along a block's side, 0: lights are not marked. */
+#define CELLS_FLAGS_ID 1u
+#define CELLS_BLOCK_ID 2u
 #define CELLS_MIN_DEPTH 1u         /* flags: lights nearer than the nearest pixel of the tile are left out */
 #define CELLS_MAX_DEPTH 2u         /* … and those beyond the farthest */
 #define CELLS_CONES 4u             /* spots and wedges are tested as cones, once their sphere touches */

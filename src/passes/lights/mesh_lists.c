@@ -47,6 +47,7 @@ struct light_list mesh_lists_add(struct graph *graph, gpu_device *device, const 
                                 .bounds_samples = 1,
                                 .bounds_groups_x = DIVIDE_UP(scene->item_count, 64u),
                                 .bounds_input = scene->vertices,
+                                .scattered_cells = true,
                                 .pool_capacity = params->grid.pool_capacity};
     build.header = light_list_header(device, input, &build.header_address);
     if (build.header) {

@@ -5,6 +5,7 @@
 
 // Eight columns, and as many rows as a subgroup has (tiled.c): barriers are cheap then, and few threads add their results by atomics.
 layout(local_size_x = 8, local_size_y = 8, local_size_y_id = 2) in;
+layout(constant_id = 3) const uint FLAGS = 0u; // CELLS_…
 
 // Depth is reversed and not negative, so its bits order like the numbers: the greatest bits are the nearest.
 shared uint tile_nearest, tile_farthest;
@@ -62,8 +63,8 @@ bool tile_depths(out float near, out float far) {
         atomicMin(tile_farthest, far_bits);
     }
     barrier();
-    if ((push.flags & CELLS_MIN_DEPTH) != 0u) near = view_depth_of(push.view, uintBitsToFloat(tile_nearest)) * (1.0 - TILE_SLACK);
-    if ((push.flags & CELLS_MAX_DEPTH) != 0u && tile_farthest != 0u)
+    if ((FLAGS & CELLS_MIN_DEPTH) != 0u) near = view_depth_of(push.view, uintBitsToFloat(tile_nearest)) * (1.0 - TILE_SLACK);
+    if ((FLAGS & CELLS_MAX_DEPTH) != 0u && tile_farthest != 0u)
         far = view_depth_of(push.view, uintBitsToFloat(tile_farthest)) * (1.0 + TILE_SLACK);
     return tile_nearest != 0u;
 }
