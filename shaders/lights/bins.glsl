@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Bit masks of tiles, cut by those of depth bins (GPU_LIST_BINS): how they lie in memory, and the walk through what both have.
 //
-// Tiles and bins are cells alike: sets of lights in view, which are numbered by ascending index. 32 lights are a word, 32 words a
+// Depth bins follow each other in zones of gpu_light_list.zone_slices, and each tile has a mask for each zone: of many lights that a tile holds, few
+// are as near as the pixel, but nearly every word of a bin holds some light. Cells are the tiles of the first zone, those of the next …, then
+// the bins. They are sets of lights in view, which are numbered by ascending index. 32 lights are a word, 32 words a
 // group, 32 groups a top word. Zero words are not stored. The table (gpu_light_list.cells) begins with BINS_HEAD words: the number of
 // lights in view, groups and top words; then for each cell a state and its top words; then for each cell and group where its
 // words begin in the pool (gpu_light_list.ids), and which of the group's words are there. gpu_light_list.extra leads from lights in
@@ -23,6 +25,7 @@ bins_cell bins_cell_of(uint cell, uint cell_count, uint group_count, uint top_co
     return bins_cell(state, state + 1u, BINS_HEAD + cell_count * (top_count + 1u) + cell * group_count * 2u);
 }
 
+uint bins_zones(light_list_block l) { return (l.list.slices + l.list.zone_slices - 1u) / l.list.zone_slices; }
 uint bins_slice(light_list_block l, float view_depth) { return slice_of(l, max(view_depth, 1e-30)); }
 
 struct bins_cursor {
@@ -37,11 +40,12 @@ struct bins_cursor {
 // False: the pool could not hold the tile or the bin.
 bool bins_begin(light_list_block l, uint tile, float view_depth, out bins_cursor c) {
     const_uint_array table = const_uint_array(l.list.cells);
-    uint tile_count = l.list.tiles_x * l.list.tiles_y, cell_count = tile_count + l.list.slices;
+    uint tile_count = l.list.tiles_x * l.list.tiles_y, slice = bins_slice(l, view_depth);
+    uint first_bin = tile_count * bins_zones(l), cell_count = first_bin + l.list.slices;
     uint group_count = table.at[1];
     c.top_count = table.at[2];
-    c.tile = bins_cell_of(tile, cell_count, group_count, c.top_count);
-    c.bin = bins_cell_of(tile_count + bins_slice(l, view_depth), cell_count, group_count, c.top_count);
+    c.tile = bins_cell_of(slice / l.list.zone_slices * tile_count + tile, cell_count, group_count, c.top_count);
+    c.bin = bins_cell_of(first_bin + slice, cell_count, group_count, c.top_count);
     c.top = 0xffffffffu;
     c.group = c.word = c.groups_left = c.words_left = c.left = c.tile_words = c.bin_words = c.tile_offset = c.bin_offset = 0u;
     return table.at[c.tile.state] != BINS_ALL && table.at[c.bin.state] != BINS_ALL;

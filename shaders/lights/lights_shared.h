@@ -100,6 +100,7 @@ struct gpu_light_list {
     vec3 origin;         /* world: least corner of the grid */
     float inverse_size;  /* world: cells a metre */
     uint linear;
+    uint zone_slices;    /* bins: that a tile's mask is for */
     uint nodes;          /* GPU_NODES_…, of GPU_LIST_LINKS */
     ADDRESS(light_array) lights; /* directional ones first */
     ADDRESS(entity_array) entities; /* bounds of what the list is over: local lights, decals … */

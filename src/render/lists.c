@@ -177,11 +177,14 @@ static void add_clustered(struct lists_context *c) {
 }
 
 /* Words of 32 lights: a tile or bin has no more of them than lights, and no more than there are. */
-static uint32_t zbin_pool(const struct lists_context *c, const struct clustered_params *grid) {
+static uint32_t zbin_pool(const struct lists_context *c, const struct clustered_params *grid, uint32_t zones) {
     struct light_reach reach = reach_of(c, grid);
     double words = ceil(reach.in_view / 32) + 1;
     double tiles = (double)DIVIDE_UP(c->input->width, grid->tile_size) * DIVIDE_UP(c->input->height, grid->tile_size);
-    return pool_for(c, fmin(reach.tiles, tiles * words) + fmin(reach.slices, grid->slices * words));
+    struct clustered_params by_zones = *grid;
+    by_zones.slices = zones;
+    double touched = zones > 1 ? reach_of(c, &by_zones).clusters : reach.tiles;
+    return pool_for(c, fmin(touched, tiles * zones * words) + fmin(reach.slices, grid->slices * words));
 }
 
 static void add_zbin(struct lists_context *c) {
@@ -193,8 +196,8 @@ static void add_zbin(struct lists_context *c) {
                                  .bins = grid.slices,
                                  .near = grid.near,
                                  .far = grid.far,
-                                 .linear = grid.linear,
-                                 .pool_capacity = zbin_pool(c, &grid)};
+                                 .linear = grid.linear};
+    params.pool_capacity = zbin_pool(c, &grid, zbin_zones(c->input, &params));
     c->lights = zbin_add(c->graph, c->device, c->input, &visible, &params);
 }
 

@@ -161,12 +161,15 @@ struct zbin_params {
 struct zbin_params zbin_params_default(void);
 /**
  * Tiles times bins of depth, each a bit mask over the lights in view (Drobot 2017): a pixel visits what is in both. Needs no depth. Cost:
- * two atomic operations for each tile and each bin that a light touches; per pixel two reads for each 32 lights that its tile and its bin
- * share. In the source lights are numbered by depth, so that a bin is a range of numbers; here they keep the order of their index, which all
+ * two atomic operations for each tile of each zone and each bin that a light touches; per pixel two reads for each 32 lights that its tile, in
+ * its zone, and its bin share. In the source lights are numbered by depth, so that a bin is a range of numbers; here they keep the order of their index, which all
  * lists promise, so a bin is a mask as well.
  */
 struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
                            const struct lights_in_view *in_view, const struct zbin_params *params);
+
+/** Zones of neighbouring bins, of which each tile has a mask each: 1 with few lights, more with more, at most 16. */
+uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params);
 
 /** The header of a list, with nothing but lights and view; builders give it the addresses of their buffers by graph_put_address. NULL: no memory. */
 struct gpu_light_list *light_list_header(gpu_device *device, const struct light_input *input, VkDeviceAddress *out_address);

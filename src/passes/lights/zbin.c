@@ -7,6 +7,8 @@
 #include "shaders.h"
 
 enum { HEAD_WORDS = 4, TABLE_MAX_RECORDS = 1 << 23, TILE_MAX = 1024 };
+/* Zones: one for each so many lights, up to ZONES, while tiles have no more records than this. */
+enum { ZONE_LIGHTS = 4096, ZONES = 16, ZONE_MAX_RECORDS = 1 << 21 };
 
 struct zbin_params zbin_params_default(void) {
     return (struct zbin_params){.tile_size = 16, .bins = 128, .near = 0.5f, .far = 100, .pool_capacity = 1u << 20};
@@ -19,6 +21,15 @@ static uint32_t tile_size_of(const struct light_input *input, const struct zbin_
            (uint64_t)DIVIDE_UP(input->width, size) * DIVIDE_UP(input->height, size) * group_count > TABLE_MAX_RECORDS)
         size *= 2;
     return size;
+}
+
+uint32_t zbin_zones(const struct light_input *input, const struct zbin_params *params) {
+    const uint64_t group_count = DIVIDE_UP(input->local_count, ZBIN_GROUP);
+    const uint32_t size = tile_size_of(input, params, group_count);
+    const uint64_t records = (uint64_t)DIVIDE_UP(input->width, size) * DIVIDE_UP(input->height, size) * group_count;
+    uint32_t zones = CLAMP(input->local_count / ZONE_LIGHTS, 1u, MIN((uint32_t)ZONES, params->bins));
+    while (zones > 1 && records * zones > ZONE_MAX_RECORDS) zones /= 2;
+    return zones;
 }
 
 struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct light_input *input,
@@ -34,7 +45,8 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
                                                   .near = params->near,
                                                   .far = params->far,
                                                   .linear = params->linear});
-        cell_count = header->tiles_x * header->tiles_y + header->slices;
+        header->zone_slices = DIVIDE_UP(header->slices, zbin_zones(input, params));
+        cell_count = header->tiles_x * header->tiles_y * DIVIDE_UP(header->slices, header->zone_slices) + header->slices;
     }
     const uint32_t table_words =
         (uint32_t)(HEAD_WORDS + cell_count * (DIVIDE_UP(group_count, 32u) + 1) + cell_count * group_count * 2);
@@ -71,7 +83,7 @@ struct light_list zbin_add(struct graph *graph, gpu_device *device, const struct
     ADD_STEP("zbin count", shader_zbin_count_comp, 0, cell_count / 64 + 1, graph_reads(&push.table, table),
              graph_writes(&push.sums, sums), graph_writes(&push.overflow, overflow));
     prefix_sum_add(graph, "zbin", input->queue, sums, cell_count + 1);
-    ADD_STEP("zbin place", shader_zbin_place_comp, 0, cell_count, graph_changes(&push.table, table),
+    ADD_STEP("zbin place", shader_zbin_place_comp, 0, DIVIDE_UP(cell_count, 64u), graph_changes(&push.table, table),
              graph_reads(&push.sums, sums), graph_changes(&push.overflow, overflow), graph_writes(&push.pool, pool));
     ADD_STEP("zbin fill", shader_zbin_scatter_comp, 1, light_words, graph_reads(&push.bounds, in_view->bounds),
              graph_reads(NULL, in_view->ids), graph_reads(&push.table, table), graph_changes(&push.pool, pool));

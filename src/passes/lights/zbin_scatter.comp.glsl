@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 #extension GL_GOOGLE_include_directive : require
-// Every light goes to the tiles and bins that it touches: a work group takes the 32 lights of a word and deals their cells out to its
+// Every light goes to the tiles, of each zone, and the bins that it touches: a work group takes the 32 lights of a word and deals their cells out to its
 // threads. The first time which words there are is noted, the second time the words are filled. Bits are or'ed together, so the order of
 // the threads does not matter.
 #include "common.glsl"
@@ -14,6 +14,7 @@ layout(constant_id = 1) const uint FILL = 0u;
 shared gpu_bound lights[32];
 shared uvec4 tiles[32];  // first column and row, columns and rows
 shared uvec2 bins[32];   // first, count
+shared uvec2 zones[32];
 shared uint begins[33];  // cells of the lights before
 
 void take_light(uint lane, gpu_bound light) {
@@ -23,7 +24,10 @@ void take_light(uint lane, gpu_bound light) {
     uint first_bin = near > 0.0 ? bins_slice(push.list, near) : 0u;
     uint last_bin = far < 1e30 ? bins_slice(push.list, far) : push.list.list.slices - 1u;
     tiles[lane] = uvec4(range.xy, range.zw - range.xy + 1u);
-    bins[lane] = uvec2(first_bin, max(last_bin, first_bin) - first_bin + 1u);
+    last_bin = max(last_bin, first_bin);
+    bins[lane] = uvec2(first_bin, last_bin - first_bin + 1u);
+    uint first_zone = first_bin / push.list.list.zone_slices;
+    zones[lane] = uvec2(first_zone, last_bin / push.list.list.zone_slices - first_zone + 1u);
     lights[lane] = light;
     begins[lane] = tiles[lane].z * tiles[lane].w + bins[lane].y;
 }
@@ -37,6 +41,17 @@ bool touches_tile(uvec2 tile, gpu_bound light) {
     if (push.view.view.orthographic <= 0.5) near = max(near, 0.0);
     gpu_cell_bounds bounds = cell_bounds(push.view, vec2(a.x, b.y), vec2(b.x, a.y), near, far);
     return cell_touches(bounds, light);
+}
+
+void put(bins_cell c, uint group, uint word_bit, uint bit) {
+    uint record = c.records + group * 2u;
+    if (FILL == 0u) {
+        atomicOr(push.table.at[record + 1u], word_bit);
+        atomicOr(push.table.at[c.tops + group / 32u], 1u << (group % 32u));
+    } else if (push.table.at[c.state] != BINS_ALL && (push.table.at[record + 1u] & word_bit) != 0u) { // two shaders may round a touch differently
+        uint place = push.table.at[record] + uint(bitCount(push.table.at[record + 1u] & (word_bit - 1u)));
+        atomicOr(push.pool.at[place], bit);
+    }
 }
 
 void main() {
@@ -64,23 +79,15 @@ void main() {
             if (begins[lane + step] <= i) lane += step;
         uint at = i - begins[lane];
         uvec4 range = tiles[lane];
-        uint cell;
+        uint cell, copies = 1u; // cells that are tile_count apart
         if (at < range.z * range.w) {
             uvec2 tile = range.xy + uvec2(at % range.z, at / range.z);
             if (!touches_tile(tile, lights[lane])) continue;
-            cell = tile.y * push.list.list.tiles_x + tile.x;
+            cell = zones[lane].x * tile_count + tile.y * push.list.list.tiles_x + tile.x;
+            copies = zones[lane].y;
         } else {
-            cell = tile_count + bins[lane].x + (at - range.z * range.w);
+            cell = tile_count * bins_zones(push.list) + bins[lane].x + (at - range.z * range.w);
         }
-        bins_cell c = zbin_cell(cell);
-        uint record = c.records + group * 2u;
-        if (FILL == 0u) {
-            atomicOr(push.table.at[record + 1u], word_bit);
-            atomicOr(push.table.at[c.tops + group / 32u], 1u << (group % 32u));
-        } else if (push.table.at[c.state] != BINS_ALL) {
-            if ((push.table.at[record + 1u] & word_bit) == 0u) continue; // two shaders may round a touch differently
-            uint place = push.table.at[record] + uint(bitCount(push.table.at[record + 1u] & (word_bit - 1u)));
-            atomicOr(push.pool.at[place], 1u << lane);
-        }
+        for (uint copy = 0u; copy < copies; copy++) put(zbin_cell(cell + copy * tile_count), group, word_bit, 1u << lane);
     }
 }

@@ -15,7 +15,7 @@ struct gpu_zbin_push {
     ADDRESS(uint_array) pool;
     ADDRESS(uint_array) overflow;           /* [0]: number of cells that did not fit */
     uint light_count;
-    uint cell_count;                        /* tiles, then bins */
+    uint cell_count;                        /* tiles of each zone, then bins */
     uint capacity;                          /* words in the pool */
 };
 

@@ -12,8 +12,10 @@ static struct list_light lights[LIGHTS_MAX];
 /* What the builder has made, unpacked: for each cell whether it holds each light. */
 struct masks {
     struct gpu_light_list grid;
-    uint32_t tile_count, cell_count, visible_count;
+    uint32_t tile_count, first_bin, cell_count, visible_count; /* cells: tiles of each zone, then bins */
+    uint32_t zone_bins;
     uint8_t *holds; /* cell * light_count + light */
+    uint32_t *ids;  /* of lights in view */
     bool *all;      /* cells that use all lights */
     struct light_totals totals;
     uint64_t words;
@@ -22,16 +24,21 @@ struct masks {
 static void masks_free(struct masks *m) {
     free(m->holds);
     free(m->all);
+    free(m->ids);
 }
 
 static struct masks unpack(const struct gpu_light_list *grid, uint32_t light_count, const uint32_t *table,
                            const uint32_t *pool, const uint32_t *ids, struct light_totals totals) {
     struct masks m = {.grid = *grid, .tile_count = grid->tiles_x * grid->tiles_y, .totals = totals};
-    m.cell_count = m.tile_count + grid->slices;
+    m.zone_bins = grid->zone_slices;
+    m.first_bin = m.tile_count * DIVIDE_UP(grid->slices, m.zone_bins);
+    m.cell_count = m.first_bin + grid->slices;
     m.visible_count = table[0];
     m.holds = calloc((size_t)m.cell_count * MAX(light_count, 1u), 1);
     m.all = calloc(m.cell_count, sizeof *m.all);
-    assert_true(m.holds && m.all);
+    m.ids = malloc(MAX(light_count, 1u) * sizeof *m.ids);
+    assert_true(m.holds && m.all && m.ids);
+    memcpy(m.ids, ids, light_count * sizeof *m.ids);
     assert_int_equal(m.visible_count, totals.in_view);
     assert_int_equal(table[1], DIVIDE_UP(m.visible_count, ZBIN_GROUP));
     assert_int_equal(table[2], DIVIDE_UP(table[1], 32u));
@@ -74,8 +81,11 @@ static struct masks build(const struct gpu_view *view, uint32_t light_count, con
     list_lab_begin(&lab);
     struct light_list list = zbin_add(lab.graph, harness_device(), &lab.input, &lab.in_view, zbin);
     assert_int_equal(list.kind, GPU_LIST_BINS);
+    const uint32_t tiles = DIVIDE_UP(view->size.x, zbin->tile_size) * DIVIDE_UP(view->size.y, zbin->tile_size);
+    const uint32_t zones = (list.cell_count - zbin->bins) / tiles, zone_slices = DIVIDE_UP(zbin->bins, zones);
+    assert_int_equal(list.cell_count, tiles * zones + zbin->bins);
     list_lab_run(&lab, (graph_buffer[]){list.cells, list.ids, list.extra, list.totals}, 4);
-    struct gpu_light_list grid = {.local_count = light_count};
+    struct gpu_light_list grid = {.local_count = light_count, .zone_slices = zone_slices};
     clustered_grid(&grid, view->size.x, view->size.y,
                    &(struct clustered_params){
                        .tile_size = zbin->tile_size, .slices = zbin->bins, .near = zbin->near, .far = zbin->far});
@@ -114,6 +124,13 @@ static struct reference_cell tile_beside_light(const struct list_request *r, con
     return c;
 }
 
+/* In a zone whose mask is known. */
+static bool tile_holds(const struct masks *m, uint32_t light_count, uint32_t tile, uint32_t light) {
+    for (uint32_t c = tile; c < m->first_bin; c += m->tile_count)
+        if (m->holds[(size_t)c * light_count + light] && !m->all[c]) return true;
+    return false;
+}
+
 /* Bins hold what their depths meet; tiles hold nothing beyond their four planes, nor beyond the box of what is as deep as the light. */
 static void check_masks(const struct gpu_view *view, uint32_t light_count, const struct masks *m) {
     struct list_request tiles = {
@@ -128,16 +145,16 @@ static void check_masks(const struct gpu_view *view, uint32_t light_count, const
         double radius = (double)lights[i].bounds.radius, low = -seen[2] - radius, high = -seen[2] + radius;
         for (uint32_t b = 0; b < m->grid.slices; b++) {
             double start = b ? bin_start(m, b) : -1e30, end = b + 1 < m->grid.slices ? bin_start(m, b + 1) : 1e30;
-            bool holds = m->holds[(size_t)(m->tile_count + b) * light_count + i];
+            bool holds = m->holds[(size_t)(m->first_bin + b) * light_count + i];
             if (low < end && high > start) assert_true(holds);
             double slack = 1e-3 * (1 + fabs(low) + fabs(high) + radius);
-            if (low - slack > end || high + slack < start) assert_false(holds && !m->all[m->tile_count + b]);
+            if (low - slack > end || high + slack < start) assert_false(holds && !m->all[m->first_bin + b]);
         }
     }
     for (uint32_t t = 0; t < m->tile_count; t++) {
         struct reference_cell wide = reference_cell_of(&tiles, &grid, t, 1e-3);
         for (uint32_t i = 0; i < light_count; i++)
-            if (m->holds[(size_t)t * light_count + i] && !m->all[t]) {
+            if (tile_holds(m, light_count, t, i)) {
                 assert_true(reference_touches(&wide, &tiles, i, 2e-3, false));
                 struct reference_cell beside = tile_beside_light(&tiles, &grid, t, i);
                 assert_true(reference_touches(&beside, &tiles, i, 2e-3, true));
@@ -151,10 +168,13 @@ static uint64_t check_points(const struct gpu_view *view, uint32_t light_count, 
     uint64_t lit = 0;
     for (uint32_t i = 0; i < light_count; i++)
         for (uint32_t n = 0; n < 60; n++) {
-            double point[3], seen[3];
+            double point[3], seen[3], off[3];
             const float *center = &lights[i].bounds.center.x;
-            for (int k = 0; k < 3; k++)
-                point[k] = (double)center[k] + (double)lights[i].bounds.radius * (double)random_range(random, -1, 1);
+            for (int k = 0; k < 3; k++) {
+                off[k] = (double)lights[i].bounds.radius * (double)random_range(random, -1, 1);
+                point[k] = (double)center[k] + off[k];
+            }
+            if (sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) > (double)lights[i].bounds.radius) continue;
             if (!light_reaches(&params[i], point)) continue;
             world_to_view(view, point, seen);
             double depth = -seen[2], spread = view->orthographic > 0.5f ? 1 : depth;
@@ -167,8 +187,9 @@ static uint64_t check_points(const struct gpu_view *view, uint32_t light_count, 
             double slice = log2(depth) * (double)m->grid.slice_scale + (double)m->grid.slice_bias;
             uint32_t bin = (uint32_t)fmin(fmax(slice, 0), m->grid.slices - 1);
             lit++;
-            assert_true(m->holds[(size_t)(row * m->grid.tiles_x + column) * light_count + i]);
-            assert_true(m->holds[(size_t)(m->tile_count + bin) * light_count + i]);
+            uint32_t tile = bin / m->zone_bins * m->tile_count + row * m->grid.tiles_x + column;
+            assert_true(m->holds[(size_t)tile * light_count + i]);
+            assert_true(m->holds[(size_t)(m->first_bin + bin) * light_count + i]);
         }
     return lit;
 }
@@ -221,6 +242,46 @@ static void test_sizes_and_counts_ES_64(void **state) {
     }
 }
 
+/* The words that pixels walk through, over all tiles and bins: those that both masks have. Whether the tile's mask is of the zone, or of all. */
+static uint64_t common_words(const struct masks *m, uint32_t light_count, bool zones) {
+    uint64_t sum = 0;
+    for (uint32_t tile = 0; tile < m->tile_count; tile++)
+        for (uint32_t bin = 0; bin < m->grid.slices; bin++)
+            for (uint32_t word = 0; word < DIVIDE_UP(m->visible_count, 32u); word++) {
+                bool in_tile = false, in_bin = false;
+                for (uint32_t slot = word * 32; slot < MIN(word * 32 + 32, m->visible_count); slot++) {
+                    in_bin |= m->holds[(size_t)(m->first_bin + bin) * light_count + m->ids[slot]];
+                    in_tile |= zones ? m->holds[(size_t)(bin / m->zone_bins * m->tile_count + tile) * light_count + m->ids[slot]]
+                                     : tile_holds(m, light_count, tile, m->ids[slot]);
+                }
+                sum += in_tile && in_bin;
+            }
+    return sum;
+}
+
+/* Of many small lights a tile holds some at each depth: with zones pixels walk through a part of its words. Few lights need none. */
+static void test_zones(void **state) {
+    UNUSED(state);
+    enum { MANY = 32768 };
+    struct random_state random = {17};
+    struct gpu_view view = list_random_view(0, &random, 67, 43);
+    list_random_lights(&view, &random, MANY, params, lights);
+    for (uint32_t i = 0; i < MANY; i++) lights[i].bounds.radius = fminf(lights[i].bounds.radius, 0.05f);
+    struct zbin_params zbin = zbin_params_default();
+    zbin.bins = 32;
+    struct masks m = build(&view, MANY, &zbin);
+    assert_int_equal(m.zone_bins, 4);
+    check_masks(&view, MANY, &m);
+    assert_true(check_points(&view, MANY, &m, &random) > 5000);
+    uint64_t zones = common_words(&m, MANY, true), whole = common_words(&m, MANY, false);
+    print_message("zones of %u bins: %.3f of the words\n", m.zone_bins, (double)zones / (double)whole);
+    assert_true(zones > 0 && (double)zones < 0.5 * (double)whole);
+    masks_free(&m);
+    m = build(&view, LIGHTS, &zbin);
+    assert_int_equal(m.first_bin, m.tile_count);
+    masks_free(&m);
+}
+
 /* A light without a place is in every tile and bin: nothing hangs, nothing is lost. */
 static void test_broken_lights_ES_64(void **state) {
     UNUSED(state);
@@ -235,7 +296,7 @@ static void test_broken_lights_ES_64(void **state) {
     for (uint32_t c = 0; c < m.cell_count; c++) {
         assert_true(m.holds[c * 40u + 21]);
         assert_true(m.holds[c * 40u + 33]);
-        if (c < m.tile_count) assert_true(m.holds[c * 40u + 7]);
+        if (c < m.first_bin) assert_true(m.holds[c * 40u + 7]);
     }
     masks_free(&m);
 }
@@ -306,6 +367,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_masks_ES_64, harness_check),
         cmocka_unit_test_teardown(test_sizes_and_counts_ES_64, harness_check),
+        cmocka_unit_test_teardown(test_zones, harness_check),
         cmocka_unit_test_teardown(test_broken_lights_ES_64, harness_check),
         cmocka_unit_test_teardown(test_overflow_CL_10_ES_64, harness_check),
         cmocka_unit_test_teardown(test_memory_ES_64, harness_check),
