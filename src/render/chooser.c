@@ -8,7 +8,7 @@
 
 enum {
     FEW_LIGHTS = 64,     /* up to here visiting all may be best */
-    MANY_LIGHTS = 16384, /* beyond, lists that test each cell against each light are not tried */
+    MANY_LIGHTS = 16384, /* beyond, most lists that test blocks of cells against each light are not tried */
     SETTLE_FRAMES = 240, /* a decision stands at least as long when only the view changes */
     SLOW_FRAMES = 30,    /* so many frames in a row that are slower by SLOW_FACTOR end a decision */
 };
@@ -37,7 +37,8 @@ static const fnl_light_lists few[] = {FNL_LISTS_ALL,  FNL_LISTS_TILED,    FNL_LI
 static const fnl_light_lists some[] = {FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED, FNL_LISTS_ZBIN,
                                        FNL_LISTS_BVH,    FNL_LISTS_FINE,      FNL_LISTS_BACKFACE,
                                        FNL_LISTS_SPARSE, FNL_LISTS_HALFZ,     FNL_LISTS_25D};
-static const fnl_light_lists many[] = {FNL_LISTS_BVH, FNL_LISTS_SPARSE, FNL_LISTS_ZBIN, FNL_LISTS_FINE,
+static const fnl_light_lists many[] = {FNL_LISTS_BVH,  FNL_LISTS_SPARSE, FNL_LISTS_ZBIN,
+                                       FNL_LISTS_FINE, FNL_LISTS_TILED,  FNL_LISTS_CLUSTERED,
                                        FNL_LISTS_CLUSTERED_CPU};
 
 static const fnl_light_lists *lists_for(const struct choice_case *at, uint32_t *count) {

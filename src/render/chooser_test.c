@@ -118,7 +118,8 @@ static void test_brute_force_is_tried_with_few_lights_only(void **state) {
         struct choice_case at = some_case(many ? 65536 : 20);
         settle(&m, &at);
         assert_int_equal(m.tried[FNL_LISTS_ALL], !many);
-        if (many) assert_false(m.tried[FNL_LISTS_CLUSTERED]); /* each cell against each light */
+        assert_true(m.tried[FNL_LISTS_CLUSTERED] && m.tried[FNL_LISTS_TILED]);
+        if (many) assert_false(m.tried[FNL_LISTS_HALFZ]); /* blocks of cells against each light: two of them are enough */
         assert_false(m.tried[FNL_LISTS_MULTIPASS] || m.tried[FNL_LISTS_MESH]);
     }
 }

@@ -145,7 +145,8 @@ static void test_lists_are_those_of_all_tests(void **state) {
     }
 }
 
-/* Small lights, as many lights must be: a cell looks at few of them, and where it has no depth at few more than it takes. Fewer lights than are worth it are not marked. */
+/* Small lights, as many lights must be: a cell looks at few of them, and where it has no depth at few more than it takes. Fewer lights than are
+   worth it are not marked. */
 static void test_few_lights_are_tested(void **state) {
     UNUSED(state);
     struct random_state random = {22};
