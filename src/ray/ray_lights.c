@@ -93,6 +93,6 @@ void ray_scene_find_lights(const struct ray_scene *s, dvec3 position, struct ray
                                   .radius = (float)ray_rounding(dvec3_reach(position))};
     rtcInitPointQueryContext(&context);
     rtcPointQuery(s->light_tree, &query, &context, take_light, &near);
-    qsort(walk->lights.data + first, walk->lights.count - first, sizeof *walk->lights.data,
-          compare_indices); /* the order of the tree is no order of light */
+    if (walk->lights.count > first) /* the order of the tree is no order of light */
+        qsort(walk->lights.data + first, walk->lights.count - first, sizeof *walk->lights.data, compare_indices);
 }
