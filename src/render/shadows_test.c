@@ -31,6 +31,29 @@ static void test_known_shadows(void **state) {
     shadow_cases(measure, 1e-3); /* radiance is kept in 16 bits */
 }
 
+/* A sun from the left above: the shadow of a square one metre up is shifted by half a metre. */
+static void test_shadow_of_a_sun(void **state) {
+    UNUSED(state);
+    fnl_scene *scene = world_create(NULL);
+    fnl_material_params white = matt(1);
+    add_square(scene, &white, (vec3){10, 1, 10}, (vec3){0, 0, 0});
+    add_square(scene, &white, (vec3){1, 1, 1}, (vec3){0, 1, 0});
+    fnl_light_params sun = fnl_light_params_default();
+    fnl_light_id id;
+    sun.kind = FNL_LIGHT_DIRECTIONAL;
+    sun.direction = (vec3){0.5f, -1, 0};
+    sun.intensity = 10;
+    assert_int_equal(fnl_scene_add_light(scene, &sun, &id), FNL_OK);
+    const fnl_trace_params view = look_down((vec3){0, 0, 0}, 8, 0.5f, SHADOW_SIZE);
+    float seen[SHADOW_SIZE * SHADOW_SIZE];
+    measure(scene, &view, seen);
+    for (uint32_t i = 0; i < SHADOW_SIZE * SHADOW_SIZE; i++) {
+        double x = (i % SHADOW_SIZE + 0.5) / SHADOW_SIZE * 8 - 4, z = (double)(i / SHADOW_SIZE + 0.5f) / SHADOW_SIZE * 8 - 4;
+        double inside = fmin(1 - fabs(x - 0.5), 1 - fabs(z));
+        if (fabs(inside) > 1e-3) assert_float_equal(seen[i], inside > 0 ? 0 : 1, 1e-3);
+    }
+}
+
 /* ---- against the tracer, which is another program with other trees in double precision ---- */
 
 /* Decibels of the pictures, and the part of pixels that differ by more than 8 of 255: those at the edges of shadows. */
@@ -271,6 +294,7 @@ static void test_trees_hold_everything_in_small_boxes(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(test_known_shadows, harness_check),
+        cmocka_unit_test_teardown(test_shadow_of_a_sun, harness_check),
         cmocka_unit_test_teardown(test_frames_are_what_rays_show, harness_check),
         cmocka_unit_test_teardown(test_animated_frames, harness_check),
         cmocka_unit_test_teardown(test_lists_give_the_same_shadows, harness_check),
