@@ -44,10 +44,10 @@ typedef enum fnl_multiview {
     FNL_MULTIVIEW_COUNT
 } fnl_multiview;
 
-/** What finds out where light is stopped on its way. docs/techniques/shadows.md tells more. */
+/** How shadows are found. docs/techniques/shadows.md tells more. */
 typedef enum fnl_shadows {
-    FNL_SHADOWS_OFF = 0, /**< nothing: light goes through walls */
-    /** A ray from each surface to each light that reaches it: exact hard shadows of all lights, cutouts and glass too. Slow without much to spare. */
+    FNL_SHADOWS_OFF = 0, /**< not at all: light goes through walls */
+    /** A ray from each surface to each light that reaches it: exact hard shadows of all lights, through cutouts and glass. Slow with many lights. */
     FNL_SHADOWS_RAYS,
     FNL_SHADOWS_COUNT
 } fnl_shadows;

@@ -53,7 +53,7 @@ static const struct row rows[] = {
     COUNT("height", height, 1, 16384, "pixels", EVERY, EVERY, "height of the picture"),
     NAME("shading", shading, FNL_ENUM_SHADING, EVERY, EVERY, "shading path: how visible surfaces are shaded"),
     NAME("lists", lists, FNL_ENUM_LISTS, EVERY, EVERY, "light list: how a pixel finds the lights that reach it", EXACT),
-    NAME("shadows", shadows, FNL_ENUM_SHADOWS, EVERY, EVERY, "what finds where light is stopped on its way"),
+    NAME("shadows", shadows, FNL_ENUM_SHADOWS, EVERY, EVERY, "how shadows are found"),
     COUNT("msaa", msaa, 1, 8, "samples", EVERY, EVERY, "samples per pixel", ONLY(1, 2, 4, 8)),
     NAME("transparency", transparency, FNL_ENUM_TRANSPARENCY, ~PATH(INFERRED), EVERY,
          "how blended surfaces that overlap are composited"),

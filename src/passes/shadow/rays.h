@@ -2,7 +2,7 @@
 /**
  * The scene as shadow rays see it, for shaders/shadows/rays.glsl: one linear bounding volume hierarchy over the triangles of all primitives, in
  * which each primitive has a root of its own, and one over the draw items (Karras 2012). Both are made on the GPU by a radix sort of Morton
- * codes and need nothing but compute shaders. Cost: 44 bytes for each triangle and 92 for each item.
+ * codes and need nothing but compute shaders. Cost: 40 bytes for each triangle, 4 for each primitive and 92 for each item.
  */
 #ifndef FNL_PASSES_SHADOW_RAYS_H
 #define FNL_PASSES_SHADOW_RAYS_H
