@@ -11,8 +11,13 @@ struct names {
     const char *const *names;
     const char *const *helps; /* a line about each; NULL: none */
 };
-/* More names than values do not compile; values_test finds a value without one. */
-#define NAMES(type, number, ...) {#type, number, (const char *const[number]){__VA_ARGS__}, NULL}
+/* `number`, which must be that of the strings. */
+#define AS_MANY_AS(number, ...)                                                                                                  \
+    ((number) + 0 * sizeof(struct {                                                                                              \
+         _Static_assert(COUNT_OF(((const char *const[]){__VA_ARGS__})) == (number), "each value has its name");                  \
+         int unused;                                                                                                             \
+     }))
+#define NAMES(type, number, ...) {#type, AS_MANY_AS(number, __VA_ARGS__), (const char *const[number]){__VA_ARGS__}, NULL}
 
 #define NAME_OF(name, help) name,
 #define HELP_OF(name, help) help,
@@ -94,7 +99,8 @@ static const struct names enums[] = {
     [FNL_ENUM_MOBILE_LIGHTS] = NAMES(fnl_mobile_lights, FNL_MOBILE_LIGHTS_COUNT, "lists", "volumes"),
     [FNL_ENUM_TONEMAP] = NAMES(fnl_tonemap, FNL_TONEMAP_COUNT, "none", "khronos-neutral", "aces", "agx"),
     [FNL_ENUM_EXPOSURE] = NAMES(fnl_exposure, FNL_EXPOSURE_NONE + 1, "auto", "ev", "none"),
-    [FNL_ENUM_DEBUG_VIEW] = {"fnl_debug_view", FNL_DEBUG_COUNT, (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(NAME_OF)},
+    [FNL_ENUM_DEBUG_VIEW] = {"fnl_debug_view", AS_MANY_AS(FNL_DEBUG_COUNT, DEBUG_VIEWS(NAME_OF)),
+                             (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(NAME_OF)},
                              (const char *const[FNL_DEBUG_COUNT]){DEBUG_VIEWS(HELP_OF)}},
     [FNL_ENUM_LIGHT_KIND] = NAMES(fnl_light_kind, FNL_LIGHT_KIND_COUNT, "directional", "point", "spot", "capsule", "wedge", "box"),
     [FNL_ENUM_DECAL_KIND] = NAMES(fnl_decal_kind, FNL_DECAL_KIND_COUNT, "box", "volume", "mesh", "redraw", "baked"),

@@ -96,7 +96,8 @@ static struct tiled_params tiled_params(const struct lists_context *c, double li
     return params;
 }
 
-_Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FNL_TILE_BOUNDS_PROJECTED,
+_Static_assert((int)TILE_BOX == FNL_TILE_BOUNDS_BOX && (int)TILE_RECTANGLE == FNL_TILE_BOUNDS_PROJECTED &&
+                   FNL_TILE_BOUNDS_COUNT == FNL_TILE_BOUNDS_PROJECTED + 1,
                "tile_bounds has the values of fnl_tile_bounds");
 
 static bool tile_reaches(const struct lists_context *c) {
@@ -252,7 +253,8 @@ static void add_fine(struct lists_context *c) {
 }
 
 _Static_assert((int)FNL_RASTER_LINKS64 == (int)GPU_NODES_64 && (int)FNL_RASTER_LINKS32 == (int)GPU_NODES_32 &&
-                   (int)RASTER_PATH_SOFTWARE == (int)FNL_RASTER_SOFTWARE,
+                   (int)RASTER_PATH_SOFTWARE == (int)FNL_RASTER_SOFTWARE &&
+                   FNL_RASTER_COUNT == FNL_RASTER_SOFTWARE + 1 && FNL_RASTER_NODES_COUNT == FNL_RASTER_LINKS32 + 1,
                "the builder's values are the options'");
 
 static void add_raster(struct lists_context *c) {
@@ -288,7 +290,8 @@ static void add_mesh(struct lists_context *c) {
     c->lights = mesh_lists_add(c->graph, c->device, c->input, &visible, c->scene, &params);
 }
 
-_Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_SUM == FNL_BACKFACE_AXIS_SUM,
+_Static_assert((int)BACKFACE_PYRAMID == FNL_BACKFACE_AXIS_MIPS && (int)BACKFACE_SUM == FNL_BACKFACE_AXIS_SUM &&
+                   FNL_BACKFACE_AXIS_COUNT == FNL_BACKFACE_AXIS_MIPS + 1,
                "backface_axis has the values of fnl_backface_axis");
 
 static void add_backface(struct lists_context *c) {
@@ -342,32 +345,36 @@ struct light_list lists_add_fallback(const struct lists_context *c) {
 
 enum { FORWARD_ONLY = 1, PREPASS_ONLY = 2, CULLS_ON_CPU = 4 };
 
+/* Each kind of lists except auto: FNL_LISTS_…, and the rest of its row. */
+#define BUILDERS(ROW)                                             \
+    ROW(ALL, add_all, GRAPHICS, 0)                                \
+    ROW(TILED, add_tiled, GRAPHICS, 0)                            \
+    ROW(CLUSTERED, add_clustered, ASYNC, 0)                       \
+    ROW(CLUSTERED_CPU, add_clustered_cpu, GRAPHICS, CULLS_ON_CPU) \
+    ROW(MESH, add_mesh, GRAPHICS, FORWARD_ONLY)                   \
+    ROW(BATCHES, add_mesh, GRAPHICS, PREPASS_ONLY)                \
+    ROW(MULTIPASS, add_mesh, GRAPHICS, PREPASS_ONLY)              \
+    ROW(GRID2D, add_grid2d, GRAPHICS, 0)                          \
+    ROW(WORLD, add_world, GRAPHICS, 0)                            \
+    ROW(HALFZ, add_halfz, GRAPHICS, 0)                            \
+    ROW(25D, add_25d, GRAPHICS, 0)                                \
+    ROW(ENHANCED, add_enhanced, ASYNC, 0)                         \
+    ROW(TREE, add_tree, GRAPHICS, CULLS_ON_CPU)                   \
+    ROW(BACKFACE, add_backface, GRAPHICS, 0)                      \
+    ROW(FINE, add_fine, GRAPHICS, 0)                              \
+    ROW(SPARSE, add_sparse, GRAPHICS, 0)                          \
+    ROW(BVH, add_bvh, ASYNC, 0)                                   \
+    ROW(RASTER, add_raster, ASYNC, 0)                             \
+    ROW(ZBIN, add_zbin, ASYNC, 0)
+#define BUILDER_ROW(lists, add, queue, flags) [FNL_LISTS_##lists] = {add, GRAPH_QUEUE_##queue, flags},
+#define COUNT_BUILDER(lists, add, queue, flags) +1
+_Static_assert(0 BUILDERS(COUNT_BUILDER) == FNL_LISTS_AUTO, "each kind of lists has its row");
+
 static const struct builder {
     void (*add)(struct lists_context *context);
     enum graph_queue queue; /* async for those that need nothing of the frame: they are built beside the drawing */
     uint32_t flags;
-} builders[FNL_LISTS_COUNT] = {
-    [FNL_LISTS_ALL] = {add_all, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_TILED] = {add_tiled, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_CLUSTERED] = {add_clustered, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_CLUSTERED_CPU] = {add_clustered_cpu, GRAPH_QUEUE_GRAPHICS, CULLS_ON_CPU},
-    /* Each kind takes its row here. */
-    [FNL_LISTS_MESH] = {add_mesh, GRAPH_QUEUE_GRAPHICS, FORWARD_ONLY},
-    [FNL_LISTS_BATCHES] = {add_mesh, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
-    [FNL_LISTS_MULTIPASS] = {add_mesh, GRAPH_QUEUE_GRAPHICS, PREPASS_ONLY},
-    [FNL_LISTS_GRID2D] = {add_grid2d, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_WORLD] = {add_world, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_HALFZ] = {add_halfz, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_25D] = {add_25d, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_ENHANCED] = {add_enhanced, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_TREE] = {add_tree, GRAPH_QUEUE_GRAPHICS, CULLS_ON_CPU},
-    [FNL_LISTS_BACKFACE] = {add_backface, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_FINE] = {add_fine, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_SPARSE] = {add_sparse, GRAPH_QUEUE_GRAPHICS, 0},
-    [FNL_LISTS_BVH] = {add_bvh, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_RASTER] = {add_raster, GRAPH_QUEUE_ASYNC, 0},
-    [FNL_LISTS_ZBIN] = {add_zbin, GRAPH_QUEUE_ASYNC, 0},
-};
+} builders[FNL_LISTS_AUTO] = {BUILDERS(BUILDER_ROW)};
 
 bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t msaa) {
     if (shading == FNL_SHADING_AUTO) { /* some order */
@@ -378,7 +385,7 @@ bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t m
     if (msaa != 1 && msaa != 2 && msaa != 4 && msaa != 8) return false;
     if (msaa > 1 && !shading_is(shading, SHADING_SAMPLES)) return false;
     if (lists == FNL_LISTS_AUTO) lists = FNL_LISTS_ALL;
-    if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_COUNT) return false;
+    if ((uint32_t)shading >= FNL_SHADING_COUNT || (uint32_t)lists >= FNL_LISTS_AUTO) return false;
     if (builders[lists].flags & FORWARD_ONLY) return shading_is(shading, SHADING_ITEMS);
     if (builders[lists].flags & PREPASS_ONLY) return shading_is(shading, SHADING_FORWARD | SHADING_PREPASS);
     return true;

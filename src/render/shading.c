@@ -9,6 +9,8 @@
 /* ---- the table ---- */
 
 #define ORDER_ROW(value, name) [FNL_SHADING_##value] = &order_##name,
+#define COUNT_ORDER(value, name) +1
+_Static_assert(0 ORDERS(COUNT_ORDER) == FNL_SHADING_AUTO, "each shading path except auto has its row");
 static const struct order *const orders[FNL_SHADING_AUTO] = {ORDERS(ORDER_ROW)};
 
 const struct order *shading_order(fnl_shading shading) { return orders[shading]; }

@@ -34,8 +34,8 @@ uint32_t scene_entity_slot(const fnl_scene *scene, fnl_entity kind, uint32_t ind
     return slot;
 }
 
-static const char *const plurals[FNL_ENTITY_COUNT] = {"instances", "lights",  "decals",    "meshes",
-                                                      "materials", "images", "cameras", "animations"};
+static const char *const plurals[] = {"instances", "lights", "decals", "meshes", "materials", "images", "cameras", "animations"};
+_Static_assert(COUNT_OF(plurals) == FNL_ENTITY_COUNT, "each kind of entity has its name");
 
 static fnl_entity_info describe(const fnl_scene *scene, fnl_entity kind, uint32_t slot) {
     fnl_entity_info info = {.name = ""};

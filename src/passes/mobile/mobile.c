@@ -12,21 +12,17 @@
 _Static_assert((int)FNL_MOBILE_METALLIC_128 == GPU_MOBILE_METALLIC_128 &&
                    (int)FNL_MOBILE_SPECULAR_160 == GPU_MOBILE_SPECULAR_160 &&
                    (int)FNL_MOBILE_METALLIC_256 == GPU_MOBILE_METALLIC_256 &&
-                   (int)FNL_MOBILE_SPECULAR_256 == GPU_MOBILE_SPECULAR_256,
+                   (int)FNL_MOBILE_SPECULAR_256 == GPU_MOBILE_SPECULAR_256 &&
+                   FNL_MOBILE_LAYOUT_COUNT == FNL_MOBILE_SPECULAR_256 + 1,
                "mobile_shared.h has the values of fnl_mobile_layout");
 _Static_assert((uint32_t)FNL_MOBILE_GAMMA_SRGB == GPU_MOBILE_SRGB && (uint32_t)FNL_MOBILE_GAMMA_SQRT == GPU_MOBILE_SQRT &&
-                   (uint32_t)FNL_MOBILE_GAMMA_POWER == GPU_MOBILE_POWER,
+                   (uint32_t)FNL_MOBILE_GAMMA_POWER == GPU_MOBILE_POWER && FNL_MOBILE_GAMMA_COUNT == FNL_MOBILE_GAMMA_POWER + 1,
                "mobile_shared.h has the values of fnl_mobile_gamma");
 
 
 static const float FLOAT11_MOST = 64512.0f; /* the largest 10-bit float, the smaller one of the two kinds in B10G11R11 */
 static const float HALF_MOST = 65504.0f;
 static const float SKY = 3e38f; /* positions of pixels that show nothing; beyond MOBILE_FAR of mobile.glsl */
-
-/* ---- the interface ---- */
-
-#define NAME_OF(names, value) ((uint32_t)(value) < COUNT_OF(names) ? names[value] : NULL)
-
 
 /* ---- layouts ---- */
 

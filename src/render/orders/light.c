@@ -8,7 +8,8 @@
 
 /* ---- light apart from materials ---- */
 
-_Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR,
+_Static_assert((int)FNL_LIGHT_BUFFER_RGBA == LIGHT_BUFFER_RGBA && (int)FNL_LIGHT_BUFFER_FOUR == LIGHT_BUFFER_FOUR &&
+                   FNL_LIGHT_BUFFER_COUNT == FNL_LIGHT_BUFFER_FOUR + 1,
                "the shaders' values are the options'");
 
 static uint32_t light_buffer(const struct frame_state *f, uint32_t automatic) {
@@ -79,7 +80,8 @@ static void add_pre_lighting(struct frame_state *f, struct shade_input *input, b
 
 /* ---- lights written into pixels ---- */
 
-_Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX,
+_Static_assert((int)FNL_LIGHT_PACKING_SHIFT == INDEXED_SHIFT && (int)FNL_LIGHT_PACKING_MAX == INDEXED_MAX &&
+                   FNL_LIGHT_PACKING_COUNT == FNL_LIGHT_PACKING_MAX + 1,
                "light_indexed_shared.h has the values of fnl_light_packing");
 
 static void add_light_indexed(struct frame_state *f, struct shade_input *input, bool prepass) {
