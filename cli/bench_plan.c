@@ -83,10 +83,9 @@ static bool lists_likely(const struct bench_matrix *m, fnl_shading shading, fnl_
     return fnl_shading_likely(shading, lists, lights, msaa) & FNL_LIKELY_LISTS;
 }
 
-/* Times and pictures of these are the same with all lists but for transparent surfaces: one stands for all. */
+/* Otherwise times and pictures are the same with all lists but for transparent surfaces: one stands for all. */
 static bool lists_matter(fnl_shading shading) {
-    return shading != FNL_SHADING_DEFERRED_VOLUMES && shading != FNL_SHADING_PRE_LIGHTING &&
-           shading != FNL_SHADING_LIGHT_INDEXED && shading != FNL_SHADING_ZIOMA;
+    return !(fnl_shading_likely(shading, FNL_LISTS_AUTO, 0, 1) & FNL_LIKELY_BLENDED);
 }
 
 /* Sets what makes a difference. */

@@ -55,16 +55,18 @@ typedef enum fnl_shading {
  * FNL_SHADING_AUTO: whether some path can. The device may have fewer samples: fnl_device_info.msaa_counts.
  */
 FNL_API bool fnl_shading_supports(fnl_shading shading, fnl_light_lists lists, uint32_t msaa);
-/** What fnl_shading_likely() finds; bits. */
+/** What fnl_shading_likely() knows; bits. */
 typedef enum fnl_likely {
     FNL_LIKELY_SHADING = 1, /**< FNL_SHADING_AUTO chooses from paths with this one among them; with MSAA, from those that shade forward alone */
     FNL_LIKELY_LISTS = 2,   /**< FNL_LISTS_AUTO measures these lists with this path */
-    FNL_LIKELY_CLOSE = 4    /**< as FNL_LIKELY_SHADING, but only in frames with fnl_frame.choose_close */
+    FNL_LIKELY_CLOSE = 4,   /**< as FNL_LIKELY_SHADING, but only in frames with fnl_frame.choose_close */
+    FNL_LIKELY_BLENDED = 8  /**< the path finds the lights of opaque surfaces by drawing their volumes: lists make a difference to blended ones alone */
 } fnl_likely;
 
 /**
  * What `auto` would try of this pair, in a scene with `light_count` point, spot and shaped lights and `msaa` samples per pixel; fnl_likely bits.
  * The first two are set for a few dozen pairs of several hundred. AUTO itself is never likely, nor are lists that do not go with the path.
+ * FNL_LIKELY_BLENDED says which measurements are not worth their time: it depends on the path alone.
  */
 FNL_API uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t light_count, uint32_t msaa);
 

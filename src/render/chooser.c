@@ -73,6 +73,7 @@ uint32_t fnl_shading_likely(fnl_shading shading, fnl_light_lists lists, uint32_t
     uint32_t likely = 0;
     for (uint32_t i = 0; i < COUNT_OF(orders); i++)
         if (orders[i] == shading) likely |= i < EQUAL_ORDERS ? FNL_LIKELY_SHADING : FNL_LIKELY_CLOSE;
+    if (shading_is(shading, SHADING_VOLUMES)) likely |= FNL_LIKELY_BLENDED;
     if ((uint32_t)shading >= FNL_SHADING_AUTO || (uint32_t)lists >= FNL_LISTS_AUTO) return likely;
     struct choice_case at = {.asked = {shading, FNL_LISTS_AUTO}, .light_count = light_count, .msaa = msaa};
     uint32_t count;

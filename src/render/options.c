@@ -84,7 +84,7 @@ static const struct row rows[] = {
          "which views of a frame with several are drawn at once", EXACT),
     NAME("occlusion", occlusion, FNL_ENUM_OCCLUSION, ~(PATH(LOW_RES) | PATH(INFERRED)), EVERY, "culls occluded surfaces too", EXACT),
     NAME("decals", decals, FNL_ENUM_DECALS, EVERY, EVERY, "how decals are applied to surfaces"),
-    SWITCH("decal-mip-fix", decal_mip_fix, EVERY, EVERY, "decals=gbuffer: no fringes where depth jumps"),
+    SWITCH("decal-mip-fix", decal_mip_fix, PATHS_GBUFFER, EVERY, "decals=gbuffer: no fringes where depth jumps"),
 
     /* light lists */
     SWITCH("list.frustum-cull", list.frustum_cull, EVERY,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** The tables of shading orders and debug views are complete, and the pages say what they say. Needs no device. */
+#include "fanal/options.h"
 #include "render/orders/order.h"
 
 #include <setjmp.h>
@@ -56,6 +57,31 @@ static void test_views_go_with_their_orders(void **state) {
     for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++)
         for (uint32_t view = FNL_DEBUG_GBUFFER_0; view <= FNL_DEBUG_LIT_FORWARD; view++)
             assert_int_equal(view_with((fnl_shading)i, view) != NULL, shading_is((fnl_shading)i, SHADING_LAYOUTS));
+}
+
+/* What the public interface says of a path follows from its traits. */
+static void test_options_and_bits_follow_traits(void **state) {
+    UNUSED(state);
+    static const struct {
+        const char *key;
+        uint32_t trait;
+    } rows[] = {{"gbuffer.layout", SHADING_LAYOUTS}, {"decal-mip-fix", SHADING_LAYOUTS | SHADING_DECALS}};
+    uint32_t blended = 0;
+    for (uint32_t i = 0; i < FNL_SHADING_AUTO; i++) {
+        const fnl_shading shading = (fnl_shading)i;
+        fnl_option option = {0};
+        for (uint32_t k = 0; k < COUNT_OF(rows); k++) {
+            assert_true(fnl_option_find(rows[k].key, &option));
+            if ((option.shadings >> i & 1) != shading_is(shading, rows[k].trait))
+                fail_msg("the row of %s is wrong about %s", rows[k].key, fnl_value_name(FNL_ENUM_SHADING, i));
+        }
+        bool bit = fnl_shading_likely(shading, FNL_LISTS_AUTO, 0, 1) & FNL_LIKELY_BLENDED;
+        assert_int_equal(bit, shading_is(shading, SHADING_VOLUMES));
+        assert_int_equal(bit, (fnl_shading_likely(shading, FNL_LISTS_TILED, 5000, 4) & FNL_LIKELY_BLENDED) != 0);
+        blended += bit;
+    }
+    assert_int_equal(blended, 4); /* deferred-volumes, pre-lighting, light-indexed, zioma */
+    assert_int_equal(fnl_shading_likely(FNL_SHADING_AUTO, FNL_LISTS_TILED, 100, 1), 0);
 }
 
 /* ---- the pages ---- */
@@ -157,6 +183,7 @@ int main(void) {
         cmocka_unit_test(test_orders_are_complete),
         cmocka_unit_test(test_views_are_complete),
         cmocka_unit_test(test_views_go_with_their_orders),
+        cmocka_unit_test(test_options_and_bits_follow_traits),
         cmocka_unit_test(test_choosing_page_says_what_orders_do),
         cmocka_unit_test(test_views_page_lists_all_views),
         cmocka_unit_test(test_supported_triples),
