@@ -244,6 +244,10 @@ static VKAPI_ATTR void VKAPI_CALL bind_pipeline(VkCommandBuffer commands, VkPipe
     driver.CmdBindPipeline(commands, point, bound ? bound->handle : handle);
 }
 
+static VKAPI_ATTR void VKAPI_CALL set_cull_mode(VkCommandBuffer commands, VkCullModeFlags cull) {
+    driver.CmdSetCullMode(commands, spy.cull ? spy.cull(bound, cull) : cull);
+}
+
 static void add_work(bool indirect, uint64_t offset, uint32_t x, uint32_t y, uint32_t z) {
     assert_true(spy.work_count < COUNT_OF(spy.work));
     struct spy_work *w = &spy.work[spy.work_count++];
@@ -310,6 +314,7 @@ void spy_begin(gpu_device *device) {
     vk->CmdBeginDebugUtilsLabelEXT = begin_label;
     vk->CmdEndDebugUtilsLabelEXT = end_label;
     vk->CmdBindPipeline = bind_pipeline;
+    vk->CmdSetCullMode = set_cull_mode;
     vk->CmdDispatch = dispatch;
     vk->CmdDispatchIndirect = dispatch_indirect;
     vk->CmdDraw = draw;

@@ -45,6 +45,8 @@ struct spy {
     uint64_t filled_bytes, copied_bytes; /* of buffers */
     /** What is bound in place of a pipeline; NULL: nothing is replaced. */
     const struct gpu_pipeline *(*replace)(gpu_device *device, const struct gpu_pipeline *bound);
+    /** What is culled in place of what was asked for; NULL: that. */
+    VkCullModeFlags (*cull)(const struct gpu_pipeline *bound, VkCullModeFlags asked);
 };
 extern struct spy spy;
 
@@ -53,7 +55,7 @@ void spy_begin(gpu_device *device);
 void spy_end(void);
 /** Tear-down of a test that spies: ends it where a failure has not. */
 int spy_tear_down(void **state);
-/** Forgets what was recorded; `replace` stays. */
+/** Forgets what was recorded; `replace` and `cull` stay. */
 void spy_clear(void);
 
 /** What a pipeline was made of; NULL for one of the other kind. */

@@ -83,6 +83,11 @@ void gpu_bind(struct gpu_commands *commands, const struct gpu_pipeline *pipeline
     if (!pipeline) return;
     gpu_device *device = commands->device;
     device->vk.CmdBindPipeline(commands->handle, pipeline->point, pipeline->handle);
+    if (pipeline->point == VK_PIPELINE_BIND_POINT_GRAPHICS) {
+        /* The viewport's negative height turns +Y up, so what is counter-clockwise there is so for Vulkan too. */
+        device->vk.CmdSetCullMode(commands->handle, pipeline->key.graphics.cull);
+        device->vk.CmdSetFrontFace(commands->handle, pipeline->key.graphics.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    }
     if (!commands->set_bound[pipeline->point]) {
         commands->set_bound[pipeline->point] = true;
         device->vk.CmdBindDescriptorSets(commands->handle, pipeline->point, device->bindless.layout, 0, 1,

@@ -50,6 +50,7 @@
                                                     X(CmdFillBuffer) X(CmdCopyBufferToImage) X(CmdCopyImageToBuffer)        \
                                                         X(CmdCopyImage) X(CmdBlitImage) X(CmdBeginRendering)                \
                                                             X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)           \
+                                                                X(CmdSetCullMode) X(CmdSetFrontFace)                        \
                                                                 X(CmdSetStencilReference) X(CmdClearAttachments)            \
                                                                     X(CmdPipelineBarrier2) X(CmdWriteTimestamp2)            \
                                                                         GPU_SCOPE_FUNCTIONS(X)

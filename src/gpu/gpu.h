@@ -225,7 +225,7 @@ struct gpu_graphics_params {
     uint32_t constant_count;                    /* the same constants go to all stages */
     uint32_t constants[GPU_MAX_CONSTANTS];
     VkPrimitiveTopology topology;
-    VkCullModeFlags cull; /* front faces are counter-clockwise as seen with +Y up */
+    VkCullModeFlags cull; /* front faces are counter-clockwise as seen with +Y up. This and the next make no other pipeline in Vulkan: gpu_bind sets them */
     bool mirrored;        /* the other winding is the front */
     uint32_t color_count;
     VkFormat color_formats[GPU_MAX_COLORS];

@@ -156,6 +156,8 @@ static void test_y_is_up_and_fronts_are_counter_clockwise(void **state) {
     add_vertex(&canvas, 0, -1, 0.5f, 0, 1, 0, 1);     /* green: bottom right, clockwise */
     add_vertex(&canvas, 0, 0, 0.5f, 0, 1, 0, 1);
     add_vertex(&canvas, 1, -1, 0.5f, 0, 1, 0, 1);
+    canvas_draw(&canvas);
+    const uint64_t made = gpu_pipeline_stats(device).made;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         for (VkCullModeFlags cull = VK_CULL_MODE_NONE; cull <= VK_CULL_MODE_BACK_BIT; cull++) {
             canvas.pipeline.cull = cull;
@@ -170,6 +172,7 @@ static void test_y_is_up_and_fronts_are_counter_clockwise(void **state) {
             check_pixel(&canvas, 14, 1, 0, 0, 0, 0);
         }
     }
+    assert_int_equal(gpu_pipeline_stats(device).made, made); /* Vulkan has one for all */
     canvas_finish(&canvas);
     test_device_destroy(&device);
 }
@@ -405,6 +408,7 @@ static void test_pipelines_are_made_once(void **state) {
     assert_ptr_equal(gpu_graphics_pipeline(device, &canvas.pipeline), first);
     canvas.pipeline.cull = VK_CULL_MODE_BACK_BIT;
     assert_ptr_not_equal(gpu_graphics_pipeline(device, &canvas.pipeline), first);
+    assert_true(gpu_graphics_pipeline(device, &canvas.pipeline)->handle == first->handle);
     struct gpu_compute_params params;
     memset(&params, 0, sizeof params);
     params.shader = &shader_gpu_test_comp;
@@ -430,7 +434,7 @@ static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
     gpu_device *device = test_device_create(NULL);
     struct canvas canvas;
     canvas_init(&canvas, device, 1);
-    struct gpu_graphics_params kinds[7];
+    struct gpu_graphics_params kinds[8];
     for (uint32_t i = 0; i < COUNT_OF(kinds); i++) memcpy(&kinds[i], &canvas.pipeline, sizeof kinds[i]);
     kinds[1].blends[0] = GPU_BLEND_ALPHA;
     kinds[1].color_formats[0] = VK_FORMAT_R8G8B8A8_UNORM;
@@ -444,6 +448,7 @@ static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
     kinds[5].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_REPLACE, GPU_STENCIL_SET};
     kinds[6].depth_format = VK_FORMAT_S8_UINT;
     kinds[6].stencil = (struct gpu_stencil){1, VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, 3};
+    kinds[7].cull = VK_CULL_MODE_BACK_BIT;
     assert_int_equal(gpu_frame_begin(device), FNL_OK);
     gpu_ask_begin(device);
     for (uint32_t i = 0; i < COUNT_OF(kinds); i++) assert_null(gpu_graphics_pipeline(device, &kinds[i]));
@@ -454,6 +459,7 @@ static void test_pipelines_of_all_kinds_are_made_ahead(void **state) {
     for (uint32_t i = 0; i < COUNT_OF(kinds); i++) assert_non_null(gpu_graphics_pipeline(device, &kinds[i]));
     assert_int_equal(gpu_pipeline_stats(device).late, 0);
     assert_int_equal(gpu_pipeline_stats(device).ahead, COUNT_OF(kinds));
+    assert_int_equal(gpu_pipeline_stats(device).made, COUNT_OF(kinds) - 1); /* the last is the first but for culling */
     assert_int_equal(gpu_pipeline_stats(device).rehearsed, device->compiles_late ? COUNT_OF(kinds) : 0);
     canvas_finish(&canvas);
     test_device_destroy(&device);

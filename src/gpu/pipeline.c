@@ -17,6 +17,11 @@ static void stop_workers(struct gpu_pipelines *pipelines) {
         pthread_join(pipelines->workers[pipelines->worker_count - 1].thread, NULL);
 }
 
+/* Culling is set by commands (gpu_bind): those that differ in it alone have one Vulkan pipeline, that of the entry which culls nothing. */
+static bool is_culled(const struct gpu_pipeline *pipeline) {
+    return pipeline->point == VK_PIPELINE_BIND_POINT_GRAPHICS && (pipeline->key.graphics.cull || pipeline->key.graphics.mirrored);
+}
+
 void gpu_pipelines_finish(gpu_device *device) {
     struct gpu_pipelines *pipelines = &device->pipelines;
     stop_workers(pipelines);
@@ -24,7 +29,7 @@ void gpu_pipelines_finish(gpu_device *device) {
     for (uint32_t i = 0; i < pipelines->capacity; i++) {
         struct gpu_pipeline *pipeline = pipelines->table[i];
         if (!pipeline) continue;
-        device->vk.DestroyPipeline(device->handle, pipeline->handle, NULL);
+        if (!is_culled(pipeline)) device->vk.DestroyPipeline(device->handle, pipeline->handle, NULL);
         host_free(&device->host, pipeline, sizeof *pipeline);
     }
     host_free(&device->host, pipelines->table, pipelines->capacity * sizeof *pipelines->table);
@@ -204,14 +209,11 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_CONSERVATIVE_STATE_CREATE_INFO_EXT,
         .conservativeRasterizationMode = VK_CONSERVATIVE_RASTERIZATION_MODE_OVERESTIMATE_EXT,
     };
-    /* The viewport's negative height turns +Y up, so what is counter-clockwise there is so for Vulkan too. */
     VkPipelineRasterizationStateCreateInfo raster = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .pNext = params->conservative ? &conservative : NULL,
         .depthClampEnable = params->depth_clamp,
         .polygonMode = VK_POLYGON_MODE_FILL,
-        .cullMode = params->cull,
-        .frontFace = params->mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE,
         .lineWidth = 1.0f,
     };
     VkPipelineMultisampleStateCreateInfo multisample = {
@@ -238,8 +240,8 @@ static VkResult create_graphics_from(gpu_device *device, const struct gpu_graphi
         .pAttachments = attachments,
         .blendConstants = {0.25f, 0.25f, 0.25f, 0.25f}, /* GPU_BLEND_QUARTER */
     };
-    VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
-                                       VK_DYNAMIC_STATE_STENCIL_REFERENCE};
+    VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE,
+                                       VK_DYNAMIC_STATE_FRONT_FACE, VK_DYNAMIC_STATE_STENCIL_REFERENCE};
     bool reference_is_set = params->stencil.test && params->stencil.reference == GPU_STENCIL_SET;
     VkPipelineDynamicStateCreateInfo dynamic = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
@@ -361,24 +363,46 @@ static struct gpu_pipeline *enter_pipeline(gpu_device *device, VkPipelineBindPoi
     return pipeline;
 }
 
+/** The mutex is held, but not meanwhile: different pipelines are made at once, and a frame never waits for one that it does not need. */
+static fnl_result create_pipeline(gpu_device *device, const struct gpu_pipeline *pipeline, VkPipeline *out) {
+    struct gpu_pipelines *pipelines = &device->pipelines;
+    pthread_mutex_unlock(&pipelines->mutex);
+    bool cached = false;
+    fnl_result result = pipeline->point == VK_PIPELINE_BIND_POINT_COMPUTE
+                            ? create_compute(device, &pipeline->key.compute, out, &cached)
+                            : create_graphics(device, &pipeline->key.graphics, out, &cached);
+    pthread_mutex_lock(&pipelines->mutex);
+    pipelines->stats.made += result == FNL_OK;
+    pipelines->stats.cached += result == FNL_OK && cached;
+    return result;
+}
+
+static fnl_result finish_pipeline(gpu_device *device, struct gpu_pipeline *pipeline);
+
+/** Takes the one that culls nothing. The mutex is held. */
+static fnl_result take_plain(gpu_device *device, const struct gpu_pipeline *pipeline, VkPipeline *out) {
+    struct gpu_graphics_params key;
+    memcpy(&key, &pipeline->key.graphics, sizeof key); /* padding is hashed too */
+    key.cull = VK_CULL_MODE_NONE;
+    key.mirrored = false;
+    struct gpu_pipeline *plain = enter_pipeline(device, pipeline->point, &key, hash_bytes(&key, sizeof key, HASH_SEED));
+    if (!plain) return FNL_ERROR_MEMORY;
+    TRY(finish_pipeline(device, plain));
+    *out = plain->handle;
+    return FNL_OK;
+}
+
 /**
- * Makes an entry that nobody is making. The mutex is held, but not meanwhile: different pipelines are made at once, and a frame never waits
- * for one that it does not need. One that the driver refuses counts as made, so that it is not tried each frame.
+ * Makes an entry that nobody is making. The mutex is held, but not meanwhile. One that the driver refuses counts as made, so that it is not tried
+ * each frame.
  */
 static void make_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
     struct gpu_pipelines *pipelines = &device->pipelines;
     atomic_store(&pipeline->state, GPU_PIPELINE_BEING_MADE);
-    pthread_mutex_unlock(&pipelines->mutex);
     VkPipeline handle = VK_NULL_HANDLE;
-    bool cached = false;
-    fnl_result result = pipeline->point == VK_PIPELINE_BIND_POINT_COMPUTE
-                            ? create_compute(device, &pipeline->key.compute, &handle, &cached)
-                            : create_graphics(device, &pipeline->key.graphics, &handle, &cached);
-    pthread_mutex_lock(&pipelines->mutex);
+    fnl_result result = is_culled(pipeline) ? take_plain(device, pipeline, &handle) : create_pipeline(device, pipeline, &handle);
     pipeline->handle = result == FNL_OK ? handle : VK_NULL_HANDLE;
     pipeline->result = result;
-    pipelines->stats.made += result == FNL_OK;
-    pipelines->stats.cached += result == FNL_OK && cached;
     bool may_go_better = result == FNL_ERROR_MEMORY || result == FNL_ERROR_DEVICE_LOST;
     atomic_store(&pipeline->state, may_go_better ? GPU_PIPELINE_NEW : GPU_PIPELINE_MADE);
     pthread_cond_broadcast(&pipelines->changed);
@@ -450,9 +474,8 @@ static void ask_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
 }
 
 /** The entry is made when this returns, by whoever. The mutex is held. */
-static fnl_result need_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
+static fnl_result finish_pipeline(gpu_device *device, struct gpu_pipeline *pipeline) {
     struct gpu_pipelines *pipelines = &device->pipelines;
-    if (atomic_load(&pipeline->state) != GPU_PIPELINE_MADE) pipelines->stats.late++;
     while (atomic_load(&pipeline->state) == GPU_PIPELINE_BEING_MADE)
         pthread_cond_wait(&pipelines->changed, &pipelines->mutex);
     if (atomic_load(&pipeline->state) != GPU_PIPELINE_MADE) make_pipeline(device, pipeline);
@@ -470,8 +493,10 @@ static const struct gpu_pipeline *get_pipeline(gpu_device *device, VkPipelineBin
         if (result == FNL_OK && !(pipeline = enter_pipeline(device, point, key, hash))) result = FNL_ERROR_MEMORY;
         if (result == FNL_OK && pipelines->asking)
             ask_pipeline(device, pipeline);
-        else if (result == FNL_OK)
-            result = need_pipeline(device, pipeline);
+        else if (result == FNL_OK) {
+            pipelines->stats.late += atomic_load(&pipeline->state) != GPU_PIPELINE_MADE;
+            result = finish_pipeline(device, pipeline);
+        }
         pthread_mutex_unlock(&pipelines->mutex);
     } else {
         result = pipeline->result;
