@@ -63,38 +63,47 @@ void shade_samples(ivec2 pixel, uint samples, uint result) {
     if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }
 
-void shade_sample(ivec2 pixel, uint word, uint at, uint result) {
+// The samples of a pixel that are shaded together with one of them; none where an earlier one does that.
+uint samples_with(uint word, uint at) {
     uint surface_index = surface_of(word, at);
-    if (surface_index != SURFACE_NONE) shade_samples(pixel, surface_samples(word, surface_index), result);
+    return surface_index == SURFACE_NONE ? 0u : surface_samples(word, surface_index);
 }
 
+// Compilers put a copy of all that shade_samples() calls wherever it is called, before they see which method calls it: there are but two such places.
 void main() {
-    uvec2 size = push.view.view.size;
-    uint pixels = size.x * size.y;
-    if ((METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE) && STEP == MSAA_STEP_REST) {
-        uint slot = LINEAR_GROUP * 64u + gl_LocalInvocationIndex;
+    uvec2 size = push.view.view.size, pixel = gl_GlobalInvocationID.xy;
+    uint pixels = size.x * size.y, slot = LINEAR_GROUP * 64u + gl_LocalInvocationIndex, entry = 0u;
+    bool whole = METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE, listed = whole && STEP == MSAA_STEP_REST;
+    if (listed) {
         if (slot >= push.sums.at[pixels]) return;
-        uint entry = push.entries.at[slot], index = entry & 0xfffffffu;
-        ivec2 at = ivec2(index % size.x, index / size.x);
-        shade_samples(at, surface_samples(push.surfaces.at[index], entry >> 28), pixels + slot);
-        return;
+        entry = push.entries.at[slot];
+        pixel = uvec2((entry & 0xfffffffu) % size.x, (entry & 0xfffffffu) / size.x);
     }
-    uvec2 pixel = gl_GlobalInvocationID.xy;
     bool inside = all(lessThan(pixel, size));
     uint index = pixel.y * size.x + pixel.x, word = inside ? push.surfaces.at[index] : 0xffffffffu;
-    if (METHOD == MSAA_COMPACT || METHOD == MSAA_AGGREGATE || METHOD == MSAA_COVERAGE) {
-        uint which = METHOD == MSAA_COVERAGE ? widest_surface(word) : 0u, samples = surface_samples(word, which);
-        if (inside && samples != 0u) shade_samples(ivec2(pixel), samples, index);
+    bool edge = inside && surface_is_edge(word);
+    if (METHOD == MSAA_TILES) {
+        if (gl_LocalInvocationIndex == 0u) tile_is_edge = 0u;
+        barrier();
+        if (edge) tile_is_edge = 1u;
+        barrier();
+        uint count = !inside ? 0u : tile_is_edge == 0u ? 1u : SAMPLES;
+        for (uint i = 0u; i < count; i++) {
+            uint with_it = samples_with(word, i);
+            if (with_it != 0u) shade_samples(ivec2(pixel), with_it, i * pixels + index);
+        }
         return;
     }
-    bool edge = inside && surface_is_edge(word);
-    uint at = METHOD == MSAA_ALL ? gl_WorkGroupID.z : METHOD == MSAA_STENCIL && STEP == MSAA_STEP_REST ? gl_WorkGroupID.z + 1u : 0u;
-    if (inside && (STEP == MSAA_STEP_FIRST || edge)) shade_sample(ivec2(pixel), word, at, at * pixels + index);
-    if (METHOD != MSAA_TILES) return;
-    if (gl_LocalInvocationIndex == 0u) tile_is_edge = 0u;
-    barrier();
-    if (edge) tile_is_edge = 1u;
-    barrier();
-    if (tile_is_edge == 0u || !inside) return;
-    for (uint i = 1u; i < SAMPLES; i++) shade_sample(ivec2(pixel), word, i, i * pixels + index);
+    uint samples = 0u, result = index;
+    if (listed) {
+        samples = surface_samples(word, entry >> 28);
+        result = pixels + slot;
+    } else if (whole || METHOD == MSAA_COVERAGE) {
+        samples = surface_samples(word, METHOD == MSAA_COVERAGE ? widest_surface(word) : 0u);
+    } else if (STEP == MSAA_STEP_FIRST || edge) {
+        uint at = METHOD == MSAA_ALL ? gl_WorkGroupID.z : STEP == MSAA_STEP_REST ? gl_WorkGroupID.z + 1u : 0u;
+        samples = samples_with(word, at);
+        result += at * pixels;
+    }
+    if (inside && samples != 0u) shade_samples(ivec2(pixel), samples, result);
 }

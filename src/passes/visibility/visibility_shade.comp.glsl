@@ -98,17 +98,11 @@ vec3 shade(ivec2 pixel, vec2 point, uvec2 id) {
 }
 
 // The samples of a triangle are shaded at their middle, which lies in the part that is seen.
-void shade_samples(ivec2 pixel, uint surface_index) {
-    uvec2 size = push.view.view.size;
-    uint samples = surface_samples(push.words.at[pixel.y * size.x + pixel.x], surface_index);
+vec2 middle_of(uint samples) {
     vec2 sum = vec2(0.0);
     for (uint i = 0u; i < SAMPLES; i++)
         if ((samples >> i & 1u) == 1u) sum += sample_place(i);
-    vec2 point = vec2(pixel) + sum / float(bitCount(samples));
-    vec3 radiance = shade(pixel, point, visible_id(push.ids, push.ids_high, pixel, findLSB(samples)));
-    store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), size)] + surface_index,
-                 min(radiance, vec3(push.view.view.frame.frame.hdr_max)));
-    if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
+    return sum / float(bitCount(samples));
 }
 
 // Where visibility_grid_add sees a pixel: the places of samples in a pixel of twice the size.
@@ -129,13 +123,17 @@ void main() {
     } else if (any(greaterThanEqual(pixel, size))) {
         return;
     }
-    if (SAMPLES > 1u) {
-        shade_samples(pixel, surface_index);
+    uint samples = SAMPLES > 1u ? surface_samples(push.words.at[pixel.y * size.x + pixel.x], surface_index) : 1u;
+    uvec2 id = visible_id(push.ids, push.ids_high, pixel, findLSB(samples));
+    vec2 point = SAMPLES > 1u ? vec2(pixel) + middle_of(samples) : GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5;
+    vec3 radiance = push.background;
+    // In one place: compilers put a copy of all that it calls wherever it is called.
+    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u) radiance = shade(pixel, point, id);
+    radiance = min(radiance, vec3(push.view.view.frame.frame.hdr_max));
+    if (SAMPLES == 1u) {
+        imageStore(images[push.radiance], pixel, vec4(radiance, 1.0));
         return;
     }
-    uvec2 id = visible_id(push.ids, push.ids_high, pixel, 0);
-    vec3 radiance = push.background;
-    if (LISTED != VISIBLE_GRID || visible_item(id, push.triangle_bits) != 0u)
-        radiance = shade(pixel, GRID == 1u ? grid_place(pixel) : vec2(pixel) + 0.5, id);
-    imageStore(images[push.radiance], pixel, vec4(min(radiance, vec3(push.view.view.frame.frame.hdr_max)), 1.0));
+    store_result(push.results, push.sums.at[place_of_pixel(uvec2(pixel), uvec2(size))] + surface_index, radiance);
+    if (COUNT_LIGHTS == 1u) atomicAdd(push.counts.at[EDGES_SHADED], 1u);
 }
