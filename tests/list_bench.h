@@ -30,6 +30,9 @@ struct list_request {
     struct tiled_params tiled;
     struct clustered_params clustered;
 };
+static inline bool list_is_tiled(const struct list_request *request) { return request->builder <= LIST_ENHANCED; }
+/** Whether a tile has two lists, in front of and behind the middle of its depths. */
+static inline bool list_has_halves(const struct list_request *request) { return request->builder == LIST_HALFZ && request->depth; }
 
 struct list_copy {
     struct gpu_light_list grid; /* without its addresses */
@@ -111,7 +114,7 @@ void list_cells_of(const struct list_copy *list, uint32_t x, uint32_t y, double 
 /** The slice of clusters that a view depth falls into. */
 uint32_t list_slice_at(const struct gpu_light_list *grid, double view_depth);
 
-/* ---- the reference, in double ---- */
+/* ---- the reference, in double: list_reference.c ---- */
 
 struct reference_cell {
     double planes[4][4], low[3], high[3];
