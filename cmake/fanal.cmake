@@ -106,6 +106,14 @@ function(fanal_test_entry name program)
   fanal_test_costs(${name})
 endfunction()
 
+# Tests that render wait for the CPU driver's compiler most of the time. Without optimisation it takes two thirds as long, and what it makes is fast
+# enough; pictures are right or wrong all the same. (A variable of Mesa's gallivm. Tests of the command keep the default.) The cache folder is theirs
+# alone: the driver would give slow code from it to others.
+function(fanal_test_renders name)
+  set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT
+    GALLIVM_PERF=nopt MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/driver_cache)
+endfunction()
+
 # fanal_render_test(tiled SOURCES tiled_test.c HELPERS list_bench) is a test of all layers that renders (tests/render_harness.h). It is a part of
 # the program tests/test_render, whose parts share one device: making pipelines takes longer than all they draw. The CTest entries of
 # tests/CMakeLists.txt each run the parts of a few groups; `test_render tiled` runs this one alone. GROUP: instead of the group named as the folder.
@@ -118,6 +126,7 @@ function(fanal_render_test name)
   if(test_OWN_DEVICE)
     fanal_test(${name} SOURCES ${test_SOURCES} HELPERS render_harness ${test_HELPERS} SHADERS ${test_SHADERS}
       LAYERS base image scene ray gpu graph passes render)
+    fanal_test_renders(${name})
     return()
   endif()
   add_library(part_${name} OBJECT EXCLUDE_FROM_ALL ${test_SOURCES})
